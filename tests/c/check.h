@@ -1,4 +1,5 @@
-/* A check that says where it failed; a test program's main returns `failed`. */
+/* A check that says where it failed, and tests: each runs before main, in the order of the file.
+ * A program with arguments defines OWN_MAIN. */
 #ifndef CHECK_H
 #define CHECK_H
 
@@ -13,5 +14,14 @@ static int failed;
             failed = 1;                                                                            \
         }                                                                                          \
     } while (0)
+
+#define TEST(name) __attribute__((constructor)) static void name(void)
+
+#ifndef OWN_MAIN
+int main(void)
+{
+    return failed;
+}
+#endif
 
 #endif

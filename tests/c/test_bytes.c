@@ -3,7 +3,7 @@
 
 #include "../../runtime_c/port/mcu/sp_bytes.h"
 
-static void bytes_come_out_in_order_across_the_end(void)
+TEST(bytes_come_out_in_order_across_the_end)
 {
     static sp_bytes ring;
     uint8_t next = 0;
@@ -20,7 +20,7 @@ static void bytes_come_out_in_order_across_the_end(void)
     CHECK(ring.overflow == 0);
 }
 
-static void what_finds_no_room_is_counted_and_lost(void)
+TEST(what_finds_no_room_is_counted_and_lost)
 {
     static sp_bytes ring = {.put = 0xffffff00u, .taken = 0xffffff00u}; /* counters wrap */
     for (uint32_t i = 0; i < SP_BYTES_CAPACITY + 5; i++) {
@@ -34,11 +34,4 @@ static void what_finds_no_room_is_counted_and_lost(void)
     }
     uint8_t byte;
     CHECK(!sp_bytes_take(&ring, &byte));
-}
-
-int main(void)
-{
-    bytes_come_out_in_order_across_the_end();
-    what_finds_no_room_is_counted_and_lost();
-    return failed;
 }

@@ -7,7 +7,7 @@
 static const sp_energy_config config = {
     .push_n = (sp_real)2, .look_ticks = (sp_real)4, .keep = (sp_real)0.5};
 
-static void the_most_is_a_parabola_from_a_depth_on(void)
+TEST(the_most_is_a_parabola_from_a_depth_on)
 {
     const sp_energy_config other = {.from_m = (sp_real)-4,
                                     .most_j = (sp_real)1,
@@ -26,7 +26,7 @@ static void pay(const sp_energy_config *how, sp_energy_state *state, double give
     sp_energy_pay(how, state, (sp_real)given_n, (sp_real)x, (sp_real)1, (sp_real)0);
 }
 
-static void the_hand_pays_by_the_force_that_was_given(void)
+TEST(the_hand_pays_by_the_force_that_was_given)
 {
     sp_energy_state state;
     sp_energy_restart(&config, &state, (sp_real)0);
@@ -43,14 +43,14 @@ static void the_hand_pays_by_the_force_that_was_given(void)
     CHECK(state.left_j == (sp_real)6 && state.position_m == (sp_real)3);
 }
 
-static void the_devices_damping_pays_too(void)
+TEST(the_devices_damping_pays_too)
 {
     sp_energy_state state = {.position_m = (sp_real)4};
     sp_energy_pay(&config, &state, (sp_real)0, (sp_real)6, (sp_real)4, (sp_real)3);
     CHECK(state.left_j == (sp_real)3);
 }
 
-static void what_cannot_be_paid_is_cut(void)
+TEST(what_cannot_be_paid_is_cut)
 {
     const struct {
         double left_j, step_m, in, out;
@@ -68,7 +68,7 @@ static void what_cannot_be_paid_is_cut(void)
 }
 
 /* x after each tick, from 0: what is known after it of the step, its change, and the greatest. */
-static void every_four_ticks_a_look_at_the_motion(void)
+TEST(every_four_ticks_a_look_at_the_motion)
 {
     const struct {
         double x, step_m, bend_m, turn_m, ticks;
@@ -92,7 +92,7 @@ static void every_four_ticks_a_look_at_the_motion(void)
     CHECK(later.step_m == (sp_real)1 && later.ticks == (sp_real)0);
 }
 
-static void the_force_falls_with_the_square_of_the_depth(void)
+TEST(the_force_falls_with_the_square_of_the_depth)
 {
     const struct {
         double from_m, to_m, share;
@@ -110,7 +110,7 @@ static double wait(sp_energy_state *state, double silent, double ticks, double g
                                   notes);
 }
 
-static void without_samples_the_tool_is_taken_to_go_on(void)
+TEST(without_samples_the_tool_is_taken_to_go_on)
 {
     /* Pressing in, and slower: still after two ticks, out by 4 m in the third. */
     sp_energy_state state = {.left_j = (sp_real)24,
@@ -131,7 +131,7 @@ static void without_samples_the_tool_is_taken_to_go_on(void)
     CHECK(state.left_j == (sp_real)0 && state.position_m == (sp_real)-4);
 }
 
-static void a_hand_turns_as_fast_as_it_did(void)
+TEST(a_hand_turns_as_fast_as_it_did)
 {
     sp_energy_state state = {.left_j = (sp_real)26, .position_m = (sp_real)8, .turn_m = (sp_real)2};
     int notes = 0;
@@ -147,7 +147,7 @@ static void a_hand_turns_as_fast_as_it_did(void)
     CHECK(pulling.position_m == (sp_real)11 && pulling.left_j == (sp_real)8);
 }
 
-static void a_small_force_and_a_small_way_are_paid_as_great_ones(void)
+TEST(a_small_force_and_a_small_way_are_paid_as_great_ones)
 {
     int notes = 0;
     sp_energy_state state = {.left_j = (sp_real)8, .position_m = (sp_real)8, .turn_m = (sp_real)2};
@@ -159,14 +159,14 @@ static void a_small_force_and_a_small_way_are_paid_as_great_ones(void)
     CHECK(deeper.position_m == (sp_real)8 && deeper.left_j == (sp_real)8 && notes == 0);
 }
 
-static void where_nothing_is_given_nothing_is_paid(void)
+TEST(where_nothing_is_given_nothing_is_paid)
 {
     int notes = 0;
     sp_energy_state state = {.left_j = (sp_real)8, .position_m = (sp_real)8, .step_m = (sp_real)-1};
     CHECK(wait(&state, 0, 2, 0, &notes) == 0.0 && state.position_m == (sp_real)8 && notes == 0);
 }
 
-static void the_depth_is_counted_from_where_the_object_begins(void)
+TEST(the_depth_is_counted_from_where_the_object_begins)
 {
     sp_energy_config other = config;
     other.from_m = (sp_real)4;
@@ -178,7 +178,7 @@ static void the_depth_is_counted_from_where_the_object_begins(void)
     CHECK(force_n == (sp_real)1); /* half of 4 m, squared */
 }
 
-static void a_restart_forgets_the_motion(void)
+TEST(a_restart_forgets_the_motion)
 {
     sp_energy_state state = {(sp_real)9, (sp_real)9, (sp_real)9, (sp_real)2,
                              (sp_real)9, (sp_real)9, (sp_real)9};
@@ -187,7 +187,7 @@ static void a_restart_forgets_the_motion(void)
     CHECK(state.step_m == (sp_real)0 && state.bend_m == (sp_real)0 && state.turn_m == (sp_real)0);
 }
 
-static void steps_of_the_encoder_are_no_motion(void)
+TEST(steps_of_the_encoder_are_no_motion)
 {
     sp_energy_config coarse = config;
     coarse.slack_m = (sp_real)1;
@@ -201,7 +201,7 @@ static void steps_of_the_encoder_are_no_motion(void)
     CHECK(state.left_j == (sp_real)2.5 && state.position_m == (sp_real)2.5);
 }
 
-static void parts_of_a_tick_are_counted_to_the_nearest(void)
+TEST(parts_of_a_tick_are_counted_to_the_nearest)
 {
     const double ticks[] = {0, -1, 0.3, 0.5, 1.4, 1.6};
     const double ways_m[] = {0, 0, 0, 1, 1, 2};
@@ -211,23 +211,4 @@ static void parts_of_a_tick_are_counted_to_the_nearest(void)
         (void)wait(&state, 0, ticks[i], 1, &notes);
         CHECK((double)state.position_m == -ways_m[i]);
     }
-}
-
-int main(void)
-{
-    the_most_is_a_parabola_from_a_depth_on();
-    the_hand_pays_by_the_force_that_was_given();
-    the_devices_damping_pays_too();
-    what_cannot_be_paid_is_cut();
-    every_four_ticks_a_look_at_the_motion();
-    the_force_falls_with_the_square_of_the_depth();
-    without_samples_the_tool_is_taken_to_go_on();
-    a_hand_turns_as_fast_as_it_did();
-    a_small_force_and_a_small_way_are_paid_as_great_ones();
-    where_nothing_is_given_nothing_is_paid();
-    the_depth_is_counted_from_where_the_object_begins();
-    a_restart_forgets_the_motion();
-    steps_of_the_encoder_are_no_motion();
-    parts_of_a_tick_are_counted_to_the_nearest();
-    return failed;
 }

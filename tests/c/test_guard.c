@@ -7,7 +7,7 @@
 static const sp_guard_config config = {
     .jump_m = (sp_real)0.001, .min_m = (sp_real)-10, .max_m = (sp_real)0.1, .resync_ticks = 3};
 
-static void unbelievable_samples_hold_the_last_good_one(void)
+TEST(unbelievable_samples_hold_the_last_good_one)
 {
     const sp_real bad[] = {(sp_real)NAN, (sp_real)INFINITY, (sp_real)-INFINITY,
                            (sp_real)11,  (sp_real)1e30,     (sp_real)0.0021};
@@ -25,7 +25,7 @@ static void unbelievable_samples_hold_the_last_good_one(void)
     }
 }
 
-static void disagreeing_samples_never_do(void)
+TEST(disagreeing_samples_never_do)
 {
     sp_guard_state state = {0};
     int notes = 0;
@@ -38,20 +38,7 @@ static void disagreeing_samples_never_do(void)
     }
 }
 
-static void a_tool_may_have_moved_in_every_tick_without_a_sample(void)
-{
-    sp_guard_state state = {0};
-    int notes = 0;
-    (void)sp_guard_position(&config, &state, (sp_real)1, (sp_real)0, &notes);
-    notes = 0;
-    CHECK(sp_guard_position(&config, &state, (sp_real)4, (sp_real)0.0039, &notes) ==
-          (sp_real)0.0039);
-    CHECK(notes == 0);
-    (void)sp_guard_position(&config, &state, (sp_real)4, (sp_real)0.0081, &notes);
-    CHECK(notes == SP_NOTE_HELD);
-}
-
-static void a_shallower_sample_that_is_not_taken_feels_no_more_than_its_depth(void)
+TEST(a_shallower_sample_that_is_not_taken_feels_no_more_than_its_depth)
 {
     const sp_guard_state state = {.good_m = (sp_real)0.008, .started = 1};
     CHECK(sp_guard_share(&config, &state, (sp_real)0.002) == (sp_real)0.25);
@@ -61,7 +48,7 @@ static void a_shallower_sample_that_is_not_taken_feels_no_more_than_its_depth(vo
     CHECK(sp_guard_share(&config, &state, (sp_real)NAN) == (sp_real)1);
 }
 
-static void only_believable_device_velocities_are_taken(void)
+TEST(only_believable_device_velocities_are_taken)
 {
     const sp_real bad[] = {(sp_real)1.1, (sp_real)-1.1, (sp_real)NAN, (sp_real)INFINITY};
     CHECK(sp_guard_velocity((sp_real)1, (sp_real)0.9));
@@ -83,7 +70,7 @@ static int gives(sp_guard_state *state, double x, double expected_m, int expecte
     return position_m == (sp_real)expected_m && notes == (OTHER_NOTE | expected_notes);
 }
 
-static void borders_themselves_are_believable(void)
+TEST(borders_themselves_are_believable)
 {
     const double borders[] = {-8, 8};
     for (int i = 0; i < 2; i++) {
@@ -93,7 +80,7 @@ static void borders_themselves_are_believable(void)
     }
 }
 
-static void a_step_as_long_as_the_longest_is_taken(void)
+TEST(a_step_as_long_as_the_longest_is_taken)
 {
     sp_guard_state state = {0};
     CHECK(gives(&state, 0, 0, SP_NOTE_RESYNC));
@@ -110,7 +97,7 @@ static void a_step_as_long_as_the_longest_is_taken(void)
 
 /* What has just become true is no suspect: a step that is too long for half a tick begins at one.
  */
-static void after_a_new_position_suspects_are_counted_anew(void)
+TEST(after_a_new_position_suspects_are_counted_anew)
 {
     sp_guard_state state = {0};
     CHECK(gives(&state, 0, 0, SP_NOTE_RESYNC));
@@ -127,7 +114,7 @@ static void after_a_new_position_suspects_are_counted_anew(void)
 }
 
 /* Between samples that agree, a good one or one that cannot be: they begin again. */
-static void only_samples_in_a_row_agree(void)
+TEST(only_samples_in_a_row_agree)
 {
     const double between[] = {0.125, (double)NAN, 9};
     for (int i = 0; i < 3; i++) {
@@ -143,7 +130,7 @@ static void only_samples_in_a_row_agree(void)
     }
 }
 
-static void a_share_is_zero_at_the_surface_and_one_without_depth(void)
+TEST(a_share_is_zero_at_the_surface_and_one_without_depth)
 {
     const sp_guard_state deep = {.good_m = (sp_real)0.008, .started = 1};
     const sp_guard_state surface = {.started = 1};
@@ -152,7 +139,7 @@ static void a_share_is_zero_at_the_surface_and_one_without_depth(void)
     CHECK(sp_guard_share(&config, &surface, (sp_real)-0.002) == (sp_real)0);
 }
 
-static void a_way_stays_within_the_believable_positions(void)
+TEST(a_way_stays_within_the_believable_positions)
 {
     const sp_real inside[] = {config.min_m, (sp_real)0.05, config.max_m};
     for (int i = 0; i < 3; i++) {
@@ -160,20 +147,4 @@ static void a_way_stays_within_the_believable_positions(void)
     }
     CHECK(sp_guard_within(&config, config.max_m + (sp_real)1) == config.max_m);
     CHECK(sp_guard_within(&config, config.min_m - (sp_real)1) == config.min_m);
-}
-
-int main(void)
-{
-    a_way_stays_within_the_believable_positions();
-    unbelievable_samples_hold_the_last_good_one();
-    disagreeing_samples_never_do();
-    a_tool_may_have_moved_in_every_tick_without_a_sample();
-    a_shallower_sample_that_is_not_taken_feels_no_more_than_its_depth();
-    only_believable_device_velocities_are_taken();
-    borders_themselves_are_believable();
-    a_step_as_long_as_the_longest_is_taken();
-    only_samples_in_a_row_agree();
-    after_a_new_position_suspects_are_counted_anew();
-    a_share_is_zero_at_the_surface_and_one_without_depth();
-    return failed;
 }

@@ -135,11 +135,10 @@ static void a_drive_that_was_given_up_is_not_armed(int slcan)
     }
 }
 
-int main(void)
+TEST(either_line_arms_a_drive_in_order)
 {
     for (int slcan = 0; slcan <= 1; slcan++) {
         a_reset_arms_in_order_whatever_is_refused(slcan);
         a_drive_that_was_given_up_is_not_armed(slcan);
     }
-    return failed;
 }

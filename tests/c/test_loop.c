@@ -71,17 +71,9 @@ static int out_of_place(void)
     return count;
 }
 
-static void each_period_gets_its_sample(void)
-{
-    samples_each(PERIOD_US);
-    run_loop();
-    CHECK(n >= TICKS - 1 && end.reason == SP_STOP_TIME);
-    CHECK(out_of_place() == 0 && end.unused == 0 && end.stale == 0);
-}
-
 /* By half a period to two and more: every sample is stepped once, in order, in its period's row,
  * and a force goes out in each period. */
-static void a_late_sample_is_that_of_its_period(void)
+TEST(a_late_sample_is_that_of_its_period)
 {
     for (int64_t by_us = 0; by_us <= 2400; by_us += 100) {
         samples_each(PERIOD_US);
@@ -100,25 +92,9 @@ static void a_late_sample_is_that_of_its_period(void)
     }
 }
 
-static void a_lost_sample_is_one_idle_period(void)
-{
-    for (int lost = 1; lost <= 6; lost++) {
-        samples_each(PERIOD_US);
-        for (int k = 0; k < lost; k++) {
-            arrival_us[100 + k] = LOST;
-        }
-        run_loop();
-        CHECK(out_of_place() == lost && sim.idles == lost && end.unused == 0);
-        for (int k = 0; k < lost; k++) {
-            CHECK(is_idle((uint32_t)(100 + k)));
-        }
-        CHECK(rows[100 + lost].position_m == 100.0 + lost);
-    }
-}
-
 /* Two periods stay open, the others are settled: their samples come too late, and are the oldest.
  */
-static void a_burst_fills_the_open_periods(void)
+TEST(a_burst_fills_the_open_periods)
 {
     samples_each(PERIOD_US);
     late(100, 12000);
@@ -129,7 +105,7 @@ static void a_burst_fills_the_open_periods(void)
 }
 
 /* The scene hears of each period without a sample, two periods later: so late is its watchdog. */
-static void silence_reaches_the_scene_two_periods_later(void)
+TEST(silence_reaches_the_scene_two_periods_later)
 {
     samples_each(PERIOD_US);
     sim.count = 101;
@@ -142,7 +118,7 @@ static void silence_reaches_the_scene_two_periods_later(void)
 }
 
 /* Whole periods and parts of one: no sample is lost to a thread that was kept away. */
-static void a_late_thread_loses_no_sample(void)
+TEST(a_late_thread_loses_no_sample)
 {
     for (uint64_t us = 0; us <= 200000; us += us < 20000 ? 130 : 60000) {
         samples_each(PERIOD_US);
@@ -154,7 +130,7 @@ static void a_late_thread_loses_no_sample(void)
 }
 
 /* Late samples and a late thread at once. */
-static void both_late(void)
+TEST(both_late)
 {
     for (uint64_t us = 0; us < 6000; us += 170) {
         for (int64_t by_us = 300; by_us <= 1500; by_us += 300) {
@@ -169,7 +145,7 @@ static void both_late(void)
 }
 
 /* A faster clock: what is too much is thrown away, and nothing gets older for it. */
-static void surplus_does_not_pile_up(void)
+TEST(surplus_does_not_pile_up)
 {
     const double rates[] = {1.0004, 1.002, 1.01, 1.3, 2.0, 3.0};
     for (unsigned r = 0; r < sizeof rates / sizeof rates[0]; r++) {
@@ -189,7 +165,7 @@ static void surplus_does_not_pile_up(void)
 }
 
 /* A device that sends too seldom: no force after a fifth of the last hundred were missing. */
-static void too_few_samples_end_it(void)
+TEST(too_few_samples_end_it)
 {
     const int every[] = {2, 3, 4, 10, 15};
     for (unsigned e = 0; e < sizeof every / sizeof every[0]; e++) {
@@ -209,7 +185,7 @@ static void too_few_samples_end_it(void)
 }
 
 /* Losses that happen, and a silence of any length, are not another rate. */
-static void losses_do_not_end_it(void)
+TEST(losses_do_not_end_it)
 {
     samples_each(PERIOD_US);
     uint32_t draw = 1;
@@ -249,27 +225,11 @@ static void losses_do_not_end_it(void)
     CHECK(end.reason == SP_STOP_TIME);
 }
 
-static void a_loop_is_joined_once(void)
+TEST(a_loop_is_joined_once)
 {
     samples_each(PERIOD_US);
     run_loop();
     CHECK(sp_loop_join(&self) == 1);
     CHECK(sp_loop_join(&self) == 0);
     CHECK(sim.joins == 1);
-}
-
-int main(void)
-{
-    each_period_gets_its_sample();
-    a_late_sample_is_that_of_its_period();
-    a_lost_sample_is_one_idle_period();
-    a_burst_fills_the_open_periods();
-    silence_reaches_the_scene_two_periods_later();
-    a_late_thread_loses_no_sample();
-    both_late();
-    surplus_does_not_pile_up();
-    too_few_samples_end_it();
-    losses_do_not_end_it();
-    a_loop_is_joined_once();
-    return failed;
 }

@@ -2,7 +2,7 @@
  * must not get, and each reset once. */
 #include "simulated_session.h"
 
-static void a_reset_comes_before_one_call(void)
+TEST(a_reset_comes_before_one_call)
 {
     for (int fresh = 0; fresh <= 1; fresh++) {
         const sp_period period = {.begin_ns = START_NS};
@@ -18,19 +18,7 @@ static void a_reset_comes_before_one_call(void)
     }
 }
 
-static void what_a_device_that_is_gone_measured_is_not_measured(void)
-{
-    const sp_period period = {.begin_ns = START_NS};
-    between_ticks();
-    self.motion.measured_n = 1.5;
-    call_of(&self, &period, START_NS, 0);
-    CHECK(self.row.measured_n == 1.5); /* one lost sample */
-    self.link = NULL;
-    call_of(&self, &period, START_NS, 0);
-    CHECK(isnan(self.row.measured_n) && isnan(self.motion.measured_n));
-}
-
-static void a_sensor_beside_the_device_is_believed_for_a_tenth_of_a_second(void)
+TEST(a_sensor_beside_the_device_is_believed_for_a_tenth_of_a_second)
 {
     between_ticks();
     self.config.sensed = 1;
@@ -43,7 +31,7 @@ static void a_sensor_beside_the_device_is_believed_for_a_tenth_of_a_second(void)
 }
 
 /* Paused, tripped, or not ready yet: the scene is not called and its force not sent. */
-static void a_device_that_is_not_at_work_gets_no_force(void)
+TEST(a_device_that_is_not_at_work_gets_no_force)
 {
     const sp_period period = {.begin_ns = START_NS, .deadline_ns = START_NS - 100000};
     for (int why = 0; why < 3; why++) {
@@ -75,7 +63,7 @@ static void a_device_that_is_not_at_work_gets_no_force(void)
 }
 
 /* What the device says of a force: taken, no room, gone, tripped. */
-static void a_force_that_was_not_taken_is_not_sent(void)
+TEST(a_force_that_was_not_taken_is_not_sent)
 {
     const int gives[] = {0, 1, SP_LINK_GONE, SP_LINK_TRIPPED};
     for (unsigned i = 0; i < 4; i++) {
@@ -103,7 +91,7 @@ static void a_force_that_was_not_taken_is_not_sent(void)
     CHECK(send_force(&self, 0, &put) == 1 && put == 0 && sim.written_n[0] == 0.0);
 }
 
-static void a_force_has_the_sign_of_the_device_and_silence_releases_it(void)
+TEST(a_force_has_the_sign_of_the_device_and_silence_releases_it)
 {
     int put;
     between_ticks();
@@ -122,7 +110,7 @@ static void a_force_has_the_sign_of_the_device_and_silence_releases_it(void)
     CHECK(device.released);
 }
 
-static void a_device_that_comes_back_is_taken_anew(void)
+TEST(a_device_that_comes_back_is_taken_anew)
 {
     for (int tripped_before = 0; tripped_before <= 1; tripped_before++) {
         for (int tripped = 0; tripped <= 1; tripped++) {
@@ -162,7 +150,7 @@ static void a_device_that_comes_back_is_taken_anew(void)
     CHECK(!sp_loop_at_work(&self) && self.tripped && self.trips == 1);
 }
 
-static void a_reset_reaches_scene_and_device_once(void)
+TEST(a_reset_reaches_scene_and_device_once)
 {
     between_ticks();
     self.tripped = 1;
@@ -178,7 +166,7 @@ static void a_reset_reaches_scene_and_device_once(void)
     CHECK(self.reset_next == 1 && sim.device_resets == 0);
 }
 
-static void a_pause_ends_with_a_reset(void)
+TEST(a_pause_ends_with_a_reset)
 {
     between_ticks();
     sp_loop_pause(&self, 1);
@@ -209,7 +197,7 @@ static void asks_for_a_reset(int call)
     }
 }
 
-static void a_reset_that_is_asked_for_comes_before_the_next_call(void)
+TEST(a_reset_that_is_asked_for_comes_before_the_next_call)
 {
     sp_loop_state end;
     const sp_loop_config config = usual();
@@ -220,7 +208,7 @@ static void a_reset_that_is_asked_for_comes_before_the_next_call(void)
     CHECK(call_of_row(9) == 0 && call_of_row(10) == SP_CALL_RESET && call_of_row(11) == 0);
 }
 
-static void what_is_asked_is_heard_in_the_next_period(void)
+TEST(what_is_asked_is_heard_in_the_next_period)
 {
     sp_loop_state end;
     const sp_loop_config config = usual();
@@ -240,7 +228,7 @@ static void trips(int call)
     sim.read_gives = call >= 10 ? SP_LINK_TRIPPED : 1;
 }
 
-static void a_device_that_leaves_or_trips_gets_nothing_more(void)
+TEST(a_device_that_leaves_or_trips_gets_nothing_more)
 {
     sp_loop_state end;
     const sp_loop_config config = usual();
@@ -260,7 +248,7 @@ static void a_device_that_leaves_or_trips_gets_nothing_more(void)
     CHECK(sim.writes == 1 && self.link == NULL && self.disconnects == 1 && !self.connected);
 }
 
-static void a_device_that_is_not_ready_is_asked_at_the_start(void)
+TEST(a_device_that_is_not_ready_is_asked_at_the_start)
 {
     sp_loop_state end;
     const sp_loop_config config = usual();
@@ -273,7 +261,7 @@ static void a_device_that_is_not_ready_is_asked_at_the_start(void)
 }
 
 /* However long there is no room for it: at most a fifth of a second. */
-static void zero_is_sent_at_the_end_until_it_is_taken_three_times(void)
+TEST(zero_is_sent_at_the_end_until_it_is_taken_three_times)
 {
     for (uint64_t full_ms = 0; full_ms <= 300; full_ms++) {
         between_ticks();
@@ -286,23 +274,4 @@ static void zero_is_sent_at_the_end_until_it_is_taken_three_times(void)
             CHECK(sim.written_n[k] == 0.0);
         }
     }
-}
-
-int main(void)
-{
-    a_reset_comes_before_one_call();
-    what_a_device_that_is_gone_measured_is_not_measured();
-    a_sensor_beside_the_device_is_believed_for_a_tenth_of_a_second();
-    a_device_that_is_not_at_work_gets_no_force();
-    a_force_that_was_not_taken_is_not_sent();
-    a_force_has_the_sign_of_the_device_and_silence_releases_it();
-    a_device_that_comes_back_is_taken_anew();
-    a_reset_reaches_scene_and_device_once();
-    a_pause_ends_with_a_reset();
-    a_reset_that_is_asked_for_comes_before_the_next_call();
-    what_is_asked_is_heard_in_the_next_period();
-    a_device_that_leaves_or_trips_gets_nothing_more();
-    a_device_that_is_not_ready_is_asked_at_the_start();
-    zero_is_sent_at_the_end_until_it_is_taken_three_times();
-    return failed;
 }

@@ -2,7 +2,7 @@
  * the watchdog; and what its rows and its status say. */
 #include "simulated_session.h"
 
-static void a_row_says_when_and_with_what_the_scene_was_called(void)
+TEST(a_row_says_when_and_with_what_the_scene_was_called)
 {
     sp_loop_state end;
     const sp_loop_config config = usual();
@@ -46,7 +46,7 @@ static void after_ten_calls(int call)
 }
 
 /* At the eleventh call: reason, or 0 where it goes on; no such force leaves. */
-static void each_limit_ends_it_with_no_force(void)
+TEST(each_limit_ends_it_with_no_force)
 {
     const sp_motion still = {.position_m = 0.25, .velocity_mps = -0.125, .measured_n = (double)NAN};
     const struct {
@@ -100,7 +100,7 @@ static void asks_to_end(int call)
     }
 }
 
-static void without_a_time_it_runs_until_it_is_asked(void)
+TEST(without_a_time_it_runs_until_it_is_asked)
 {
     sp_loop_state end;
     sp_loop_config config = usual();
@@ -117,7 +117,7 @@ static void replay_ends(int call)
     sim.read_gives = call >= 20 ? SP_LINK_ENDED : 1;
 }
 
-static void the_end_of_a_replay_ends_it(void)
+TEST(the_end_of_a_replay_ends_it)
 {
     sp_loop_state end;
     const sp_loop_config config = usual();
@@ -138,7 +138,7 @@ static void latches(int call)
     sim.notes = (call >= 9 && call <= 11) || call == 20 ? LATCHED | 1 : 1;
 }
 
-static void each_trip_of_the_watchdog_is_counted_once(void)
+TEST(each_trip_of_the_watchdog_is_counted_once)
 {
     sp_loop_state end;
     sp_loop_config config = usual();
@@ -165,7 +165,7 @@ static void each_trip_of_the_watchdog_is_counted_once(void)
     }
 }
 
-static void idle_takes_the_last_force_where_the_scene_gives_none(void)
+TEST(idle_takes_the_last_force_where_the_scene_gives_none)
 {
     const sp_period period = {.begin_ns = START_NS};
     between_ticks();
@@ -177,7 +177,7 @@ static void idle_takes_the_last_force_where_the_scene_gives_none(void)
 }
 
 /* A period that was open when its limit was met: zero goes out at once. */
-static void an_open_period_that_meets_a_limit_ends_it(void)
+TEST(an_open_period_that_meets_a_limit_ends_it)
 {
     const int gives[] = {0, 1};
     for (int i = 0; i < 4; i++) {
@@ -203,7 +203,7 @@ static void an_open_period_that_meets_a_limit_ends_it(void)
 }
 
 /* A late tick leaves its force to the next one, but a zero goes out. */
-static void a_late_tick_that_meets_a_limit_sends_zero(void)
+TEST(a_late_tick_that_meets_a_limit_sends_zero)
 {
     for (int late = 0; late < 2; late++) {
         for (int limit = 0; limit < 2; limit++) {
@@ -218,7 +218,7 @@ static void a_late_tick_that_meets_a_limit_sends_zero(void)
     }
 }
 
-static void the_status_is_that_of_the_loop(void)
+TEST(the_status_is_that_of_the_loop)
 {
     sp_loop_state state;
     between_ticks();
@@ -247,18 +247,4 @@ static void the_status_is_that_of_the_loop(void)
     CHECK(state.latched == 11 && state.tripped == 12 && state.tripped_before_disconnect == 13);
     CHECK(state.connected == 14 && state.paused == 15 && state.reason == 16);
     CHECK(state.over == 17 && state.got == 18);
-}
-
-int main(void)
-{
-    a_row_says_when_and_with_what_the_scene_was_called();
-    each_limit_ends_it_with_no_force();
-    without_a_time_it_runs_until_it_is_asked();
-    the_end_of_a_replay_ends_it();
-    each_trip_of_the_watchdog_is_counted_once();
-    idle_takes_the_last_force_where_the_scene_gives_none();
-    an_open_period_that_meets_a_limit_ends_it();
-    a_late_tick_that_meets_a_limit_sends_zero();
-    the_status_is_that_of_the_loop();
-    return failed;
 }

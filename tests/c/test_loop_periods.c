@@ -2,7 +2,7 @@
  * its row counts. Beside test_loop.c, which runs whole sessions. */
 #include "simulated_session.h"
 
-static void a_thread_that_is_a_period_late_sends_no_old_force(void)
+TEST(a_thread_that_is_a_period_late_sends_no_old_force)
 {
     for (uint64_t late_ns = PERIOD_NS - 1; late_ns <= PERIOD_NS + 1; late_ns++) {
         sp_loop_state end;
@@ -19,7 +19,7 @@ static void a_thread_that_is_a_period_late_sends_no_old_force(void)
     }
 }
 
-static void a_period_stays_open_only_where_its_sample_may_come(void)
+TEST(a_period_stays_open_only_where_its_sample_may_come)
 {
     between_ticks();
     CHECK(!may_owe(&self)); /* a sample is there whenever it is asked for */
@@ -36,7 +36,7 @@ static void a_period_stays_open_only_where_its_sample_may_come(void)
 }
 
 /* Twenty without a sample among the last hundred; of a silence, six. */
-static void too_few_samples_are_counted_in_the_last_hundred(void)
+TEST(too_few_samples_are_counted_in_the_last_hundred)
 {
     between_ticks();
     for (int i = 0; i < 1000; i++) { /* 19 in any hundred */
@@ -95,7 +95,7 @@ static void too_few_samples_are_counted_in_the_last_hundred(void)
     }
 }
 
-static void samples_that_came_too_late_forgive_the_newest_calls(void)
+TEST(samples_that_came_too_late_forgive_the_newest_calls)
 {
     for (int at = 0; at < WATCHED; at += 33) {
         between_ticks();
@@ -131,7 +131,7 @@ static void asks_in_a_silence(int call)
 }
 
 /* No sample at all: deadlines stay where they are, and open periods get their rows at the end. */
-static void a_device_that_never_sends_has_all_its_rows(void)
+TEST(a_device_that_never_sends_has_all_its_rows)
 {
     sp_loop_state end;
     const sp_loop_config config = usual();
@@ -152,7 +152,7 @@ static void a_device_that_never_sends_has_all_its_rows(void)
 }
 
 /* Its sample came 300 us before the deadline, 50 more than it shall. */
-static void a_session_follows_the_clock_of_the_device(void)
+TEST(a_session_follows_the_clock_of_the_device)
 {
     sp_loop_state end;
     const sp_loop_config config = usual();
@@ -165,7 +165,7 @@ static void a_session_follows_the_clock_of_the_device(void)
 }
 
 /* The first sample may be old; the one after it is not. */
-static void the_first_deadline_follows_the_second_sample(void)
+TEST(the_first_deadline_follows_the_second_sample)
 {
     between_ticks();
     device.fd = 0;
@@ -189,7 +189,7 @@ static void the_first_deadline_follows_the_second_sample(void)
     CHECK(self.deadline_ns == START_NS + 202 * PERIOD_NS + PERIOD_NS / 4);
 }
 
-static void deadlines_follow_the_clock_of_the_device_little_by_little(void)
+TEST(deadlines_follow_the_clock_of_the_device_little_by_little)
 {
     const struct {
         int fd, fresh;
@@ -221,7 +221,7 @@ static void deadlines_follow_the_clock_of_the_device_little_by_little(void)
     CHECK(self.deadline_ns - before_ns == 4 * PERIOD_NS - 2000);
 }
 
-static void periods_stay_open_for_two_ms_and_one_at_least(void)
+TEST(periods_stay_open_for_two_ms_and_one_at_least)
 {
     const struct {
         double rate_hz;
@@ -240,7 +240,7 @@ static void periods_stay_open_for_two_ms_and_one_at_least(void)
     }
 }
 
-static void all_that_waits_is_read_and_kept_in_order(void)
+TEST(all_that_waits_is_read_and_kept_in_order)
 {
     between_ticks();
     sim.read_gives = 3;
@@ -264,7 +264,7 @@ static void all_that_waits_is_read_and_kept_in_order(void)
     CHECK(time.tv_sec == 4 && time.tv_nsec == 999999999);
 }
 
-static void samples_are_looked_for_where_and_as_long_as_they_help(void)
+TEST(samples_are_looked_for_where_and_as_long_as_they_help)
 {
     const struct {
         int fd, waiting, owed;
@@ -306,7 +306,7 @@ static void samples_are_looked_for_where_and_as_long_as_they_help(void)
     CHECK(sim.reads == 0 && sim.sleeps == 0);
 }
 
-static void a_device_without_a_descriptor_is_not_waited_for(void)
+TEST(a_device_without_a_descriptor_is_not_waited_for)
 {
     for (int gone = 0; gone <= 1; gone++) {
         between_ticks();
@@ -322,21 +322,4 @@ static void a_device_without_a_descriptor_is_not_waited_for(void)
     sim.poll_ns = 400000;
     sp_loop_listen(&self, START_NS + 300000, 0);
     CHECK(sim.polls == 3 && self.waiting_count == 2 && sim_now_ns == START_NS + 300000);
-}
-
-int main(void)
-{
-    a_thread_that_is_a_period_late_sends_no_old_force();
-    a_period_stays_open_only_where_its_sample_may_come();
-    too_few_samples_are_counted_in_the_last_hundred();
-    samples_that_came_too_late_forgive_the_newest_calls();
-    a_device_that_never_sends_has_all_its_rows();
-    a_session_follows_the_clock_of_the_device();
-    the_first_deadline_follows_the_second_sample();
-    deadlines_follow_the_clock_of_the_device_little_by_little();
-    periods_stay_open_for_two_ms_and_one_at_least();
-    all_that_waits_is_read_and_kept_in_order();
-    samples_are_looked_for_where_and_as_long_as_they_help();
-    a_device_without_a_descriptor_is_not_waited_for();
-    return failed;
 }

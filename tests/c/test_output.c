@@ -22,7 +22,7 @@ static sp_real next(sp_output_state *state, double force_n, int *notes)
     return sp_output_force(&config, state, 0, (sp_real)1, (sp_real)force_n, notes);
 }
 
-static void what_leaves_is_within_the_limits(void)
+TEST(what_leaves_is_within_the_limits)
 {
     const struct {
         double in, out;
@@ -44,7 +44,7 @@ static void what_leaves_is_within_the_limits(void)
     }
 }
 
-static void a_force_grows_by_the_slew_from_what_was_given_and_falls_at_once(void)
+TEST(a_force_grows_by_the_slew_from_what_was_given_and_falls_at_once)
 {
     const struct {
         double given, in, out;
@@ -60,7 +60,7 @@ static void a_force_grows_by_the_slew_from_what_was_given_and_falls_at_once(void
     }
 }
 
-static void a_shorter_call_grows_and_rises_less(void)
+TEST(a_shorter_call_grows_and_rises_less)
 {
     sp_output_state state = after(0);
     int notes = 0;
@@ -70,7 +70,7 @@ static void a_shorter_call_grows_and_rises_less(void)
     CHECK(ramp.share == (sp_real)0.125);
 }
 
-static void a_restart_rises_from_zero(void)
+TEST(a_restart_rises_from_zero)
 {
     sp_output_state state = after(8);
     sp_output_restart(&config, &state);
@@ -87,7 +87,7 @@ static void a_restart_rises_from_zero(void)
 }
 
 /* given, model's force, share before; share after, and what is given in that tick. */
-static void after_a_silence_the_share_rises_from_what_was_given(void)
+TEST(after_a_silence_the_share_rises_from_what_was_given)
 {
     const struct {
         double given, in, share, share_after, out;
@@ -112,7 +112,7 @@ static void after_a_silence_the_share_rises_from_what_was_given(void)
     }
 }
 
-static void a_latched_force_falls_for_as_many_ticks_as_passed(void)
+TEST(a_latched_force_falls_for_as_many_ticks_as_passed)
 {
     const struct {
         double from, ticks, to;
@@ -125,15 +125,4 @@ static void a_latched_force_falls_for_as_many_ticks_as_passed(void)
         CHECK((double)force_n == cases[i].to && state.given_n == force_n);
         CHECK(notes == (OTHER_NOTE | SP_NOTE_LATCHED));
     }
-}
-
-int main(void)
-{
-    what_leaves_is_within_the_limits();
-    a_force_grows_by_the_slew_from_what_was_given_and_falls_at_once();
-    a_shorter_call_grows_and_rises_less();
-    a_restart_rises_from_zero();
-    after_a_silence_the_share_rises_from_what_was_given();
-    a_latched_force_falls_for_as_many_ticks_as_passed();
-    return failed;
 }

@@ -1,5 +1,6 @@
 /* Bit patterns of a float through guard, velocity guard, clamp: all 2^32 with the argument 1, every
  * 99 991st by default. Doubles take the same patterns as their upper half. */
+#define OWN_MAIN
 #include <stdlib.h>
 #include <string.h>
 

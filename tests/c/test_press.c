@@ -21,7 +21,7 @@ static double any_or_none(double scale)
     return what > 0.97 ? (double)NAN : what > 0.95 ? 1e300 : scale * any();
 }
 
-static void a_force_is_within_its_bounds_both_ways(void)
+TEST(a_force_is_within_its_bounds_both_ways)
 {
     double command_n[TICKS];
     int pulls = 0, pushes = 0;
@@ -66,10 +66,4 @@ static void a_force_is_within_its_bounds_both_ways(void)
         CHECK(brakes_s <= 0.0501);
     }
     CHECK(pulls > ROUNDS && pushes > ROUNDS);
-}
-
-int main(void)
-{
-    a_force_is_within_its_bounds_both_ways();
-    return failed;
 }

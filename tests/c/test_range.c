@@ -8,7 +8,7 @@
 static const sp_range_config range = {.min_m = (sp_real)0.25, .max_m = (sp_real)0.75};
 enum { OTHER_NOTE = SP_NOTE_RAMPED }; /* said before by another unit: it stays */
 
-static void depth_is_clipped_to_the_trained_range(void)
+TEST(depth_is_clipped_to_the_trained_range)
 {
     const struct {
         sp_real in, out;
@@ -27,7 +27,7 @@ static void depth_is_clipped_to_the_trained_range(void)
     }
 }
 
-static void force_fades_outside_the_trained_range_and_ends(void)
+TEST(force_fades_outside_the_trained_range_and_ends)
 {
     const sp_real per_fade = (sp_real)4; /* over 0.25 m */
     const struct {
@@ -45,7 +45,7 @@ static void force_fades_outside_the_trained_range_and_ends(void)
     CHECK(sp_range_fade(&range, per_fade, (sp_real)1, (sp_real)INFINITY) == (sp_real)0);
 }
 
-static void onset_ends_at_its_depth_and_is_zero_at_the_surface(void)
+TEST(onset_ends_at_its_depth_and_is_zero_at_the_surface)
 {
     const sp_real per_onset = (sp_real)1000;
     CHECK(sp_contact_onset(per_onset, (sp_real)0.001, (sp_real)3) == (sp_real)3);
@@ -54,12 +54,4 @@ static void onset_ends_at_its_depth_and_is_zero_at_the_surface(void)
     CHECK(sp_contact_onset(per_onset, (sp_real)-1, (sp_real)3) == (sp_real)0);
     CHECK(sp_contact_onset(per_onset, (sp_real)0, (sp_real)INFINITY) == (sp_real)0);
     CHECK(sp_contact_onset(per_onset, (sp_real)NAN, (sp_real)3) == (sp_real)0);
-}
-
-int main(void)
-{
-    depth_is_clipped_to_the_trained_range();
-    force_fades_outside_the_trained_range_and_ends();
-    onset_ends_at_its_depth_and_is_zero_at_the_surface();
-    return failed;
 }

@@ -6,7 +6,7 @@
 static const sp_silence_config config = {
     .dt_s = (sp_real)0.001, .per_dt = (sp_real)1000, .watchdog_s = (sp_real)0.0205};
 
-static void ticks_without_a_sample_are_counted(void)
+TEST(ticks_without_a_sample_are_counted)
 {
     sp_silence_state state = {0};
     for (uint32_t i = 0; i <= 20; i++) {
@@ -19,7 +19,7 @@ static void ticks_without_a_sample_are_counted(void)
     CHECK(sp_silence_missed(&config, &state, config.dt_s) == 0);
 }
 
-static void measured_times_are_rounded_to_ticks(void)
+TEST(measured_times_are_rounded_to_ticks)
 {
     sp_silence_state state = {0};
     CHECK(sp_silence_missed(&config, &state, (sp_real)0.0014) == 0);
@@ -29,7 +29,7 @@ static void measured_times_are_rounded_to_ticks(void)
     CHECK(sp_silence_missed(&config, &state, (sp_real)1e-9) == 7);
 }
 
-static void a_long_silence_is_latched_from_the_watchdog_on(void)
+TEST(a_long_silence_is_latched_from_the_watchdog_on)
 {
     sp_silence_state state = {0};
     CHECK(sp_abs(sp_silence_passed(&config, &state, (sp_real)0.025) - (sp_real)5) < (sp_real)1e-3);
@@ -37,7 +37,7 @@ static void a_long_silence_is_latched_from_the_watchdog_on(void)
     CHECK(sp_silence_passed(&config, &state, (sp_real)0.002) > (sp_real)1.9);
 }
 
-static void endless_silence_is_latched(void)
+TEST(endless_silence_is_latched)
 {
     const sp_real times[] = {(sp_real)1, (sp_real)1e30, (sp_real)INFINITY, (sp_real)NAN};
     for (unsigned i = 0; i < sizeof times / sizeof times[0]; i++) {
@@ -49,7 +49,7 @@ static void endless_silence_is_latched(void)
 }
 
 /* 2 ms of every 14 may be silent, not 3; a third of the ticks ends within 0.1 s. */
-static void silences_add_up(void)
+TEST(silences_add_up)
 {
     const struct {
         int silent, of, ends;
@@ -76,7 +76,7 @@ static void silences_add_up(void)
 static const sp_silence_config exact = {
     .dt_s = TICK, .per_dt = (sp_real)1024, .watchdog_s = (sp_real)20.5 * TICK};
 
-static void the_last_tick_lasts_what_the_missed_ones_leave(void)
+TEST(the_last_tick_lasts_what_the_missed_ones_leave)
 {
     const struct {
         double silent, tick;
@@ -91,7 +91,7 @@ static void the_last_tick_lasts_what_the_missed_ones_leave(void)
     }
 }
 
-static void half_a_tick_more_is_a_tick_missed(void)
+TEST(half_a_tick_more_is_a_tick_missed)
 {
     const sp_silence_state one = {.silent_s = TICK};
     CHECK(sp_silence_missed(&exact, &one, (sp_real)0.5 * TICK) == 1);
@@ -99,23 +99,10 @@ static void half_a_tick_more_is_a_tick_missed(void)
     CHECK(sp_silence_missed(&exact, &one, (sp_real)1.25 * TICK) == 1);
 }
 
-static void the_watchdogs_own_time_is_not_latched_and_what_is_begins_anew(void)
+TEST(the_watchdogs_own_time_is_not_latched_and_what_is_begins_anew)
 {
     sp_silence_state state = {0};
     CHECK(sp_silence_passed(&exact, &state, exact.watchdog_s) == (sp_real)0 && !state.latched);
     CHECK(sp_silence_passed(&exact, &state, (sp_real)2048) == (sp_real)1048577);
     CHECK(state.latched && state.silent_s == (sp_real)0 && state.lost_s == (sp_real)0);
-}
-
-int main(void)
-{
-    the_last_tick_lasts_what_the_missed_ones_leave();
-    half_a_tick_more_is_a_tick_missed();
-    the_watchdogs_own_time_is_not_latched_and_what_is_begins_anew();
-    silences_add_up();
-    ticks_without_a_sample_are_counted();
-    measured_times_are_rounded_to_ticks();
-    a_long_silence_is_latched_from_the_watchdog_on();
-    endless_silence_is_latched();
-    return failed;
 }

@@ -24,7 +24,7 @@ static double hold(sim_material *material, double depth_m, int steps)
     return force_n;
 }
 
-static void check_closed_forms(void)
+TEST(check_closed_forms)
 {
     sim_material material;
     sim_material_init(&material, &plain);
@@ -36,7 +36,7 @@ static void check_closed_forms(void)
     CHECK(fabs(late_n / relaxed_n - 1.0) < 1e-4);
 }
 
-static void check_free_surface(void)
+TEST(check_free_surface)
 {
     sim_material material;
     sim_material_init(&material, &plain);
@@ -51,7 +51,7 @@ static void check_free_surface(void)
     CHECK(sim_material_step(&touching, material.surface_m + 0.001) > 0.0);
 }
 
-static void check_finite_at_the_table(void)
+TEST(check_finite_at_the_table)
 {
     sim_material material;
     sim_material_config stressed = plain;
@@ -61,7 +61,7 @@ static void check_finite_at_the_table(void)
     CHECK(isfinite(hold(&material, 0.005, 10)));
 }
 
-static void check_two_halves(void)
+TEST(check_two_halves)
 {
     enum { N = 400 };
     double position_m[N];
@@ -82,7 +82,7 @@ static void check_two_halves(void)
     }
 }
 
-static void check_misuse(void)
+TEST(check_misuse)
 {
     sim_object object;
     double position_m[2] = {0.001, (double)NAN};
@@ -101,7 +101,7 @@ static void check_misuse(void)
     CHECK(sim_object_name(sim_object_count()) == NULL);
 }
 
-static void check_noise(void)
+TEST(check_noise)
 {
     sim_noise noise;
     double sum = 0.0;
@@ -118,15 +118,4 @@ static void check_noise(void)
     CHECK(fabs(sum / N) < 0.01);
     CHECK(fabs(squares / N - 1.0) < 0.02);
     CHECK(fabs(fourths / N - 3.0) < 0.1);
-}
-
-int main(void)
-{
-    check_closed_forms();
-    check_free_surface();
-    check_finite_at_the_table();
-    check_two_halves();
-    check_misuse();
-    check_noise();
-    return failed;
 }

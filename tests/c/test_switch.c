@@ -77,7 +77,7 @@ static sp_real any_force_n(void)
 }
 
 /* Whatever is wanted, at any tick, in any order of samples and silences. */
-static void what_is_felt_changes_only_in_quiet(void)
+TEST(what_is_felt_changes_only_in_quiet)
 {
     for (uint32_t round = 0; round < ROUNDS; round++) {
         sp_switch places = with_scenes();
@@ -113,10 +113,4 @@ static void what_is_felt_changes_only_in_quiet(void)
             last_n = force_n;
         }
     }
-}
-
-int main(void)
-{
-    what_is_felt_changes_only_in_quiet();
-    return failed;
 }

@@ -75,7 +75,7 @@ static int arrives(sp_wire_receiver *receiver, uint8_t type, uint32_t sequence)
     return given(receiver, line, on_line(plain, size, line), &frame);
 }
 
-static void checksums_are_those_of_the_definition(void)
+TEST(checksums_are_those_of_the_definition)
 {
     uint8_t bytes[256];
     for (uint32_t i = 0; i < 256; i++) {
@@ -88,7 +88,7 @@ static void checksums_are_those_of_the_definition(void)
 }
 
 /* What the layout's checksum covers: the end of the table and no byte after it. */
-static void the_layout_covers_the_table_to_its_last_field(void)
+TEST(the_layout_covers_the_table_to_its_last_field)
 {
     static const char text[] = SP_WIRE_TABLE(TEXT_MESSAGE);
     CHECK(strcmp(text + strlen(text) - 9, "u8 notes;") == 0);
@@ -96,7 +96,7 @@ static void the_layout_covers_the_table_to_its_last_field(void)
 }
 
 /* Of every length, with zero bytes at either end and in a row. */
-static void frames_are_the_bytes_of_the_protocol_and_come_back(void)
+TEST(frames_are_the_bytes_of_the_protocol_and_come_back)
 {
     for (uint32_t size = 0; size <= SP_WIRE_MAX_BODY; size++) {
         for (uint32_t zeros = 0; zeros < 4; zeros++) {
@@ -129,7 +129,7 @@ static void frames_are_the_bytes_of_the_protocol_and_come_back(void)
 }
 
 /* Not a byte after them: the next field, or another's memory. */
-static void fields_are_as_long_as_they_are(void)
+TEST(fields_are_as_long_as_they_are)
 {
     uint8_t bytes[40];
     sp_wire_hash hash, read;
@@ -140,14 +140,14 @@ static void fields_are_as_long_as_they_are(void)
     CHECK(get_hash(bytes, &read) == bytes + 32 && memcmp(&read, &hash, 32) == 0);
 }
 
-static void what_is_no_cobs_is_of_no_length(void)
+TEST(what_is_no_cobs_is_of_no_length)
 {
     uint8_t too_far[] = {5, 1, 2}, ends_early[] = {2, 1, 2}, good[] = {3, 1, 2};
     CHECK(uncobs(too_far, 3) == 0 && uncobs(ends_early, 3) == 0 && uncobs(good, 0) == 0);
     CHECK(uncobs(good, 3) == 2 && good[0] == 1 && good[1] == 2);
 }
 
-static void no_more_is_kept_than_the_longest_frame(void)
+TEST(no_more_is_kept_than_the_longest_frame)
 {
     sp_wire_receiver receiver = {0};
     sp_wire_frame frame;
@@ -160,7 +160,7 @@ static void no_more_is_kept_than_the_longest_frame(void)
     CHECK(receiver.used == 0 && receiver.overlong == 0);
 }
 
-static void every_message_comes_back_as_it_was_sent(void)
+TEST(every_message_comes_back_as_it_was_sent)
 {
     uint32_t sequence = 7;
     uint8_t line[SP_WIRE_MAX_BYTES];
@@ -199,7 +199,7 @@ static void every_message_comes_back_as_it_was_sent(void)
 }
 
 /* A right checksum does not make a frame of what is too short or too long for one. */
-static void only_lengths_that_a_frame_can_have_are_taken(void)
+TEST(only_lengths_that_a_frame_can_have_are_taken)
 {
     for (uint32_t size = 0; size < 200; size++) {
         sp_wire_receiver receiver = {0};
@@ -219,7 +219,7 @@ static void only_lengths_that_a_frame_can_have_are_taken(void)
 }
 
 /* Each bit of a frame; a 0 byte that is gone, or one too many. */
-static void damage_is_counted_and_never_a_frame(void)
+TEST(damage_is_counted_and_never_a_frame)
 {
     uint8_t plain[ROOM], line[ROOM];
     sp_wire_frame frame;
@@ -244,7 +244,7 @@ static void damage_is_counted_and_never_a_frame(void)
     CHECK(given(&receiver, lost, 3, &frame) == SP_WIRE_NONE && receiver.crc_errors == 2);
 }
 
-static void another_version_is_counted_and_not_handed_on(void)
+TEST(another_version_is_counted_and_not_handed_on)
 {
     sp_wire_receiver receiver = {0};
     uint8_t plain[ROOM], line[ROOM];
@@ -258,7 +258,7 @@ static void another_version_is_counted_and_not_handed_on(void)
     CHECK(receiver.frames == 0 && receiver.crc_errors == 0 && receiver.seen == 0);
 }
 
-static void the_newest_wins_and_what_is_missing_is_counted(void)
+TEST(the_newest_wins_and_what_is_missing_is_counted)
 {
     sp_wire_receiver receiver = {0};
     const struct {
@@ -280,7 +280,7 @@ static void the_newest_wins_and_what_is_missing_is_counted(void)
 }
 
 /* Sequences wrap: half of all numbers are ahead, the other half, and the middle, behind. */
-static void sequences_wrap(void)
+TEST(sequences_wrap)
 {
     sp_wire_receiver receiver = {0};
     CHECK(arrives(&receiver, SP_WIRE_TYPE_FORCE, 0xfffffffeu) == SP_WIRE_NEW);
@@ -297,7 +297,7 @@ static void sequences_wrap(void)
 }
 
 /* A HELLO from far behind is a device that has started again; one that is a little late is not. */
-static void a_device_that_starts_again_is_heard(void)
+TEST(a_device_that_starts_again_is_heard)
 {
     const struct {
         uint8_t type;
@@ -330,7 +330,7 @@ static void a_device_that_starts_again_is_heard(void)
 }
 
 /* After a restart of this end the first bytes may be the end of a frame, which is no damage. */
-static void a_restart_forgets_the_sequence_and_the_frame_under_way(void)
+TEST(a_restart_forgets_the_sequence_and_the_frame_under_way)
 {
     const uint8_t torn[] = {3, 1, 0};
     uint8_t garbage[ROOM];
@@ -354,23 +354,4 @@ static void a_restart_forgets_the_sequence_and_the_frame_under_way(void)
         CHECK(given(&receiver, line + 1, size - 1, &frame) == SP_WIRE_NEW);
         CHECK(given(&receiver, torn, 3, &frame) == SP_WIRE_NONE && receiver.crc_errors == 3);
     }
-}
-
-int main(void)
-{
-    checksums_are_those_of_the_definition();
-    the_layout_covers_the_table_to_its_last_field();
-    frames_are_the_bytes_of_the_protocol_and_come_back();
-    fields_are_as_long_as_they_are();
-    what_is_no_cobs_is_of_no_length();
-    no_more_is_kept_than_the_longest_frame();
-    every_message_comes_back_as_it_was_sent();
-    only_lengths_that_a_frame_can_have_are_taken();
-    damage_is_counted_and_never_a_frame();
-    another_version_is_counted_and_not_handed_on();
-    the_newest_wins_and_what_is_missing_is_counted();
-    sequences_wrap();
-    a_device_that_starts_again_is_heard();
-    a_restart_forgets_the_sequence_and_the_frame_under_way();
-    return failed;
 }

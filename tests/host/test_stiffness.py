@@ -21,7 +21,6 @@ def recorded(noise_n: float = 0.0, seed: int = 1) -> Recording:
 @pytest.mark.parametrize("noise_n", [0.0, 0.003, 0.03])
 def test_a_force_that_is_a_tenth_too_large_is_a_tenth_too_stiff(noise_n: float) -> None:
     found = slope_errors([recorded(noise_n)], [1.1 * FORCE_N])
-    assert found is not None
     assert found.median_percent == pytest.approx(10.0, abs=3.0 * found.floor_percent + 1e-6)
     assert found.floor_percent <= 3.0
     assert found.windows >= 3 * (16 if noise_n < 0.01 else 2)
@@ -39,7 +38,6 @@ def test_steps_in_the_slope_show_and_an_offset_does_not() -> None:
     edges_m = np.linspace(0.0, DEPTH_M.max(), 9)
     straight = np.interp(DEPTH_M, edges_m, 200.0 * edges_m + 3e4 * edges_m**2)
     offset, stepped = (slope_errors([recorded()], [n]) for n in (FORCE_N + 0.1, straight))
-    assert offset is not None and stepped is not None
     assert offset.p95_percent < 1e-6
     assert 2.0 < stepped.median_percent < stepped.p95_percent
 
@@ -47,7 +45,6 @@ def test_steps_in_the_slope_show_and_an_offset_does_not() -> None:
 def test_the_ramp_at_the_start_is_no_error() -> None:
     ramped = FORCE_N * np.minimum(np.arange(len(FORCE_N)) / 500.0, 1.0)
     counted, not_counted = (slope_errors([recorded()], [ramped], ramps) for ramps in (None, [500]))
-    assert counted is not None and not_counted is not None
     assert counted.p95_percent > 10.0
     assert not_counted.p95_percent < 1e-6
     assert 0 < not_counted.windows <= counted.windows

@@ -16,13 +16,10 @@ from support.in_process import spring
 from support.paths import ROOT
 from support.small import model_file, scene
 
-from springpot.codegen.scene import Runtime
+from springpot import Runtime
 from springpot.host.emission.emission import emit
 from springpot.host.native.compiler import run_compiler
-from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.native.toolchain import missing_tools
-from springpot.host.wings.wasm.wasm_node import missing_node
-from springpot.runtime_c.paths import PORT_WIRE, flags
+from springpot.native import PORT_WIRE, SceneLibrary, flags, missing_node, missing_tools
 
 
 @pytest.fixture(scope="module")
@@ -87,9 +84,7 @@ def running(program: Path) -> Iterator[str]:
     """The device as a process; its URL."""
     with subprocess.Popen([program], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                           text=True) as process:  # fmt: skip
-        assert process.stdout is not None
         yield process.stdout.readline().strip()
-        assert process.stdin is not None
         process.stdin.close()
 
 

@@ -56,18 +56,8 @@ def test_everything_locked_has_a_hash_and_everything_needed_is_locked() -> None:
     assert names - locked == {"springpot", "ziglang"}  # ziglang: where there is no compiler at all
 
 
-EXTRAS = (
-    "scipy",
-    "sklearn",
-    "joblib",
-    "matplotlib",
-    "jinja2",
-    "can",
-    "cantools",
-    "openpyxl",
-    "nptdms",
-    "m2cgen",
-)
+EXTRAS = ("scipy", "sklearn", "joblib", "matplotlib", "jinja2", "can", "cantools", "openpyxl",
+          "nptdms", "m2cgen")  # fmt: skip
 CODE = (
     "import sys\nfor name in {!r}: sys.modules[name] = None\n"
     "sys.argv = ['springpot', *{!r}]\nfrom springpot.host.cli import main\nmain()"

@@ -6,14 +6,9 @@ from hypothesis import given, strategies as st
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from springpot.codegen.coupling.gains import (
-    couple_config,
-    require_plausible_damping,
-    transition,
-)
-from springpot.codegen.errors import UnsafeError
-from springpot.codegen.reference.tick import Coupled
-from springpot.codegen.scene import Coupling
+from springpot import Coupling, UnsafeError
+from springpot.codegen.coupling.gains import couple_config, require_plausible_damping, transition
+from springpot.emission import Coupled
 
 PAPER = Coupling(mode="tool")
 

@@ -9,16 +9,15 @@ import pytest
 from sklearn.ensemble import ExtraTreesRegressor, RandomForestRegressor
 from support.paths import C_TESTS
 
-from springpot.codegen.errors import UsageError
+from springpot import UsageError
 from springpot.codegen.forest import compact as compact_layout, wide as wide_layout
 from springpot.codegen.forest.compact import CompactForest, compact_forest
 from springpot.codegen.forest.leaves import quantisation_over, rounded, used_features
 from springpot.codegen.forest.traverse import compact_sums, feature_bins, forest_force
 from springpot.codegen.forest.wide import ForestTable
-from springpot.codegen.model.regressors import Forest, Quantisation
-from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import shared_library
-from springpot.runtime_c.paths import INCLUDE, SOURCE
+from springpot.modelling import Forest, Quantisation
+from springpot.native import INCLUDE, SOURCE, CLibrary
 from springpot.trainer.models.fit import PAPER_LEAF, PAPER_TREES
 from springpot.trainer.models.forests import forest_ir
 
@@ -110,7 +109,6 @@ def assert_same_leaves(
     expected = marked.value_n[model.apply(features) + forest.roots].sum(axis=1).astype(np.uint32)
     used = np.ascontiguousarray(features[:, used_features(forest)])
     compact = compact_forest(marked, np.float64)
-    assert compact is not None
     for simd in variants():
         np.testing.assert_array_equal(c_sums(compact, used, simd), expected)
     table = wide_layout.forest_table(marked, np.float64)
@@ -155,7 +153,6 @@ def test_force_is_the_mean_of_the_leaves_within_the_stated_rounding() -> None:
     model = fitted(trees=11, leaf=5, rows=1500)
     forest = forest_ir(model)
     compact = compact_forest(forest, np.float64)
-    assert compact is not None
     features = random_features(3000, 4)
     bins = feature_bins(compact.thresholds, features[:, used_features(forest)])
     force_n = forest_force(compact, compact_sums(compact, bins))
@@ -179,7 +176,6 @@ def one_leaf() -> Forest:
 
 def test_a_forest_of_one_leaf_still_renders() -> None:
     compact = compact_forest(one_leaf(), np.float32)
-    assert compact is not None
     assert forest_force(compact, c_sums(compact, np.zeros((1, 0), dtype=np.float32), 0))[0] == 2.5
 
 
@@ -205,7 +201,6 @@ def test_too_many_features_are_refused() -> None:
 def test_ranks_are_those_of_a_whole_search_however_far_a_feature_jumps() -> None:
     model = fitted(trees=20, leaf=2, rows=3000)
     compact = compact_forest(forest_ir(model), np.float32)
-    assert compact is not None
     rng = np.random.default_rng(13)
     slow = np.cumsum(rng.normal(scale=1e-3, size=(3000, N_FEATURES)), axis=0)
     jumps = rng.normal(size=(3000, N_FEATURES)) * (rng.random((3000, 1)) < 0.1)
@@ -217,7 +212,6 @@ def test_ranks_are_those_of_a_whole_search_however_far_a_feature_jumps() -> None
 
 def test_the_stated_work_bounds_the_search_and_the_walk() -> None:
     compact = compact_forest(forest_ir(fitted(trees=7, leaf=3, rows=900)), np.float32)
-    assert compact is not None
     bound = compact_layout.work_at_most(compact)
     rounds = 0
     for below in compact.thresholds:

@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 from support.small import scene, small_model
 
-from springpot.codegen.emit.files import manifest_text
 from springpot.codegen.model.forest_extremes import forest_extremes, forest_step
-from springpot.codegen.model.regressors import Forest, Quantisation
 from springpot.codegen.plan.force_facts import force_facts
-from springpot.codegen.plan.make_plan import make_plan
+from springpot.emission import make_plan, manifest_text
+from springpot.modelling import Forest, Quantisation
 
 GRID = 8  # thresholds lie between its lines
 SPLITS = 5
@@ -80,7 +79,6 @@ def test_a_step_is_that_of_every_vector(seed: int, quantised: bool) -> None:
     # Vectors beyond the grid have the leaves of its border.
     beyond = [abs(force_n(forest, x) - force_n(forest, x - change)) for x in grid(3)]
     found = forest_step(forest, change)
-    assert found is not None
     assert found.exact
     assert found.force_n == pytest.approx(max(*steps, *beyond), abs=1e-12)
 

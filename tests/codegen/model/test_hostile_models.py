@@ -11,14 +11,9 @@ import pytest
 from support.c import golden_forces
 from support.files.hostile_models import hostile_models
 
-from springpot.codegen.errors import DataError
+from springpot import DataError
 from springpot.codegen.model.field_types import MAX_NUMBER
-from springpot.codegen.model.model_file import (
-    MODEL_MAGIC,
-    MODEL_SCHEMA,
-    model_bytes,
-    read_model,
-)
+from springpot.codegen.model.model_file import MODEL_MAGIC, MODEL_SCHEMA, model_bytes, read_model
 
 
 @pytest.fixture

@@ -13,11 +13,9 @@ from numpy.typing import NDArray
 from support.c import golden_forces
 from support.small import DT_S, scene
 
-from springpot.codegen.arrays import Samples
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.plan import Plan
-from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.native.trial_build import built
+from springpot.basics import Samples
+from springpot.emission import Plan, make_plan
+from springpot.native import SceneLibrary, built
 
 Lost = NDArray[np.bool_]
 LONGEST = 19  # ticks, below the watchdog's

@@ -1,18 +1,14 @@
 """The built C and its numpy reference, bit for bit, on clean and on hostile motion."""
 
-from collections.abc import Callable
 from dataclasses import replace
-from functools import cache
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from support.small import DT_S, model_file, press, scene, small_model, training, wandering
+from codegen.same_bits import require_same_bits
+from support.small import DT_S, press, scene, small_model, training, wandering
 
-from springpot.codegen.emit.golden import backward_velocity, golden_positions
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.plan import Plan
+from springpot import Coupling, FitOptions, Recording
 from springpot.codegen.reference import run as codegen_reference
 from springpot.codegen.reference.notes import (
     CLAMPED,
@@ -24,17 +20,11 @@ from springpot.codegen.reference.notes import (
     RAMPED,
     RESYNC,
 )
-from springpot.codegen.reference.run import Run, run_reference
-from springpot.codegen.scene import Coupling
 from springpot.codegen.stages.model_force import Stages, model_force
-from springpot.host.emission.emission import emit
-from springpot.host.native.replay import Replay
-from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.native.trial_build import built
+from springpot.emission import Plan, golden_positions, make_plan, run_reference
 from springpot.host.validation.compared import proxy_positions
-from springpot.trainer.kinds import fit_model
-from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.recordings.recording import Recording
+from springpot.modelling import fit_model
+from springpot.native import built
 
 NUMBERS = ["float32", "float64"]
 SHAPES = {
@@ -47,61 +37,18 @@ SHAPES = {
 }
 
 
-Emitted = tuple[Plan, SceneLibrary]
-
-
-def emitted(**options: Any) -> Emitted:
-    """The small model's plan, and its C."""
-    plan = make_plan(small_model(), scene(**options))
-    with built(plan) as library:
-        return plan, library
-
-
-@pytest.fixture(scope="module")
-def shape_of() -> Callable[[str, str], Emitted]:
-    """Each shape and number type emitted once."""
-
-    @cache
-    def found(shape: str, number: str) -> Emitted:
-        return emitted(number=number, **SHAPES[shape])
-
-    return found
-
-
-def compared(found: Emitted, position_m: np.ndarray, predicted: bool = True) -> tuple[Run, Run]:
-    """Forces and notes of the C and of the reference; predicted: from where the C's proxy was.
-
-    A prediction decides how long the reference takes, never what it gives: other tests verify that.
-    """
-    plan, library = found
-    position = position_m.astype(plan.dtype)
-    velocity = backward_velocity(position, plan.dt_s)
-    force_n, notes = Replay(library).run(position, velocity)
-    predicted_m = proxy_positions(plan, library, position, velocity) if predicted else None
-    return Run(force_n, notes), run_reference(plan, position, velocity, predicted_m)
-
-
-def both(position_m: np.ndarray, **options: str) -> tuple[Run, Run]:
-    return compared(emitted(**options), position_m)
-
-
-def assert_same_bits(c: Run, reference: Run) -> None:
-    bits = np.uint32 if c.force_n.dtype == np.float32 else np.uint64
-    np.testing.assert_array_equal(c.force_n.view(bits), reference.force_n.view(bits))
-    np.testing.assert_array_equal(c.notes, reference.notes)
+def plan_of(shape: str, number: str = "float32") -> Plan:
+    return make_plan(small_model(), scene(number=number, **SHAPES[shape]))
 
 
 @pytest.mark.parametrize("number", NUMBERS)
 @pytest.mark.parametrize("shape", list(SHAPES))
 @pytest.mark.parametrize("seed", [1, 2])
-def test_same_bits_on_hostile_motion(
-    shape_of: Callable[[str, str], Emitted], number: str, shape: str, seed: int
-) -> None:
-    c, reference = compared(shape_of(shape, number), wandering(seed))
-    assert_same_bits(c, reference)
-    limit_n = make_plan(small_model(), scene()).output.max_n
-    assert np.all((c.force_n >= 0) & (c.force_n <= limit_n))
-    assert c.force_n.max() > 1.0
+def test_same_bits_on_hostile_motion(number: str, shape: str, seed: int) -> None:
+    plan = plan_of(shape, number)
+    force_n, _ = require_same_bits(plan, wandering(seed))
+    assert np.all((force_n >= 0) & (force_n <= plan.output.max_n))
+    assert force_n.max() > 1.0
 
 
 @pytest.mark.parametrize("number", NUMBERS)
@@ -109,13 +56,10 @@ def test_same_bits_on_hostile_motion(
     ("seed", "ticks"),
     [(6, 500), *(pytest.param(seed, 4000, marks=pytest.mark.slow) for seed in (1, 2))],
 )
-def test_same_bits_where_the_reference_finds_the_proxy(
-    shape_of: Callable[[str, str], Emitted], number: str, seed: int, ticks: int
-) -> None:
+def test_same_bits_where_the_reference_finds_the_proxy(number: str, seed: int, ticks: int) -> None:
     motion = np.concatenate([press(5.0), np.full(40, -1e-3), wandering(seed, ticks)])
-    c, reference = compared(shape_of("proxy", number), motion, predicted=False)
-    assert_same_bits(c, reference)
-    assert c.force_n.max() > 1.0
+    force_n, _ = require_same_bits(plan_of("proxy", number), motion, find=True)
+    assert force_n.max() > 1.0
 
 
 def test_hostile_motion_raises_every_note() -> None:
@@ -126,39 +70,25 @@ def test_hostile_motion_raises_every_note() -> None:
     assert seen == HELD | RESYNC | OUTSIDE | CLAMPED | RAMPED | LATCHED | LIMITED | ENERGY
 
 
-def test_the_proxy_of_the_c_makes_one_pass_do_and_proves_nothing_by_itself(
-    tmp_path: Path,
-) -> None:
-    chosen = scene(mode="proxy")
-    emit(chosen, model_file(tmp_path, small_model()), tmp_path / "c")
-    plan = make_plan(small_model(), chosen)
-    library = SceneLibrary(tmp_path / "c")
+def test_the_proxy_of_the_c_makes_one_pass_do_and_proves_nothing_by_itself() -> None:
+    plan = plan_of("proxy")
     position = wandering(5, 1200).astype(plan.dtype)
     velocity = np.zeros_like(position)
-    predicted_m = proxy_positions(plan, library, position, velocity)
-    assert predicted_m is not None
-    right = run_reference(plan, position, velocity)
-    assert_same_bits(run_reference(plan, position, velocity, predicted_m), right)
-    assert_same_bits(run_reference(plan, position, velocity, 0.9 * predicted_m), right)
-    assert_same_bits(Run(*Replay(library).run(position, velocity)), right)
+    force_n, notes = require_same_bits(plan, position, velocity, find=True)
+    with built(plan) as library:
+        predicted_m = proxy_positions(plan, library, position, velocity)
+    for predicted in (predicted_m, 0.9 * predicted_m):
+        found = run_reference(plan, position, velocity, predicted)
+        np.testing.assert_array_equal(found.force_n, force_n)
+        np.testing.assert_array_equal(found.notes, notes)
 
 
-def test_m2cgen_and_the_table_give_the_same_bits() -> None:
-    motion = wandering(4)
-    table, _ = both(motion)
-    ifs, _ = both(motion, forest="m2cgen")
-    assert_same_bits(table, ifs)
-
-
-def test_two_halves_give_what_the_whole_gives(tmp_path: Path) -> None:
-    emit(scene(mode="tool"), model_file(tmp_path), tmp_path / "c")
-    library = SceneLibrary(tmp_path / "c")
+def test_two_halves_give_what_the_whole_gives() -> None:
     motion = press(2.0)
-    whole, _ = library.new_state().run(motion)
-    state = library.new_state()
-    first, _ = state.run(motion[:217])
-    second, _ = state.run(motion[217:])
-    np.testing.assert_array_equal(np.concatenate([first, second]), whole)
+    with built(plan_of("tool")) as library:
+        state = library.new_state()
+        halves = [state.run(part)[0] for part in (motion[:217], motion[217:])]
+        np.testing.assert_array_equal(np.concatenate(halves), library.new_state().run(motion)[0])
 
 
 def test_a_stiff_objects_proxy_is_proven_in_bounded_work(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -171,7 +101,6 @@ def test_a_stiff_objects_proxy_is_proven_in_bounded_work(monkeypatch: pytest.Mon
     chosen = replace(scene(), coupling=Coupling("proxy", 1e5, 20.0))
     plan = make_plan(model.stiffened(1000.0), chosen, accept_unsafe=True)
     position = golden_positions(plan)
-    velocity = backward_velocity(position, plan.dt_s)
     lengths: list[int] = []
 
     def counted(stages: Stages, motion: dict[str, np.ndarray], *others: Any) -> np.ndarray:
@@ -179,10 +108,7 @@ def test_a_stiff_objects_proxy_is_proven_in_bounded_work(monkeypatch: pytest.Mon
         return model_force(stages, motion, *others)
 
     monkeypatch.setattr(codegen_reference, "model_force", counted)
-    reference = run_reference(plan, position, velocity)
-    with built(plan) as library:
-        c = Run(*Replay(library).run(position, velocity))
-    assert_same_bits(c, reference)
+    require_same_bits(plan, position, find=True)
     n = len(position)
     assert len(lengths) > n / 4, "the object is not stiff enough for this test"
     assert sum(lengths) < 0.6 * n * n

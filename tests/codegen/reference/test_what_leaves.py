@@ -10,14 +10,10 @@ from support.c import golden_forces
 from support.paths import C_TESTS
 from support.small import scene
 
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.reference.notes import LATCHED
-from springpot.codegen.scene import Guard
-from springpot.host.native.c_library import CLibrary
+from springpot import Guard
+from springpot.emission import LATCHED, make_plan
 from springpot.host.native.compiler import shared_library
-from springpot.host.native.replay import Replay
-from springpot.host.native.trial_build import built
-from springpot.runtime_c.paths import INCLUDE
+from springpot.native import INCLUDE, CLibrary, Replay, built
 
 CALLS = 100_000_000 if os.environ.get("SPRINGPOT_SOAK") else 1_000_000
 DECLARATIONS = """
@@ -68,45 +64,28 @@ def found_in(
     return {member: getattr(found, member) for member, _ in tool.ffi.typeof("hostile_found").fields}
 
 
-def holds(**options: str | float) -> None:
-    found = found_in(**options)  # type: ignore[arg-type]
-    assert not any(found[name] for name in BROKEN), found
+FAST = [("hammerstein", {"mode": mode}) for mode in ("off", "tool", "proxy")]
+FAST += [("hammerstein", {"mode": "off", "energy": energy}) for energy in ("note", "off")]
+SLOW = [
+    *((name, {"mode": mode, "number": number})
+      for name in golden_forces.models() for number, mode in golden_forces.EACH_MODE),
+    ("rbf-pv", {"mode": "proxy", "contact": "always", "velocity": "device"}),
+    ("hybrid", {"mode": "tool", "contact": "always", "smoothing_s": 8e-4}),
+    ("hammerstein", {"mode": "off", "smoothing_s": 0.02}),
+    ("rf-fd", {"mode": "proxy", "velocity": "device"}),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("name", "options"), [*FAST, *(pytest.param(*each, marks=pytest.mark.slow) for each in SLOW)]
+)
+def test_no_call_breaks_what_a_hand_is_owed(name: str, options: dict[str, str | float]) -> None:
+    """With any coupling, account of energy, kind and number, and with what few scenes have."""
+    found = found_in(name, **options)  # type: ignore[arg-type]
+    assert not any(found[broken] for broken in BROKEN), found
     # The calls visited what the laws are about.
     assert found["pressed"] > 0.1 * CALLS and found["calls_held"] > 0.02 * CALLS
     assert found["latches"] > 20
-
-
-@pytest.mark.parametrize("mode", ["off", "tool", "proxy"])
-def test_no_call_breaks_what_a_hand_is_owed(mode: str) -> None:
-    holds(name="hammerstein", mode=mode)
-
-
-@pytest.mark.parametrize("energy", ["note", "off"])
-def test_nor_without_the_account_of_energy(energy: str) -> None:
-    holds(name="hammerstein", mode="off", energy=energy)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("number", "mode"), golden_forces.EACH_MODE)
-@pytest.mark.parametrize("name", golden_forces.models())
-def test_no_kind_coupling_or_number_breaks_it(name: str, mode: str, number: str) -> None:
-    holds(name=name, mode=mode, number=number)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("name", "mode", "contact", "smoothing_s", "velocity"),
-    [
-        ("rbf-pv", "proxy", "always", 0.0, "device"),
-        ("hybrid", "tool", "always", 8e-4, "estimate"),
-        ("hammerstein", "off", "surface", 0.02, "estimate"),
-        ("rf-fd", "proxy", "surface", 0.0, "device"),
-    ],
-)
-def test_nor_what_few_scenes_have(
-    name: str, mode: str, contact: str, smoothing_s: float, velocity: str
-) -> None:
-    holds(name=name, mode=mode, contact=contact, smoothing_s=smoothing_s, velocity=velocity)
 
 
 @pytest.mark.parametrize("mode", ["off", "proxy"])

@@ -8,26 +8,20 @@ import numpy as np
 import pytest
 from support.small import DT_S, model_file, press, scene, training
 
-from springpot.codegen.errors import UsageError
-from springpot.codegen.model.features import FastFirBank, FirBank
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.reference.run import run_reference
+from springpot import FitOptions, UsageError
 from springpot.codegen.stages.fast_fir import fast_fir_stage
 from springpot.codegen.stages.fir import fir_stage
+from springpot.emission import make_plan, run_reference
 from springpot.host.emission.emission import emit
-from springpot.host.native.scene_library import SceneLibrary
+from springpot.modelling import PAPER_ORDERS, PAPER_TAPS, FirBank, fit_model, fractional_features
+from springpot.native import SceneLibrary
 from springpot.trainer.features.fast_fir import equivalent_taps, fast_fir_bank, imitation_error
-from springpot.trainer.kinds import fit_model
-from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.rf_fd import PAPER_ORDERS, PAPER_TAPS, fractional_features
 
 COLUMNS = np.arange(len(PAPER_ORDERS))
 
 
 def paper_bank() -> FirBank:
-    bank = fractional_features(DT_S, None)
-    assert isinstance(bank, FirBank)
-    return bank
+    return fractional_features(DT_S, None)
 
 
 def relative_rms(found: np.ndarray, wanted: np.ndarray) -> float:
@@ -46,11 +40,6 @@ def test_the_fast_window_is_the_window() -> None:
     fast = fast_fir_bank(bank)
     assert imitation_error(bank, fast) < 1e-4
     assert equivalent_taps(fast).shape == bank.taps.shape == (PAPER_TAPS, len(PAPER_ORDERS))
-
-
-def test_an_imitation_that_is_wrong_is_seen() -> None:
-    bank = paper_bank()
-    fast = fast_fir_bank(bank)
     worse = dataclasses.replace(fast, weights=fast.weights * 1.01)
     assert imitation_error(bank, worse) > 9e-3
 
@@ -59,7 +48,6 @@ def test_an_imitation_that_is_wrong_is_seen() -> None:
 def test_the_fast_window_is_within_its_error_in_the_number_of_the_scene(dtype: type) -> None:
     bank = paper_bank()
     fast = fractional_features(DT_S, None, "fir-fast")
-    assert isinstance(fast, FastFirBank)
     depth = hand_motion(12.0).astype(dtype)
     starts = np.array([0, 4000])
     found = fast_fir_stage(fast, COLUMNS, DT_S, dtype).reference(depth, starts)

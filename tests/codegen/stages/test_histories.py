@@ -7,11 +7,9 @@ from support.c import golden_forces
 from support.paths import C_TESTS
 from support.small import scene
 
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.host.native.c_library import CLibrary
+from springpot.emission import make_plan
 from springpot.host.native.compiler import shared_library
-from springpot.host.native.trial_build import built
-from springpot.runtime_c.paths import INCLUDE
+from springpot.native import INCLUDE, CLibrary, built
 
 HARNESS = C_TESTS / "histories_harness.c"
 DECLARATIONS = """

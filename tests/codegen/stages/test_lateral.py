@@ -12,17 +12,12 @@ import pytest
 from codegen.stages.test_placed import placed, with_places
 from support.small import DEPTH_M, passive_model, press, scene, wandering
 
+from springpot import Coupling, Guard, Model, ScenePlaces, Smoothing, UsageError
 from springpot.codegen.emit.files import emit_files
-from springpot.codegen.errors import UsageError
-from springpot.codegen.model.model import Model
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.plan import Plan
-from springpot.codegen.plan.units import state_bytes
 from springpot.codegen.reference.lateral import run_lateral
 from springpot.codegen.reference.notes import CLAMPED, HELD, LATCHED, OUTSIDE, RESYNC
-from springpot.codegen.scene import Coupling, Guard, ScenePlaces, Smoothing
-from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.native.trial_build import built
+from springpot.emission import Plan, make_plan, state_bytes
+from springpot.native import SceneLibrary, built
 
 SLIDING = replace(scene(number="float64"), places=ScenePlaces("lateral", 8.0))
 MIDDLE_M = (0.005, 0.0)
@@ -32,13 +27,13 @@ SLOW: dict[str, Any] = {"tau_s": np.array([0.01, 50.0, 2.0]), "n_by_depth": 1, "
 
 
 @cache
-def plan_of(number: str = "float64") -> Plan:
-    return make_plan(slow(), replace(SLIDING, runtime=scene(number=number).runtime))
+def plan_of(number: str = "float64", friction: float = 0.0) -> Plan:
+    places = replace(SLIDING.places, friction=friction)
+    return make_plan(slow(), replace(SLIDING, runtime=scene(number=number).runtime, places=places))
 
 
 def slow() -> Model:
     model = placed("plain", 2)
-    assert model.hammerstein is not None
     return replace(model, hammerstein=replace(model.hammerstein, **SLOW))
 
 
@@ -55,8 +50,9 @@ def at_depth(depth_m: np.ndarray, x_m: Any = MIDDLE_M[0], y_m: Any = MIDDLE_M[1]
 
 
 @pytest.mark.parametrize("number", ["float32", "float64"])
-def test_same_bits_as_the_reference(number: str) -> None:
-    plan = plan_of(number)
+@pytest.mark.parametrize("friction", [0.0, 0.4])
+def test_same_bits_as_the_reference(number: str, friction: float) -> None:
+    plan = plan_of(number, friction)
     depth_m = np.concatenate([1.2 * press(6.0), wandering(3)[:100], press(6.0), np.zeros(5)])
     turn = 12.0 * np.arange(len(depth_m)) / len(depth_m)
     position_m = at_depth(depth_m, 0.01 + 0.015 * np.sin(turn), 0.012 * np.cos(turn))
@@ -77,23 +73,24 @@ def test_same_bits_as_the_reference(number: str) -> None:
 
 def test_without_the_key_nothing_of_it_is_emitted() -> None:
     for model in (passive_model(), placed("plain", 2)):
-        text = " ".join(
-            f"{name} {its}" for name, its in emit_files(make_plan(model, scene())).items()
-        )
+        text = " ".join(emit_files(make_plan(model, scene())).values())
         assert not {"lateral", "step3", "idle3", "sp_stored", "golden_slid"} & set(text.split())
         assert "lateral" not in text.replace("lateral force", "")
+        assert ("sp_place" in text) == (model is not passive_model())
+    with built(make_plan(passive_model(), scene())) as library:
+        with pytest.raises(UsageError, match="lateral"):
+            library.new_state().step3(np.array([0.0, 0.0, DEPTH_M]))
+        with pytest.raises(UsageError, match="map"):
+            library.new_state().place((0.0, 0.0))
 
 
 @cache
 def even() -> Plan:
     """A map of one amount, of a material with a slow branch."""
     model = placed("plain", 1)
-    passive = model.hammerstein
-    assert passive is not None and passive.places is not None
-    places = replace(passive.places, amounts=np.ones((3, 2, 1)))
-    return make_plan(
-        replace(model, hammerstein=replace(with_places(passive, places), recovers=True)), SLIDING
-    )
+    places = replace(model.hammerstein.places, amounts=np.ones((3, 2, 1)))
+    law = replace(with_places(model.hammerstein, places), recovers=True)
+    return make_plan(replace(model, hammerstein=law), SLIDING)
 
 
 def test_pressed_straight_into_a_map_of_one_amount_it_is_one_place() -> None:
@@ -181,16 +178,6 @@ def test_a_scene_that_has_no_three_axes_is_refused(changed: dict[str, Any], word
 
 
 def test_a_model_of_which_it_is_not_known_what_it_has_stored_is_refused() -> None:
-    with pytest.raises(UsageError, match="map"):
-        make_plan(passive_model(), SLIDING)
-    passive = placed("all", 2)
-    with pytest.raises(UsageError, match="damage"):
-        make_plan(passive, SLIDING)
-
-
-def test_a_scene_of_one_axis_has_no_step_of_three() -> None:
-    with (
-        built(make_plan(passive_model(), scene())) as library,
-        pytest.raises(UsageError, match="lateral"),
-    ):
-        library.new_state().step3(np.array([0.0, 0.0, DEPTH_M]))
+    for model, word in ((passive_model(), "map"), (placed("all", 2), "damage")):
+        with pytest.raises(UsageError, match=word):
+            make_plan(model, SLIDING)

@@ -12,18 +12,13 @@ from support.c.caputo import caputo_derivative
 from support.paths import C_TESTS
 from support.small import DT_S, model_file, press, scene, small_model, training
 
-from springpot.codegen.model.model import Model
-from springpot.codegen.reference.notes import LATCHED
-from springpot.codegen.scene import Coupling, Runtime
+from springpot import Coupling, FitOptions, Model, Runtime
 from springpot.codegen.stages.recursive import SLOW_TICKS
+from springpot.emission import LATCHED
 from springpot.host.emission.emission import emit
-from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import shared_library
-from springpot.host.native.scene_library import SceneLibrary
-from springpot.runtime_c.paths import INCLUDE, SOURCE
-from springpot.trainer.features.fractional import recursive_bank
-from springpot.trainer.kinds import fit_model
-from springpot.trainer.models.fit import FitOptions
+from springpot.modelling import fit_model, recursive_bank
+from springpot.native import INCLUDE, SOURCE, CLibrary, SceneLibrary
 from springpot.trainer.models.rf_fd import PAPER_ORDERS, RECURSIVE_S
 
 HARNESS = C_TESTS / "measured_harness.c"

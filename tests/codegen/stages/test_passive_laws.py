@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from codegen.same_bits import require_same_bits
 from support.small import (
     DT_S,
     damage,
@@ -15,20 +16,12 @@ from support.small import (
     press,
     scene,
     small_model,
-    training,
 )
 
+from springpot import Model
 from springpot.codegen.emit.files import emit_files
-from springpot.codegen.emit.golden import backward_velocity
-from springpot.codegen.model.model import Model
-from springpot.codegen.model.passive import Hammerstein
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.units import state_bytes
-from springpot.codegen.reference.run import run_reference
-from springpot.host.native.replay import Replay
-from springpot.host.native.trial_build import built
-from springpot.trainer.kinds import fit_model
-from springpot.trainer.models.fit import FitOptions
+from springpot.emission import make_plan, run_reference
+from springpot.native import built
 
 HOUR_S = 4e3  # slow: more than 1e5 ticks
 CURVE_N = np.linspace(0.5, 3.0, 9)
@@ -48,7 +41,6 @@ LAWS: dict[str, dict[str, Any]] = {
 def model_of(kind: str, law: str, slow: bool = False) -> Model:
     fitted = small_model() if kind == "rf-fd" else passive_model()
     passive = fitted.hammerstein
-    assert passive is not None
     tau_s = np.array([0.01, 0.2, 2.0, HOUR_S if slow else 0.05])
     branch_n = np.linspace(0.1, 0.4, 4)[:, None] * CURVE_N
     stop_n = np.zeros((len(passive.radius_m), 9))
@@ -60,11 +52,6 @@ def model_of(kind: str, law: str, slow: bool = False) -> Model:
     return replace(fitted, hammerstein=changed)
 
 
-def passive_of(model: Model) -> Hammerstein:
-    assert model.hammerstein is not None
-    return model.hammerstein
-
-
 @pytest.mark.parametrize("number", ["float32", "float64"])
 @pytest.mark.parametrize("kind", ["hammerstein", "rf-fd"])
 @pytest.mark.parametrize("slow", [False, True])
@@ -73,12 +60,7 @@ def test_same_bits_as_the_reference(law: str, slow: bool, kind: str, number: str
     position_m = np.concatenate([1.4 * press(2.0), press(3.0), np.full(200, 0.004)])
     position_m[300] = np.nan
     plan = make_plan(model_of(kind, law, slow), scene(number=number), accept_unsafe=True)
-    given_m = position_m.astype(plan.dtype)
-    with built(plan) as library:
-        assert library.selftest() == 0
-        assert library.state_bytes == state_bytes(plan)
-        force_n = Replay(library).run(given_m, backward_velocity(given_m, DT_S))[0]
-    np.testing.assert_array_equal(force_n, run_reference(plan, given_m).force_n)
+    require_same_bits(plan, position_m)
 
 
 @pytest.mark.parametrize("slow", [False, True])
@@ -88,7 +70,7 @@ def test_the_emitted_force_is_the_fitted_one(law: str, slow: bool) -> None:
     plan = make_plan(model, scene(number="float64"), accept_unsafe=True)
     position_m = 0.9 * press(1.0)  # below the limit of the force
     force_n = run_reference(plan, position_m).force_n
-    wanted_n = passive_force_n(passive_of(model), position_m, DT_S, surface=True)
+    wanted_n = passive_force_n(model.hammerstein, position_m, DT_S, surface=True)
     contact = position_m > 0.02 * position_m.max()  # above it the onset fades the force in
     assert np.abs(force_n - wanted_n)[contact].max() < 1e-6 * wanted_n.max()
 
@@ -106,7 +88,7 @@ def test_a_measured_step_is_the_planned_one(law: str, slow: bool) -> None:
 
 @pytest.mark.parametrize(("law", "share"), [("rates", 2e-3), ("inverse", 2e-3), ("all", 5e-3)])
 def test_half_the_time_step_gives_nearly_the_same_force(law: str, share: float) -> None:
-    passive = passive_of(model_of("hammerstein", law))
+    passive = model_of("hammerstein", law).hammerstein
     fine_m = np.interp(np.arange(0, 1000, 0.5), np.arange(1000), press(1.0))
     coarse_n = passive_force_n(passive, press(1.0), DT_S, surface=True)
     fine_n = passive_force_n(passive, fine_m, DT_S / 2, surface=True)[::2]
@@ -134,45 +116,30 @@ TICKS = (4e6, 2.4e7)
 
 
 @cache
-def slow_model(kind: str, *ticks: float) -> Model:
-    """A fitted model whose passive part has these time constants, after a fast one."""
-    model = (
-        small_model() if kind == "rf-fd" else fit_model(kind, "x", training(), FitOptions()).model
-    )
-    passive = model.hammerstein
-    assert passive is not None
-    weight = np.full_like(passive.elastic_n, 0.2)
+def slow_model(*ticks: float) -> Model:
+    """A fitted model with these time constants, after a fast one."""
+    model = passive_model()
     tau_s = np.array([ticks[0] * DT_S, 0.05, *(t * DT_S for t in ticks[1:])])
-    slow = replace(passive, tau_s=tau_s, branch_n=np.tile(weight, (len(tau_s), 1)))
-    return replace(model, hammerstein=slow)
-
-
-def run_c(model: Model, position_m: np.ndarray, number: str) -> tuple[Any, np.ndarray]:
-    plan = make_plan(model, scene(number=number), accept_unsafe=True)
-    with built(plan) as library:
-        assert library.selftest() == 0
-        assert library.state_bytes == state_bytes(plan)
-        given_m = position_m.astype(plan.dtype)
-        return plan, Replay(library).run(given_m, backward_velocity(given_m, DT_S))[0]
+    branch_n = np.full((len(tau_s), len(model.hammerstein.elastic_n)), 0.2)
+    return replace(model, hammerstein=replace(model.hammerstein, tau_s=tau_s, branch_n=branch_n))
 
 
 @pytest.mark.parametrize("ticks", TICKS)
 def test_hours_of_relaxation_are_those_of_float64(ticks: float) -> None:
-    model = slow_model("hammerstein", ticks, ticks)
+    model = slow_model(ticks, ticks)
     held_m = np.concatenate([press(1.0)[:500], np.full(400_000, press(1.0)[499])])
-    drops_n = [
-        float(force_n[5000]) - float(force_n[-1])
-        for force_n in (run_c(model, held_m, number)[1] for number in ("float32", "float64"))
-    ]
+    drops_n = []
+    for number in ("float32", "float64"):
+        with built(make_plan(model, scene(number=number), accept_unsafe=True)) as library:
+            force_n = library.new_state().run(held_m)[0]
+        drops_n.append(float(force_n[5000]) - float(force_n[-1]))
     assert drops_n[1] > 5e-3
     assert abs(drops_n[0] / drops_n[1] - 1) < 2e-3
 
 
 def test_only_slow_branches_bring_doubles() -> None:
     names = {
-        limit: set(
-            emit_files(make_plan(slow_model("hammerstein", limit), scene(), accept_unsafe=True))
-        )
+        limit: set(emit_files(make_plan(slow_model(limit), scene(), accept_unsafe=True)))
         for limit in (0.99e5, 1.01e5)
     }
     assert names[1.01e5] - names[0.99e5] == {"sp_slow_poles.h"}

@@ -14,11 +14,10 @@ from codegen.stages.test_sliding_energy import SPAN_M, placed, plan_of, random_m
 
 from springpot.codegen.model.formulas import curve_place
 from springpot.codegen.model.places import Places
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.plan import Plan
 from springpot.codegen.reference.anchor import Anchor
 from springpot.codegen.reference.lateral_motion import LateralMotion
 from springpot.codegen.stages.passive.stored import stored
+from springpot.emission import Plan, make_plan
 
 CELLS, TICKS = 4, 400
 ROUNDING = 1e-14  # of peak force times depth
@@ -28,7 +27,6 @@ class Watched(LateralMotion):
     """moved_j, renewed_j: by how much each tick's stored energy grew above what was paid for."""
 
     def __init__(self, plan: Plan) -> None:
-        assert plan.lateral is not None
         super().__init__(plan.lateral, np.float64)
         self.moved_j, self.renewed_j = [0.0], [0.0]
         self._paid_j = 0.0
@@ -77,7 +75,6 @@ def rubbed(seed: int, step_m: float, friction: float) -> tuple[float, float]:
     """The most that a move and a renewal add, over peak force x depth."""
     model, rng = random_model(seed), np.random.default_rng(seed)
     law = model.hammerstein
-    assert law is not None and law.places is not None
     size = (CELLS, CELLS, len(law.places.slopes_n))
     amounts = rng.exponential(5.0, size) * (rng.uniform(size=size) < 0.6) + 0.01
     grid = Places(np.zeros(2), np.full(2, step_m), amounts, law.places.slopes_n)

@@ -9,16 +9,15 @@ from typing import Any
 
 import numpy as np
 import pytest
+from codegen.stages.test_lateral import slid
 from codegen.stages.test_sliding_energy import SPAN_M, placed, random_model
 from support.small import scene
 
+from springpot import ScenePlaces
 from springpot.codegen.model.places import Places
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.plan import Plan
 from springpot.codegen.reference.lateral import run_lateral
-from springpot.codegen.scene import ScenePlaces
-from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.native.trial_build import built
+from springpot.emission import Plan, make_plan
+from springpot.native import built
 
 CELLS = 8
 LONGEST = 25  # ticks of a silence: some latch
@@ -29,7 +28,6 @@ def on_grid(step_m: float, friction: float, rate_hz: float, number: str) -> Plan
     """A random material on a random map, with limits and account as they come."""
     model = random_model(3)
     passive = model.hammerstein
-    assert passive is not None and passive.places is not None
     rng = np.random.default_rng(10)
     size = (CELLS + 1, CELLS + 1, len(passive.places.slopes_n))
     amounts = rng.exponential(5.0, size) * (rng.uniform(size=size) < 0.6) + 0.01
@@ -72,12 +70,6 @@ def growth_n(force_n: np.ndarray) -> np.ndarray:
     return found
 
 
-def run(library: SceneLibrary, position_m: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    state = library.new_state()
-    forces, notes = zip(*(state.step3(at) for at in position_m), strict=True)
-    return np.array(forces, dtype=library.dtype), np.array(notes)
-
-
 @pytest.mark.parametrize(
     ("step_m", "friction", "rate_hz", "number"),
     [
@@ -96,7 +88,7 @@ def test_a_force_is_bounded_and_grows_no_faster_than_its_limit_whichever_way_it_
     with built(plan) as library:
         for seed in range(12):
             position_m = adverse(seed, rate_hz, CELLS * step_m, 1200)
-            force_n, notes = run(library, position_m)
+            force_n, notes = slid(library, position_m)
             if seed == 0:
                 reference = run_lateral(plan, position_m)
                 np.testing.assert_array_equal(force_n, reference.force_n)
@@ -110,10 +102,8 @@ def even(step_m: float, friction: float, rate_hz: float) -> Plan:
     """A map of one amount: its grid is nothing that a hand could feel."""
     plan = on_grid(step_m, friction, rate_hz, "float64")
     law = plan.model.hammerstein
-    assert law is not None and law.places is not None
     places = replace(law.places, amounts=np.full_like(law.places.amounts, 0.2))
-    passive = replace(law, places=None)
-    return make_plan(placed(passive, places), plan.scene)
+    return make_plan(placed(replace(law, places=None), places), plan.scene)
 
 
 def rubbed(rate_hz: float, mps: float) -> np.ndarray:
@@ -131,9 +121,9 @@ def test_the_grid_of_an_even_map_is_not_felt_at_any_speed(friction: float, rate_
     coarse, mps = even(10.0, friction, rate_hz), 1.0
     position_m = rubbed(rate_hz, mps)
     with built(coarse) as library:
-        expected_n, _ = run(library, position_m)
+        expected_n, _ = slid(library, position_m)
     with built(even(5e-4, friction, rate_hz)) as library:
-        force_n, _ = run(library, position_m)
+        force_n, _ = slid(library, position_m)
     assert np.abs(expected_n[:, :2]).max() > 0.05
     np.testing.assert_allclose(force_n, expected_n, atol=0.02 * np.abs(expected_n).max())
 
@@ -142,7 +132,7 @@ def test_the_grid_of_an_even_map_is_not_felt_at_any_speed(friction: float, rate_
 def test_where_nothing_pushes_nothing_pulls_sideways(friction: float) -> None:
     """Dips of any size, fast and slow, also into a surface that has not yet come back."""
     plan, ticks = on_grid(5e-3, friction, 1000.0, "float64"), np.arange(600)
-    slid = 0
+    slides = 0
     with built(plan) as library:
         for seed in range(100):
             rng = np.random.default_rng(seed)
@@ -151,8 +141,8 @@ def test_where_nothing_pushes_nothing_pulls_sideways(friction: float) -> None:
             turns = np.sign(np.sin(ticks / rng.uniform(5.0, 60.0)))
             x_m = 0.02 + rng.uniform(0.0, 8e-4) * np.cumsum(turns)
             position_m = np.column_stack([x_m, np.full(len(ticks), 0.02), depth_m])
-            force_n, _ = run(library, position_m)
+            force_n, _ = slid(library, position_m)
             pushes = force_n[:, 2] > 0
             assert not np.any(force_n[~pushes])
-            slid += np.any(force_n[:, 0])
-    assert slid > 50
+            slides += np.any(force_n[:, 0])
+    assert slides > 50

@@ -12,9 +12,8 @@ from codegen.stages.test_sliding_energy import CELLS, SPAN_M, STEP_M, plan_of, r
 from support.c.sliding import SlidingC, sliding
 from support.small import DT_S
 
-from springpot.codegen.model.model import Model
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.plan import Plan
+from springpot import Model
+from springpot.emission import Plan, make_plan
 
 LONGEST = 19  # ticks, below the watchdog's
 SHARE = 0.01  # of the energy that a press stores

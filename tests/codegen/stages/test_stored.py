@@ -22,7 +22,6 @@ def stage_of(rng: np.random.Generator, nodes: int) -> HammersteinStage:
         return rng.exponential(5.0, shape) * (rng.uniform(size=shape) < 0.7)
 
     passive = passive_model().hammerstein
-    assert passive is not None
     model = replace(
         passive, elastic_n=weights(nodes), tau_s=np.array([0.01, 0.3]), n_by_depth=1,
         branch_n=weights(2, nodes), radius_m=np.array([1e-3]), stop_n=weights(1, nodes),

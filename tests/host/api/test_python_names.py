@@ -1,5 +1,6 @@
 """The names of `import springpot`: there, described, and loaded only when they are used."""
 
+import dataclasses
 import doctest
 import importlib
 import inspect
@@ -7,11 +8,12 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from typing import get_args
 
 import pytest
 from support.pages.sources import API
 from support.paths import ROOT, TESTS
-from support.small import press, scene, small_model
+from support.small import passive_model, press, scene, small_model
 
 import springpot
 
@@ -65,10 +67,8 @@ def test_the_package_has_one_name() -> None:
         importlib.import_module("springpot.host.api")
 
 
-PUBLIC = sorted(
-    file.stem for file in API.glob("*.py")
-    if file.stem not in ("__init__", "files", "lazy_names", "loaded", "steps")
-)  # fmt: skip
+INNER = {"__init__", "files", "lazy_names", "loaded", "steps"}
+PUBLIC = sorted({file.stem for file in API.glob("*.py")} - INNER)
 
 
 @pytest.mark.parametrize("name", PUBLIC)
@@ -99,3 +99,29 @@ def test_no_name_leaves_the_public_modules_unsaid() -> None:
         now += [f"springpot.{module}.{name}" for name in names]
     stored = (TESTS / "golden" / "public_names.txt").read_text().split()
     assert not set(stored) - set(now)
+
+
+def is_plain(kind) -> bool:
+    """Whether a field's type is a number, a truth, one of some words, or a name."""
+    parts = get_args(kind)
+    if hasattr(kind, "__metadata__"):
+        return is_plain(parts[0])
+    return kind in (int, float, bool, str, type(None)) or (
+        bool(parts) and all(isinstance(part, str | int) or is_plain(part) for part in parts)
+    )
+
+
+def test_every_public_dataclass_has_a_short_line() -> None:
+    """Those that Python writes itself have few fields, none of which can be long."""
+    long = []
+    for module in (springpot, *(importlib.import_module(f"springpot.{name}") for name in PUBLIC)):
+        for kind in (getattr(module, name) for name in module.__all__):
+            if dataclasses.is_dataclass(kind) and hasattr(kind.__repr__, "__wrapped__"):
+                shown = [field for field in dataclasses.fields(kind) if field.repr]
+                if len(shown) > 8 or not all(is_plain(field.type) for field in shown):
+                    long.append(kind.__name__)
+    assert not long
+    plan = springpot.emission.make_plan(passive_model(), springpot.Scene(1, "a", "b.spm"))
+    options = springpot.FitOptions(orders=(0.1,) * 99, seed=3)
+    assert all(len(repr(each)) <= 200 for each in (plan, passive_model().hammerstein, options))
+    assert repr(springpot.FitOptions(seed=3)) == "FitOptions(seed=3)"

@@ -34,55 +34,35 @@ def refusal(status: int, *arguments: object, env: dict[str, str] | None = None) 
     return lines[0]
 
 
-@pytest.fixture(scope="module")
-def job(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Recordings and a scene in a folder."""
-    folder = tmp_path_factory.mktemp("job")
-    (folder / "rec").mkdir()
-    for item in training():
-        write_recording(folder / "rec" / f"{item.name}.h5", item)
-    (folder / "scene.toml").write_text('schema = 1\nname = "job"\nmodel = "m.spm"\n')
-    return folder
-
-
 def test_train_emit_build_validate_report(job: Path) -> None:
+    """Keys of JSON: test_json_keys.py."""
     trained = run("train", job / "rec", "--model", "rf-fd", "--out", job / "m.spm", "--seed", 5,
                   "--validate", job / "rec", "--json")  # fmt: skip
     assert trained.returncode == 0, trained.stderr
     metadata = json.loads(trained.stdout)
-    assert {"model", "out", "hash", "seed", "rows", "rows_total", "feature_s", "fit_s", "search_s",
-            "orders", "n_nodes", "importance", "window_s", "engine", "rmse_n",
-            "rmse_percent_of_peak", "mean_recording_rmse_n"} <= set(metadata)  # fmt: skip
     assert metadata["rows"] == metadata["rows_total"] < 20_000
     assert metadata["window_s"] == pytest.approx(0.171)
     assert 0 < metadata["rmse_percent_of_peak"] < 3
-
-    emitted = run("emit", "--scene", job / "scene.toml", "--out", job / "c", "--json")
+    emitted = run("emit", "--scene", job / "scene.toml", "--model", job / "m.spm",
+                  "--out", job / "c", "--json")  # fmt: skip
     assert emitted.returncode == 0, emitted.stderr
     metadata = json.loads(emitted.stdout)
     assert metadata["flash_bytes"] > 10_000
-    assert metadata["ram_bytes"] < 2000
+    assert 0 < metadata["ram_bytes"] < 2000
     assert 0 < metadata["stack_bytes"] < 2000
     assert metadata["compile_s"] > 0
-
-    built = run("build", job / "c")
-    assert Path(built.stdout.strip()).suffix == ".so"
-
+    assert Path(run("build", job / "c").stdout.strip()).suffix == ".so"
     validated = run("validate", job / "c", "--recording", job / "rec", "--json")
     assert validated.returncode == 0, validated.stderr
     result = json.loads(validated.stdout)
     assert result["mismatches"] == 0
     assert result["hash"] == metadata["hash"]
     assert result["notes"]["resync"] == len(training())
-    assert set(result["tick_ns"]) == {"hot_median", "p50", "p99", "p999", "max"}
     assert 0 < result["tick_ns"]["hot_median"] <= result["tick_ns"]["max"]
-
     reported = run("report", job / "c", "--json")
     assert reported.returncode == 0, reported.stderr
     page = Path(json.loads(reported.stdout)["report"]).read_text()
-    assert page.count("<svg") == 7 + len(
-        training()
-    )  # two maps of stability, one for each recording
+    assert page.count("<svg") == 7 + len(training())  # two maps of stability, one a recording
     assert metadata["hash"] in page
     assert set(re.findall(r"https?://[\w.]+", page)) <= {"http://www.w3.org"}
 
@@ -124,25 +104,19 @@ def test_without_a_compiler_the_c_is_still_written(job: Path, tmp_path: Path) ->
     assert "apt-get install gcc" in told
 
 
-def test_validation_is_at_the_rate_of_the_scene(tmp_path: Path) -> None:
+def test_validation_is_at_the_rate_of_the_scene(job: Path, tmp_path: Path) -> None:
     """Poles are exact at any rate: a scene may have another one than the model's recordings."""
-    scene = tmp_path / "scene.toml"
-    scene.write_text(
-        'schema = 1\nname = "x"\nmodel = "model.spm"\n[runtime]\nrate_hz = 500\n'
-        '[coupling]\nmode = "off"\n'
-    )
+    slow = tmp_path / "scene.toml"
+    slow.write_text((job / "scene.toml").read_text() + "[runtime]\nrate_hz = 500\n")
     model_file(tmp_path)
-    assert run("emit", "--scene", scene, "--out", tmp_path / "c").returncode == 0
+    assert run("emit", "--scene", slow, "--out", tmp_path / "c").returncode == 0
     whole = training()[0]
-    every_other = replace(
-        whole, position_m=whole.position_m[::2], force_n=whole.force_n[::2], dt_s=2e-3
-    )
-    write_recording(tmp_path / "whole.h5", whole)
-    write_recording(tmp_path / "half.h5", every_other)
+    half = replace(whole, position_m=whole.position_m[::2], force_n=whole.force_n[::2], dt_s=2e-3)
+    for item, name in ((whole, "whole"), (half, "half")):
+        write_recording(tmp_path / f"{name}.h5", item)
     told = refusal(3, "validate", tmp_path / "c", "--recording", tmp_path / "whole.h5")
     assert "sampled at 1000 Hz, the scene at 500 Hz" in told
     found = run("validate", tmp_path / "c", "--recording", tmp_path / "half.h5", "--json")
-    assert found.returncode == 0, found.stderr
     assert json.loads(found.stdout)["rmse_percent_of_peak"] < 5
 
 

@@ -11,10 +11,6 @@ from pathlib import Path
 import pytest
 from support.in_process import spring
 from support.peer import CLI
-from support.small import model_file, scene, training
-
-from springpot.host.emission.emission import emit
-from springpot.trainer.recordings.recording_file import write_recording
 
 ASCII = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
 ROWS = "".join(f"{k / 100},{k % 7},{k % 7}\n" for k in range(400))
@@ -78,17 +74,10 @@ def content(folder: Path) -> dict[str, bytes]:
 
 
 @pytest.fixture(scope="module")
-def job(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("full")
-    (folder / "rec").mkdir()
-    for item in training():
-        write_recording(folder / "rec" / f"{item.name}.h5", item)
-    model_file(folder)
-    emit(scene(), folder / "model.spm", folder / "c")
-    (folder / "scene.toml").write_text('schema = 1\nname = "test"\nmodel = "model.spm"\n')
-    done = spring("validate", folder / "c", "--recording", folder / "rec")
+def validated(job: Path) -> Path:
+    done = spring("validate", job / "c", "--recording", job / "rec")
     assert done.returncode == 0, done.stderr
-    return folder
+    return job
 
 
 @pytest.mark.parametrize(
@@ -103,9 +92,9 @@ def job(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ids=lambda arguments: arguments[0],
 )
 def test_nothing_is_left_and_what_was_there_stands(
-    arguments: list[str], job: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    arguments: list[str], validated: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    shutil.copytree(job, tmp_path, dirs_exist_ok=True)
+    shutil.copytree(validated, tmp_path, dirs_exist_ok=True)
     monkeypatch.chdir(tmp_path)
     before = content(tmp_path)
     with files_of_at_most(1000):

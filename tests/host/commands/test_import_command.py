@@ -26,23 +26,16 @@ def test_json(tmp_path: Path) -> None:
     result = run(tmp_path / "a b.csv", "--out", out, "--zero", "first", "--json")
     assert result.exit_code == 0
     printed = json.loads(result.stdout)
-    assert printed["out"] == str(out)
     (row,) = printed["recordings"]
     assert row.pop("signs")["loops"] == 0
     assert row.pop("glance").startswith("stroke 2 mm, peak 3 N")
-    assert [row] == [
-        {
-            "name": "a_b",
-            "file": str(out / "a_b.h5"),
-            "samples": 3,
-            "rate_hz": 2.0,
-            "position_m": [0.0, 0.002],
-            "force_n": [0.0, 3.0],
-        }
-    ]
+    assert row == {
+        "name": "a_b", "file": str(out / "a_b.h5"), "samples": 3, "rate_hz": 2.0,
+        "position_m": [0.0, 0.002], "force_n": [0.0, 3.0],
+    }  # fmt: skip
     assert "column 2 'position_mm' in mm" in printed["guess"]
     assert printed["guess"] in result.stderr
-    assert [file.name for file in out.iterdir()] == ["a_b.h5"]
+    assert [str(file.parent) for file in out.iterdir()] == [printed["out"]]
     assert read_recording(out / "a_b.h5").zero == "first"
 
 
@@ -73,34 +66,25 @@ def test_an_hour_at_1_khz_imports_and_opens_in_time(tmp_path: Path) -> None:
     assert perf_counter() - begin < 1.0
 
 
-def test_nothing_is_written_when_one_file_is_refused(tmp_path: Path) -> None:
-    (tmp_path / "a.csv").write_text(TABLE)
-    (tmp_path / "b.csv").write_text(TABLE.replace("3,5", "3,x"))
-    result = run(tmp_path / "a.csv", tmp_path / "b.csv", "--out", tmp_path / "out")
+def test_nothing_is_written_or_overwritten_when_one_file_is_refused(tmp_path: Path) -> None:
+    good, bad, out = tmp_path / "a.csv", tmp_path / "b.csv", tmp_path / "out"
+    good.write_text(TABLE)
+    bad.write_text(TABLE.replace("3,5", "3,x"))
+    result = run(good, bad, "--out", out)
     assert isinstance(result.exception, DataError)
     assert "b.csv, row 4, column 3" in str(result.exception)
-    assert not (tmp_path / "out").exists()
-
-
-def test_nothing_is_overwritten(tmp_path: Path) -> None:
-    (tmp_path / "a.csv").write_text(TABLE)
-    (tmp_path / "b.csv").write_text(TABLE)
-    run(tmp_path / "b.csv", "--out", tmp_path / "out")
-    before = (tmp_path / "out" / "b.h5").read_bytes()
-    result = run(tmp_path / "a.csv", tmp_path / "b.csv", "--zero", "min", "--out", tmp_path / "out")
+    assert not out.exists()
+    (tmp_path / "x").mkdir()
+    (tmp_path / "x" / "a.csv").write_text(TABLE)
+    assert isinstance(run(good, tmp_path / "x" / "a.csv", "--out", out).exception, UsageError)
+    assert not out.exists()  # for two files of one name
+    bad.write_text(TABLE)
+    run(bad, "--out", out)
+    before = (out / "b.h5").read_bytes()
+    result = run(good, bad, "--zero", "min", "--out", out)
     assert isinstance(result.exception, UsageError)
     assert "b.h5: exists already" in str(result.exception)
-    assert (tmp_path / "out" / "b.h5").read_bytes() == before
-    assert not (tmp_path / "out" / "a.h5").exists()
-
-
-def test_two_files_of_one_name_are_refused(tmp_path: Path) -> None:
-    for folder in ("x", "y"):
-        (tmp_path / folder).mkdir()
-        (tmp_path / folder / "a.csv").write_text(TABLE)
-    result = run(tmp_path / "x" / "a.csv", tmp_path / "y" / "a.csv", "--out", tmp_path / "out")
-    assert isinstance(result.exception, UsageError)
-    assert not (tmp_path / "out").exists()
+    assert [file.read_bytes() for file in out.iterdir()] == [before]
 
 
 @pytest.mark.parametrize(

@@ -5,22 +5,11 @@ from pathlib import Path
 
 import pytest
 from support.in_process import spring
-from support.small import passive_model, scene, training
-
-import springpot
-
-
-@pytest.fixture(scope="module")
-def job(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    folder = tmp_path_factory.mktemp("given")
-    springpot.emit(folder / "c", model=passive_model(), scene=scene())
-    for item in training()[:2]:
-        springpot.write_recording(folder / f"{item.name}.h5", item)
-    return folder
+from support.small import training
 
 
 def test_validate_takes_recordings_by_place_and_by_name(job: Path) -> None:
-    one, two = (job / f"{item.name}.h5" for item in training()[:2])
+    one, two = (job / "rec" / f"{item.name}.h5" for item in training()[:2])
     found = []
     for given in ((one, two), ("--recording", one, "--recording", two), (one, "--recording", two)):
         done = spring("validate", job / "c", *given, "--json")

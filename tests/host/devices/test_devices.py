@@ -6,12 +6,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from support.peer import peer, wait_until
-from support.small import model_file, scene
 
 from springpot.codegen.errors import DeviceError, SpringpotError, UsageError
 from springpot.host.devices.device import DeviceRequirements, at_most
 from springpot.host.devices.drivers import parse_device
-from springpot.host.emission.emission import emit
 from springpot.host.recording import indentation
 from springpot.host.recording.indentation import Limits
 from springpot.host.recording.session import open_press_device
@@ -89,11 +87,10 @@ def test_a_serial_device_that_falls_silent_ends_a_press():
 
 
 @pytest.mark.realtime
-def test_a_device_that_tripped_takes_forces_after_a_reset(tmp_path):
+def test_a_device_that_tripped_takes_forces_after_a_reset(folder):
     """It switched its motor off by itself: one reset by the user, and it stays on."""
-    emit(scene(), model_file(tmp_path), tmp_path / "c")
     with peer("serial_device", "--trip-after", 0.4, "--presses-hz", 4) as device:
-        with Session(tmp_path / "c", device.url, report=list) as session:
+        with Session(folder, device.url, report=list) as session:
             session.start()
             wait_until(lambda: session.runner.state.tripped, 5, "no trip")
             fault_s = device.wait_for("fault")["at_s"]

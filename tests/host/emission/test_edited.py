@@ -8,20 +8,17 @@ from pathlib import Path
 
 import pytest
 from support.in_process import spring
-from support.small import model_file, press, recording, scene
 
 import springpot
 from springpot.codegen.errors import DataError
 from springpot.host.emission.checksums import CHECKSUMS
-from springpot.host.emission.emission import emit, read_emission
-from springpot.trainer.recordings.recording_file import read_recording, write_recording
+from springpot.host.emission.emission import read_emission
+from springpot.trainer.recordings.recording_file import read_recording
 
 
 @pytest.fixture(scope="module")
-def emitted(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    above = tmp_path_factory.mktemp("edited")
-    write_recording(above / "press.h5", recording("press", press(2.0)))
-    return emit(scene(), model_file(above), above / "c").folder
+def emitted(job: Path) -> Path:
+    return job / "c"
 
 
 @pytest.fixture

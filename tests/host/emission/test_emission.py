@@ -11,15 +11,11 @@ from pathlib import Path
 import pytest
 from support.small import model_file, passive_model, scene, small_model
 
-from springpot.codegen.errors import BudgetError, MismatchError, UsageError
-from springpot.codegen.model.model import Model
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.units import state_bytes
-from springpot.codegen.scene import Budget
+from springpot import Budget, BudgetError, MismatchError, Model, UsageError
+from springpot.emission import make_plan, state_bytes
 from springpot.host.emission.emission import Emission, emit
 from springpot.host.native.footprint import deepest_stack
-from springpot.host.native.scene_library import SceneLibrary
-from springpot.runtime_c.paths import flags
+from springpot.native import SceneLibrary, flags
 
 SHAPES = {
     "plain": scene(),
@@ -179,11 +175,10 @@ def test_doubles_in_software_are_told(tmp_path: Path, target: str, software: boo
 
 
 def test_emission_replaces_its_own_folder_and_no_other(tmp_path: Path) -> None:
-    model = model_file(tmp_path)
-    emit(SHAPES["paper"], model, tmp_path / "c")
-    emit(SHAPES["plain"], model, tmp_path / "c")
+    model, mine = model_file(tmp_path), tmp_path / "mine"
+    for shape in ("paper", "plain"):
+        emit(SHAPES[shape], model, tmp_path / "c")
     assert not (tmp_path / "c" / "sp_couple.h").exists()
-    mine = tmp_path / "mine"
     mine.mkdir()
     (mine / "thesis.txt").write_text("mine")
     with pytest.raises(UsageError, match="did not emit"):

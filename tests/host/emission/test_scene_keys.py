@@ -9,8 +9,7 @@ from typing import Any
 import pytest
 from support.messages import refusing
 
-from springpot.codegen.errors import DataError, UsageError
-from springpot.codegen.scene import Scene
+from springpot import DataError, Scene, UsageError
 from springpot.host.emission.scene_file import (
     checked_scene,
     model_path,

@@ -91,25 +91,27 @@ def test_a_folder_of_this_user_alone_is_made_and_used_again(source: Path) -> Non
     assert cache_folder().stat().st_mode & 0o077 == 0
 
 
-@pytest.mark.parametrize("which", ["folder", "library", "checksum"])
+WHICH = ["folder", "library", "checksum"]
+
+
+def parts(library: Path) -> dict[str, Path]:
+    return dict(zip(WHICH, (library.parent, library, library.with_suffix(".sha256")), strict=True))
+
+
+@pytest.mark.parametrize("which", WHICH)
 def test_what_others_can_write_is_not_loaded(which: str, source: Path) -> None:
     library = shared_library([source], [])
     planted = b"another library"
     library.write_bytes(planted)
-    library.with_suffix(".sha256").write_text(hashlib.sha256(planted).hexdigest())
-    paths = {"folder": library.parent, "library": library,
-             "checksum": library.with_suffix(".sha256")}  # fmt: skip
-    paths[which].chmod(0o777)
+    parts(library)["checksum"].write_text(hashlib.sha256(planted).hexdigest())
+    parts(library)[which].chmod(0o777)
     with pytest.raises(CompilerError, match=r"can be written by others.*set XDG_CACHE_HOME"):
         shared_library([source], [])
 
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root gives files away")
-@pytest.mark.parametrize("which", ["folder", "library", "checksum"])
+@pytest.mark.parametrize("which", WHICH)
 def test_what_belongs_to_another_user_is_not_loaded(which: str, source: Path) -> None:
-    library = shared_library([source], [])
-    paths = {"folder": library.parent, "library": library,
-             "checksum": library.with_suffix(".sha256")}  # fmt: skip
-    os.chown(paths[which], 12345, -1)
+    os.chown(parts(shared_library([source], []))[which], 12345, -1)
     with pytest.raises(CompilerError, match="belongs to user 12345"):
         shared_library([source], [])

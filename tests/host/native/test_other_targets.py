@@ -8,11 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.c import golden_forces
+from support.small import scene
 
 from springpot.codegen.emit.files import emit_files
-from springpot.codegen.model.model_file import read_model
 from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.scene import Coupling, Runtime, Scene
 from springpot.runtime_c.paths import flags
 
 pytestmark = pytest.mark.slow
@@ -70,14 +69,7 @@ def missing(target: str) -> str:
 def test_the_same_forces_for_other_targets(
     tmp_path: Path, name: str, number: str, mode: str
 ) -> None:
-    scene = Scene(
-        schema=1,
-        name="x",
-        model=f"{name}.spm",
-        runtime=Runtime(number=number),  # type: ignore[arg-type]
-        coupling=Coupling(mode=mode),  # type: ignore[arg-type]
-    )
-    plan = make_plan(read_model(golden_forces.FOLDER / f"{name}.spm"), scene, accept_unsafe=True)
+    plan = make_plan(golden_forces.model(name), scene(number, mode), accept_unsafe=True)
     for file, text in emit_files(plan).items():
         (tmp_path / file).write_text(text)
     sources = sorted(tmp_path.glob("*.c"))

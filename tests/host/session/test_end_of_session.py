@@ -7,19 +7,16 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 from support.peer import peer, wait_until
-from support.small import model_file, scene
 
+from springpot import Session
+from springpot.console import stopping_on_sigterm
+from springpot.devices import trip_error
 from springpot.host.cli import exit_status
 from springpot.host.commands.scenes.run import run
-from springpot.host.emission.emission import emit
-from springpot.host.native.loop_library import Stop, empty_rows
-from springpot.host.recording.indentation import trip_error
 from springpot.host.session import runner
 from springpot.host.session.c_loop import CLoop
-from springpot.host.session.loop import LoopSettings, LoopState
 from springpot.host.session.outcome import expected_ticks, fault_at_end, why_stopped
-from springpot.host.session.session import Session
-from springpot.host.session.terminal import stopping_on_sigterm
+from springpot.loop import LoopSettings, LoopState, Stop, empty_rows
 
 SETTINGS = LoopSettings(period_s=0.001, seconds=2.0)
 
@@ -33,7 +30,6 @@ def test_a_device_that_sends_nothing_is_a_failure(folder: Path) -> None:
     assert session.result()["samples"] == 0
     said = "ran for 0.5 s; no sample ever came, the force was zero: a board without a sensor is fed"
     assert session.line.startswith(said)
-    assert session.error is not None
     assert str(session.error) == session.line
     assert exit_status(session.error) == 5
 
@@ -47,12 +43,10 @@ def test_a_session_is_ended_while_its_device_is_gone(folder: Path) -> None:
             wait_until(lambda: any("waiting 60 s" in line for line in told), 20, "never gone")
             session.stop()
         returning = session.runner._supervisor._returning
-        assert returning is not None
         returning.join(10)
         assert not returning.is_alive()
     line = "stopped by the user; the device was gone: plug it in and start again"
     assert session.line == told[-1] == line
-    assert session.error is not None
     assert exit_status(session.error) == 5
     assert not any("gone for" in line for line in told)
 
@@ -107,8 +101,7 @@ def test_a_trip_names_who_was_late() -> None:
 @pytest.mark.parametrize(
     ("number", "who"), [(signal.SIGTERM, "SIGTERM"), (signal.SIGINT, "Ctrl-C")]
 )
-def test_a_signal_is_named(tmp_path: Path, number: int, who: str) -> None:
-    folder = emit(scene(), model_file(tmp_path), tmp_path / "c").folder
+def test_a_signal_is_named(folder: Path, tmp_path: Path, number: int, who: str) -> None:
     told: list[str] = []
     session = Session(folder, "sim://ecoflex-00-30", tmp_path / "a.h5", report=told.append)
     with pytest.raises(KeyboardInterrupt), stopping_on_sigterm(), session:
@@ -122,10 +115,9 @@ def test_a_signal_is_named(tmp_path: Path, number: int, who: str) -> None:
 
 
 def test_ctrl_c_before_it_began_is_only_that(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """While the device is opened, for instance: no result of a session that never was."""
-    folder = emit(scene(), model_file(tmp_path), tmp_path / "c").folder
 
     def interrupted(*_: object) -> None:
         raise KeyboardInterrupt
@@ -138,8 +130,7 @@ def test_ctrl_c_before_it_began_is_only_that(
     assert not [*tmp_path.glob("a.*")]
 
 
-def test_a_session_without_a_tick_leaves_no_log(tmp_path: Path) -> None:
-    folder = emit(scene(), model_file(tmp_path), tmp_path / "c").folder
+def test_a_session_without_a_tick_leaves_no_log(folder: Path, tmp_path: Path) -> None:
     with Session(folder, "sim://ecoflex-00-30", tmp_path / "a.h5", report=[].append) as session:
         pass
     assert session.result()["log"] is None

@@ -6,9 +6,9 @@ from typing import Any, cast
 import numpy as np
 import pytest
 from support.peer import wait_until
-from support.small import DEPTH_M, model_file, passive_model, press, recording, scene
+from support.small import DEPTH_M, passive_model, press, recording, scene
 
-from springpot.codegen.plan.make_plan import make_plan
+from springpot import Session
 from springpot.codegen.reference.notes import (
     CLAMPED,
     HELD,
@@ -18,11 +18,9 @@ from springpot.codegen.reference.notes import (
     RAMPED,
     RESYNC,
 )
-from springpot.host.emission.emission import emit
-from springpot.host.native.loop_library import COLUMN, NONE, empty_rows
+from springpot.emission import make_plan
 from springpot.host.session.live_warnings import LINE_S, MAX_EVENTS, LiveWarnings
-from springpot.host.session.outcome import NOTE_WORDS
-from springpot.host.session.session import Session
+from springpot.loop import COLUMN, NONE, NOTE_WORDS, empty_rows
 from springpot.trainer.recordings.recording_file import read_recording, write_recording
 
 PLAN = make_plan(passive_model(), scene())
@@ -155,14 +153,13 @@ def test_rows_may_come_in_any_number(drain):
     assert watched(rows, drain)[1] == watched(rows, 20)[1]
 
 
-def test_a_session_deeper_than_trained_warns_and_its_log_keeps_it(tmp_path):
+def test_a_session_deeper_than_trained_warns_and_its_log_keeps_it(folder, tmp_path):
     """A recording a third deeper than the training, through the whole session."""
-    emit(scene(), model_file(tmp_path), tmp_path / "c")
     deep = np.concatenate([np.zeros(200), press(1.0, 1.33 * DEPTH_M), np.zeros(800)])
     write_recording(tmp_path / "deep.h5", recording("deep", deep))
     said = []
     log = tmp_path / "log.h5"
-    with Session(tmp_path / "c", f"replay://{tmp_path}/deep.h5", log, report=list,
+    with Session(folder, f"replay://{tmp_path}/deep.h5", log, report=list,
                  alarm=lambda *line: said.append(line)) as session:  # fmt: skip
         session.start()
         wait_until(lambda: session.runner.over, 20, "the session does not end")

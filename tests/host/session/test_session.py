@@ -8,19 +8,14 @@ import pytest
 from support.peer import peer, wait_until
 from support.small import model_file, press, recording, scene
 
-from springpot.codegen.errors import DataError, DeviceError, SpringpotError, UsageError
+from springpot import DataError, DeviceError, Session, SpringpotError, UsageError
 from springpot.host.cli import exit_status
 from springpot.host.emission.emission import emit
 from springpot.host.native.loop_library import NONE, RESET, SILENT
-from springpot.host.session.loop import LoopSettings
 from springpot.host.session.runner import _loop_for
-from springpot.host.session.session import Session
 from springpot.host.validation.validation import validate
+from springpot.loop import LoopSettings
 from springpot.trainer.recordings.recording_file import read_recording, write_recording
-
-KEYS = {"ticks", "expected_ticks", "late", "lateness_us", "tick_us", "steal_ms", "ring_dropped",
-        "sequence_gaps", "stale_samples", "crc_errors", "watchdog_trips", "latched", "log",
-        "scheduler"}  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -63,7 +58,6 @@ def test_a_simulated_hand(tmp_path, folders, number):
         session.start()
         finish(session)
     result = session.result()
-    assert result.keys() >= KEYS
     assert abs(result["ticks"] - 1000) <= 1
     assert result["expected_ticks"] == 1000
     assert result["ring_dropped"] == result["stale_samples"] == result["watchdog_trips"] == 0

@@ -196,10 +196,7 @@ def test_misuse_of_the_c_is_refused():
         ("sim://ecoflex", "ecoflex-00-10, ecoflex-00-30"),
         ("sim://", "dragon-skin-10"),
         ("sim://ecoflex-00-30/x", "dragon-skin-10"),
-        (
-            "sim://ecoflex-00-30?colour=red",
-            "variant, stiffer, hand, seed or delay; to record, rest",
-        ),
+        ("sim://ecoflex-00-30?colour=red", "variant, stiffer, hand, seed or delay; to record"),
         ("sim://ecoflex-00-30?variant=c", "a, b"),
         ("sim://ecoflex-00-30?hand=left", "mid, firm, light"),
         ("sim://ecoflex-00-30?stiffer=nan", "stiffer=nan"),

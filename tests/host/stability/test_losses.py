@@ -12,10 +12,8 @@ from support.c import golden_forces
 from support.paths import C_TESTS
 from support.small import scene
 
-from springpot.codegen.coupling.linear_loop import DESIGN_HAND
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.plan import Plan
-from springpot.host.native.c_library import CLibrary
+from springpot.checks import DESIGN_HAND
+from springpot.emission import Plan, make_plan
 from springpot.host.native.compiler import shared_library
 from springpot.host.native.trial_build import built, uncoupled
 from springpot.host.simulation import cases as case_module
@@ -28,10 +26,10 @@ from springpot.host.simulation.cases import (
     loss_ticks,
     phase_gap,
 )
-from springpot.host.simulation.hand_loop import HandLoop
 from springpot.host.stability.closed_loop import Outcome, Rendered, lossy_outcomes
 from springpot.host.stability.losses import Losses, Stroked, losses_of
-from springpot.runtime_c.paths import INCLUDE
+from springpot.native import INCLUDE, CLibrary
+from springpot.simulation import HandLoop
 
 UNSAID = ("lost-1", "lost-2", "lost-10")
 GOING_ON = (*UNSAID, "late", "nan-5", "rate-90")
@@ -67,7 +65,6 @@ def outcomes(mode: str, loop: type[HandLoop] = HandLoop) -> dict[str, Outcome]:
 
 
 def faults(outcome: Outcome) -> tuple[str, ...]:
-    assert outcome.losses is not None
     return outcome.losses.faults
 
 
@@ -85,8 +82,7 @@ def test_rates_that_must_end_do_and_no_others(suffix: str) -> None:
     told, untold = outcomes("off"), outcomes("off", SilentLosses)
     for case in ("rate-50", "rate-10"):
         found = told[case + suffix]
-        assert found.ended and found.latched_s is not None
-        assert found.latched_s < 0.1
+        assert found.ended and found.latched_s < 0.1
         assert not untold[case + suffix].ended
     for case in GOING_ON:
         assert told[case + suffix].latched_s is None

@@ -7,17 +7,15 @@ import numpy as np
 import pytest
 from support.small import passive_model, scene
 
+from springpot import Coupling, ScenePlaces
+from springpot.checks import QUIET_MPS, stability
 from springpot.codegen.coupling.auto import spring_limit_npm
 from springpot.codegen.model.model_file import read_model
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.plan import Plan
-from springpot.codegen.scene import Coupling, ScenePlaces
-from springpot.host.native.trial_build import built
+from springpot.emission import Plan, make_plan
 from springpot.host.simulation.slide_cases import slide_cases
-from springpot.host.stability.check import stability
-from springpot.host.stability.judgement import QUIET_MPS
 from springpot.host.stability.slides import SlideOutcome, run_slides
 from springpot.host.stability.verdict import slide_words, why_unbounded
+from springpot.native import built
 
 LUMP = Path(__file__).parents[2] / "golden" / "press" / "lump.spm"
 
@@ -45,7 +43,6 @@ def test_slides_holds_and_rounds_are_bounded_and_quiet_with_every_hand(friction:
 
 def test_a_spring_that_the_device_does_not_bear_is_found() -> None:
     plan = sliding(0.8)
-    assert plan.lateral is not None
     stiff_npm = np.float32(1.2 * spring_limit_npm(plan.dt_s, plan.loop_device))
     anchor = replace(plan.lateral.anchor, stick_npm=stiff_npm)
     outcomes = found(replace(plan, lateral=replace(plan.lateral, anchor=anchor)))
@@ -66,7 +63,6 @@ def test_a_round_that_gives_energy_is_named() -> None:
 
 def test_the_cases_are_about_the_steepest_edge_of_the_map() -> None:
     plan = sliding(0.0)
-    assert plan.lateral is not None
     amounts = plan.lateral.placed.amounts[:, :, 0]
     steepest = max(
         np.abs(amounts[2:] - amounts[:-2]).max(), np.abs(amounts[:, 2:] - amounts[:, :-2]).max()

@@ -9,13 +9,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from support.in_process import spring
 from support.small import (
     DEPTH_M,
     DT_S,
     model_file,
     passive_model,
-    press,
     scene,
     small_model,
     training,
@@ -26,7 +25,6 @@ from springpot.codegen.errors import UnsafeError
 from springpot.codegen.model.model import Model
 from springpot.codegen.plan.make_plan import SERVED_HZ, make_plan
 from springpot.codegen.scene import Coupling, Device, Runtime, Scene
-from springpot.host.cli import springpot
 from springpot.host.emission.emission import emit, read_emission
 from springpot.host.native.trial_build import built
 from springpot.host.stability.check import Stability, stability
@@ -101,9 +99,8 @@ def _is_quiet_and_faithful(outcome: Outcome) -> None:
 
 def _agrees_with_the_stiffer_object(found: Stability) -> None:
     assert found.stiff.at_proxy
-    assert found.stiff.stiffness_npm == pytest.approx(
-        10.0 * found.check.plan.stiffness_npm, rel=0.1
-    )
+    ten_npm = 10.0 * found.check.plan.stiffness_npm
+    assert found.stiff.stiffness_npm == pytest.approx(ten_npm, rel=0.1)
     assert found.as_dict()["stiff"]["felt_stiffness_npm"] < found.stiff.stiffness_npm
 
 
@@ -135,18 +132,6 @@ def test_the_map_finds_the_negative_control_and_a_delay() -> None:
     assert late.sin_delta.min() == pytest.approx(-0.46, abs=0.1)
 
 
-def test_a_stiffer_model_is_the_model_at_another_scale() -> None:
-    plan, hard = (
-        make_plan(model, scene(number="float64"))
-        for model in (small_model(), small_model().stiffened(8.0))
-    )
-    motion = press(2.0)
-    with built(plan) as one, built(hard) as other:
-        soft_n, _ = one.new_state().run(motion)
-        hard_n, _ = other.new_state().run(motion / 8.0)
-    np.testing.assert_allclose(hard_n, soft_n, atol=1e-9)
-
-
 def test_emit_refuses_an_unstable_loop_and_names_what_would_do(tmp_path: Path) -> None:
     hard = small_model().stiffened(16.0)
     unsafe = dataclasses.replace(scene(), device=Device(delay_samples=1))
@@ -164,45 +149,23 @@ def test_emit_refuses_an_unstable_loop_and_names_what_would_do(tmp_path: Path) -
     assert safe.manifest["coupling"]["felt_stiffness_npm"] < emission.plan.stiffness_npm
 
 
-def test_unit_errors_pass_only_when_accepted(tmp_path: Path) -> None:
-    wrong = dataclasses.replace(scene(), coupling=Coupling(mode="tool", damping_nspm=2e4))
-    with pytest.raises(UnsafeError, match="20 N s/m"):
-        emit(wrong, model_file(tmp_path), tmp_path / "c")
-    emission = emit(wrong, model_file(tmp_path), tmp_path / "c", accept_unsafe=True)
-    assert emission.manifest["accept_unsafe"] is True
-
-
 def test_command_prints_the_contract(tmp_path: Path) -> None:
+    """Keys of its JSON: tests/host/commands/test_json_keys.py."""
     model_file(tmp_path)
-    file = tmp_path / "scene.toml"
+    file, page = tmp_path / "scene.toml", tmp_path / "stability.html"
     file.write_text('schema = 1\nname = "x"\nmodel = "model.spm"\n')
-    page = tmp_path / "stability.html"
-    arguments = ["stability", "--scene", str(file), "--json", "--report", str(page)]
-    found = json.loads(CliRunner().invoke(springpot, arguments, catch_exceptions=False).stdout)
-    assert {
-        "scene", "spectral_radius", "stable", "limit", "active_cells", "cells",
-        "active_cells_outside", "cells_outside", "worst_sin_delta", "scene_map", "closed_loop",
-        "recommendation",
-    } <= set(found)  # fmt: skip
-    assert set(found["scene_map"]) == {"active_cells", "cells", "active_cells_outside",
-                                       "cells_outside", "worst_sin_delta"}  # fmt: skip
-    assert set(found["closed_loop"][0]) == {
-        "hand", "case", "bounded", "max_depth_m", "delay_samples", "max_force_n", "hf_speed_mps",
-        "fidelity_percent", "energy_out_j", "lf_speed_mps", "growth_ratio", "grows", "latched_s",
-        "ended",
-    }  # fmt: skip
+    found = json.loads(spring("stability", "--scene", file, "--json", "--report", page).stdout)
     lossy = {item["case"] for item in found["closed_loop"] if "zero_ticks" in item}
     assert {item["case"] for item in found["closed_loop"]} - lossy == CASES
     names = ("lost-1", "lost-2", "lost-10", "late", "nan-5", "rate-90", "rate-50", "rate-10")
     assert lossy == {name + suffix for suffix in ("", "-fast") for name in names}
     text = page.read_text()
     assert text.count("<svg") == 2 + 3 * len(CASES)
-    assert "http" not in text.replace("http://www.w3.org", "").replace(
-        "http://purl.org", ""
-    ).replace("http://creativecommons.org", "")
+    homes = r"http://(www.w3.org|purl.org|creativecommons.org)"
+    assert "http" not in re.sub(homes, "", text)
     file.write_text(file.read_text() + "[coupling]\nmode = 'tool'\ndamping_nspm = 20000.0\n")
-    refused = CliRunner().invoke(springpot, arguments[:-2])
-    assert isinstance(refused.exception, UnsafeError)
+    refused = spring("stability", "--scene", file, "--json")
+    assert refused.returncode == 4
     assert json.loads(refused.stdout)["stable"] is False
 
 
@@ -230,9 +193,7 @@ def test_proxy_gives_no_kick_at_contact_or_release() -> None:
 
 def test_no_coupling_is_advised_where_none_is_stable() -> None:
     plan = make_plan(small_model().stiffened(2e3), scene(), accept_unsafe=True)
-    with pytest.raises(
-        UnsafeError, match=r"no coupling is stable at 1000 Hz .* record at a higher"
-    ):
+    with pytest.raises(UnsafeError, match=r"no coupling is stable at 1000 Hz .* record at a"):
         require_stable(plan)
 
 
@@ -282,7 +243,6 @@ def test_a_push_is_judged_by_where_the_object_bears_it(relaxing: float, tau_s: f
     """A linear object that relaxes bears the clamp's push deep below the trained depth."""
     fitted = passive_model()
     law = fitted.hammerstein
-    assert law is not None
     curve_n = np.full(law.elastic_n.size, law.elastic_n.mean())
     linear = dataclasses.replace(
         law, elastic_n=(1.0 - relaxing) * curve_n, tau_s=np.array([tau_s]),

@@ -9,22 +9,19 @@ import pytest
 from support.small import DT_S, passive_model, press, scene
 
 import springpot
-from springpot.codegen.errors import DataError, UsageError
-from springpot.codegen.model.model import Model
+from springpot import DataError, Model, Recording, Session, UsageError
+from springpot.checks import Grade
 from springpot.codegen.model.model_file import write_model
 from springpot.codegen.model.places import Places
 from springpot.host.emission.emission import emit
-from springpot.host.session.session import Session
-from springpot.host.stability.judgement import Grade
 from springpot.host.validation.parts import PlaceError, place_errors, place_line
-from springpot.host.validation.store import read_validation, store_validation
 from springpot.host.validation.validation import validate
 from springpot.host.wings.report.findings import by_place_findings
 from springpot.host.wings.report.place_figure import place_figure
 from springpot.host.wings.report.scene_page import write_report
 from springpot.trainer.models.predict import predict_n
-from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import read_recording
+from springpot.validation import read_validation, store_validation
 
 PLACES = ((0.0, 0.0), (0.007, 0.004), (0.01, 0.01))
 
@@ -32,7 +29,6 @@ PLACES = ((0.0, 0.0), (0.007, 0.004), (0.01, 0.01))
 def placed_model() -> Model:
     model = passive_model()
     passive = model.hammerstein
-    assert passive is not None
     amounts = np.array([[[0.5], [0.7]], [[0.9], [1.0]]])
     grid = np.zeros(2), np.full(2, 0.01)
     places = Places(*grid, amounts, passive.slopes_n[None])

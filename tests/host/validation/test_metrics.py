@@ -9,11 +9,7 @@ import pytest
 from support.in_process import spring
 from support.small import press, recording, training
 
-from springpot.host.metrics import (
-    accuracy,
-    just_noticeable_percent,
-    start_up_ramp,
-)
+from springpot.host.metrics import accuracy, just_noticeable_percent, start_up_ramp
 from springpot.trainer.recordings.recording_file import write_recording
 
 
@@ -26,7 +22,6 @@ def test_figures_of_a_known_error() -> None:
     assert found.rmse_percent_of_peak == pytest.approx(10 * found.rmse_n)
     each = [np.sqrt(1.36 / 4), np.sqrt(0.16 / 2)]
     assert found.mean_recording_rmse_n == pytest.approx(np.mean(each))
-    assert found.interval_n is not None
     assert min(each) - 1e-12 <= found.interval_n[0] <= found.interval_n[1] <= max(each) + 1e-12
     assert found.max_abs_error_n == 1.0
     # Above 2 N: 0, 0, 20 %, 0, 8 %.
@@ -54,9 +49,6 @@ def test_the_just_noticeable_difference_rises_below_two_newton() -> None:
     np.testing.assert_allclose(just_noticeable_percent(np.array([0.5, 2.0, 9.0])), [40, 10, 10])
 
 
-KEYS = {"noise_floor_n", "noise_floor_from", "noise_floor", "error_per_floor", "error_per_jnd"}
-
-
 def test_train_gives_both(tmp_path: Path) -> None:
     noise = np.random.default_rng(0)
     for folder, items in (("rec", training()), ("new", [recording("new", press(2.0))])):
@@ -71,7 +63,6 @@ def test_train_gives_both(tmp_path: Path) -> None:
         spring("train", tmp_path / "rec", "--model", "hammerstein", "--out", tmp_path / "m.spm",
                "--validate", tmp_path / "new", "--json").stdout
     )  # fmt: skip
-    assert set(trained) >= KEYS
     assert trained["noise_floor_n"] == pytest.approx(0.02, rel=0.1)
     assert trained["noise_floor"] == f"from 2 repeats of each of {len(training()) + 1} presses"
     assert trained["error_per_floor"] == pytest.approx(trained["rmse_n"] / trained["noise_floor_n"])

@@ -9,27 +9,21 @@ import pytest
 from codegen.stages.test_lateral import at_depth, slow
 from support.small import DT_S, press, scene
 
-from springpot.codegen.errors import DataError
+from springpot import DataError, FitOptions, Recording, ScenePlaces, check_recordings
+from springpot.checks import Grade
 from springpot.codegen.model.model_file import write_model
-from springpot.codegen.scene import ScenePlaces
-from springpot.host.commands.scenes.validate import validation_rows
+from springpot.console import validation_rows
 from springpot.host.emission.emission import emit
-from springpot.host.native.replay import Replay
-from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.stability.judgement import Grade
-from springpot.host.validation.parts import SlideError
-from springpot.host.validation.store import read_validation, store_validation
 from springpot.host.validation.validation import Validation, validate
+from springpot.host.wings.export.exporting import export_recording
 from springpot.host.wings.report.findings import slide_findings
 from springpot.host.wings.report.relaxation import recorded_hold
-from springpot.trainer.kinds import fit_model
-from springpot.trainer.models.fit import FitOptions
+from springpot.modelling import fit_model
+from springpot.native import Replay, SceneLibrary
 from springpot.trainer.recordings.formats.importing import import_file
-from springpot.trainer.recordings.quality.report import check_recordings
-from springpot.trainer.recordings.recording import Recording
+from springpot.validation import SlideError, read_validation, store_validation
 
 pytestmark = pytest.mark.slow
-HEADER = "time_s,position_m,force_N,place_x_mm,place_y_mm,lateral_x_N,lateral_y_N"
 
 
 @pytest.fixture(scope="module")
@@ -97,7 +91,6 @@ def test_whatever_is_not_the_object_is_an_error_of_its_axis(
     else:
         wrong = replace(slide, channels={**slide.channels, axis: gain * slide.channels[axis]})
     (error,) = compared(folders["lateral"], [wrong]).slides
-    assert error.lateral_rmse_n is not None
     sideways, along = error.lateral_rmse_n > 1e-3, error.rmse_percent_of_peak > 1.0
     assert (sideways, along) == (axis != "force_n", axis in ("force_n", "x_m"))
 
@@ -140,18 +133,11 @@ def test_columns_of_places_that_change_are_a_slide(
     folders: dict[str, Path], tmp_path: Path
 ) -> None:
     slide = rendered(folders["lateral"], 0)
-    x_m, y_m, x_n, y_n = (slide.channels[name] for name in ("x_m", "y_m", "x_n", "y_n"))
-    time_s = DT_S * np.arange(len(x_m))
-    table = np.column_stack([
-        time_s, slide.position_m, slide.force_n, 1e3 * x_m, 1e3 * y_m, x_n, y_n
-    ])  # fmt: skip
-    np.savetxt(tmp_path / "slid.csv", table, "%.9g", ",", header=HEADER, comments="")
-    read = import_file(tmp_path / "slid.csv", None, "none", None)
+    read = import_file(export_recording(tmp_path, slide, "csv"), None, "none", None)
     assert "slides: x " in read.guess
     (found,) = read.recordings
     for name, samples in slide.channels.items():
         np.testing.assert_allclose(found.channels[name], samples, atol=1e-9)
-    assert found.place_m is None
     row = validation_rows(compared(folders["lateral"], [found]))["slides"]
     assert row.startswith("1 slide: along the depth") and "correlation 1.00" in row
 

@@ -10,17 +10,13 @@ import pytest
 from codegen.stages.test_lateral import plan_of
 from support.small import passive_model
 
-from springpot.codegen.errors import DataError, UsageError
+from springpot import DataError, FitOptions, Recording, UsageError, check_recordings
 from springpot.host.validation.parts import require_slides
 from springpot.host.wings.evidence.benchmark.run import Bench, run_bench
 from springpot.host.wings.export.exporting import export_recording
-from springpot.trainer.kinds import fit_model
-from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.limited import limited_n
+from springpot.modelling import fit_model, limited_n
 from springpot.trainer.recordings.conditioning import Conditioning, condition
 from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
-from springpot.trainer.recordings.quality.report import check_recordings
-from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import read_recording, write_recording
 from springpot.trainer.recordings.slides import LATERAL, is_slide
 

@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 from support.small import model_file, scene, training
 
-from springpot.codegen.scene import Runtime
+from springpot import Recording, Runtime
 from springpot.host.emission.emission import emit
 from springpot.host.validation.ticks import at_samples, at_ticks, samples_of
 from springpot.host.validation.validation import validate
-from springpot.trainer.recordings.recording import Recording
 
 
 @pytest.mark.parametrize("tick_hz", [1000.0, 1280.0, 8000.0])

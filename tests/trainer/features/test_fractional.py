@@ -13,18 +13,6 @@ def test_weights_equal_exact_binomials(order: float) -> None:
     np.testing.assert_allclose(gl_weights(order, 2000), exact, rtol=5e-13, atol=1e-300)
 
 
-@pytest.mark.parametrize("order", [0.05, 0.25, 0.5])
-@pytest.mark.parametrize("power", [1, 2])
-def test_derivative_of_powers(order: float, power: int) -> None:
-    # D^r t^p = gamma(p + 1)/gamma(p + 1 - r) t^(p - r), from rest at 0.
-    dt_s = 1e-3
-    time_s = np.arange(2000) * dt_s
-    filtered = fir_derivatives(time_s**power, gl_taps(order, 2000, dt_s)[:, None])[:, 0]
-    factor = float(mpmath.gamma(power + 1) / mpmath.gamma(power + 1 - order))
-    exact = factor * time_s ** (power - order)
-    np.testing.assert_allclose(filtered[1000:], exact[1000:], rtol=2e-3)
-
-
 @pytest.mark.parametrize("order", [0.1, 0.3, 0.5])
 def test_sines_are_scaled_and_advanced(order: float) -> None:
     # D^r sin(w t) = w^r sin(w t + r pi/2) once the start has died away.

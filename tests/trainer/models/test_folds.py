@@ -51,15 +51,9 @@ def test_what_is_as_deep_as_nothing_else_is_not_held_out() -> None:
 
 
 def test_noise_on_repeats_makes_no_further_conditions() -> None:
-    noise = np.random.default_rng(1)
-    same = [
-        dataclasses.replace(
-            training()[5],
-            name=f"{k}",
-            position_m=training()[5].position_m + noise.normal(0.0, 2e-6, 1000),
-        )
-        for k in range(6)
-    ]
+    noise, item = np.random.default_rng(1), training()[5]
+    noisy_m = [item.position_m + noise.normal(0.0, 2e-6, 1000) for _ in range(6)]
+    same = [dataclasses.replace(item, position_m=position_m) for position_m in noisy_m]
     data = training_set(same, smooth_s=0.0)
     assert held_out_whole(data, np.arange(data.rows_total)) == []
 

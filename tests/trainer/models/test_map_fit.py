@@ -9,23 +9,16 @@ import numpy as np
 import pytest
 from support.small import DT_S, passive_model, press, scene
 
-from springpot.codegen.errors import DataError, UsageError
-from springpot.codegen.model.model import Model
+from springpot import DataError, FitOptions, Model, Recording, ScenePlaces, UsageError
 from springpot.codegen.model.model_file import write_model
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.scene import ScenePlaces
+from springpot.emission import make_plan
 from springpot.host.emission.emission import emit
-from springpot.host.native.trial_build import built
-from springpot.host.recording.protocols import load_protocol
 from springpot.host.recording.session import open_press_device, record_session
-from springpot.host.simulation.bench import ObjectMotion
-from springpot.host.simulation.objects import parse_url
 from springpot.host.validation.validation import validate
-from springpot.trainer.kinds import fit_model
-from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.passive.map_grid import grid_of
+from springpot.modelling import fit_model
+from springpot.native import built
+from springpot.simulation import ObjectMotion, load_protocol, parse_url
 from springpot.trainer.models.predict import predict_n
-from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import read_recordings
 
 Site = tuple[float, float]
@@ -71,16 +64,6 @@ def test_other_kinds_few_sites_and_missing_places_are_refused() -> None:
     nowhere = Recording("lost", whole[0].position_m, whole[0].force_n, DT_S)
     with pytest.raises(DataError, match="others none"):
         fit_model("auto", "map", [*whole, nowhere], FitOptions())
-
-
-@pytest.mark.parametrize("sites", [SITES, [(0.0, 0.0), (0.03, 0.0), (0.02, 0.01), (0.0, 0.03)]])
-def test_the_nodes_of_a_grid_cover_the_sites(sites: list[Site]) -> None:
-    grid = grid_of(sites)
-    nodes = np.stack(np.meshgrid(*(
-        grid.first_m[axis] + grid.step_m[axis] * np.arange(grid.nodes[axis]) for axis in (0, 1)
-    ), indexing="ij"), axis=-1).reshape(-1, 2)  # fmt: skip
-    np.testing.assert_allclose(grid.weights @ nodes, sites, atol=1e-12)
-    np.testing.assert_allclose(grid.weights.sum(axis=1), 1.0)
 
 
 @cache

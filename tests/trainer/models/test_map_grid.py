@@ -36,21 +36,18 @@ def error(sites: list[tuple[float, float]], seed: int, finer: int) -> float:
     return float(np.sqrt(np.mean((np.array(found) - true) ** 2)))
 
 
-@pytest.mark.parametrize("side", [2, 4, 5, 7])
-def test_even_sites_make_less_error_with_twice_the_nodes(side: int) -> None:
-    """Less of 30 lumps of a fifth of the width or more, and of four sites no more."""
-    finer, coarse = (
-        np.array([error(even(side, side), seed, times) for seed in range(30)]) for times in (2, 1)
-    )
-    assert np.mean(finer) < {2: 1.001, 4: 0.8, 5: 0.6, 7: 0.3}[side] * np.mean(coarse)
-    assert finer.max() < 1.001 * coarse.max()
+# Sites of 30 lumps of a fifth of the width or more, and the error that twice the nodes leave.
+LEFT = {("even", 2): 1.001, ("even", 4): 0.8, ("even", 5): 0.6, ("even", 7): 0.3}
+LEFT |= {("anywhere", count): 0.75 for count in (20, 25, 40)}
 
 
-@pytest.mark.parametrize("count", [20, 25, 40])
-def test_sites_anywhere_make_less_error_with_twice_the_nodes(count: int) -> None:
-    finer, coarse = [], []
-    for seed in range(30):
-        sites = scattered(np.random.default_rng(seed), count)
-        finer.append(error(sites, seed, 2))
-        coarse.append(error(sites, seed, 1))
-    assert np.mean(finer) < 0.75 * np.mean(coarse)
+@pytest.mark.parametrize(("way", "count"), LEFT)
+def test_twice_the_nodes_make_less_error(way: str, count: int) -> None:
+    def errors(finer: int) -> np.ndarray:
+        drawn = (scattered(np.random.default_rng(seed), count) for seed in range(30))
+        sites = drawn if way == "anywhere" else [even(count, count)] * 30
+        return np.array([error(each, seed, finer) for seed, each in enumerate(sites)])
+
+    finer, coarse = errors(2), errors(1)
+    assert np.mean(finer) < LEFT[way, count] * np.mean(coarse)
+    assert way == "anywhere" or finer.max() < 1.001 * coarse.max()

@@ -11,13 +11,10 @@ import pytest
 from support.c.passive_run import PassiveC
 from support.small import DT_S, press
 
-from springpot.codegen.model.passive import Hammerstein
-from springpot.host.metrics import accuracy
-from springpot.host.recording.protocols import load_protocol
+from springpot import FitOptions, Recording
 from springpot.host.recording.session import open_press_device, record_session
-from springpot.trainer.features.values import highpass
-from springpot.trainer.kinds import fit_model
-from springpot.trainer.models.fit import FitOptions
+from springpot.modelling import Hammerstein, fit_model, highpass, training_set
+from springpot.simulation import load_protocol
 from springpot.trainer.models.limited import limited_each_n
 from springpot.trainer.models.passive.nonnegative import normal_equations, sparse_solve
 from springpot.trainer.models.passive.passive_fit import (
@@ -29,9 +26,8 @@ from springpot.trainer.models.passive.passive_fit import (
 )
 from springpot.trainer.models.passive.passive_terms import plain_terms, to_model
 from springpot.trainer.models.predict import predict_n
-from springpot.trainer.models.training_set import training_set
-from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import read_recordings
+from springpot.validation import accuracy
 
 DEPTH_M = 0.01
 MODES = ((0.02, 2.0), (0.2, 1.5), (2.0, 1.5))  # s, N
@@ -83,13 +79,6 @@ def test_a_fold_without_the_deepest_recording_has_ordinary_weights_and_errors() 
                 weights = kept.solve()
                 assert weights.max() < 10.0 * peak_n
                 assert normal_equations(values[out], force_n[out]).rmse(weights) < peak_n
-
-
-def test_what_no_shallow_press_tells_is_learnt_from_the_deep_one() -> None:
-    fit = fit_model("hammerstein", "x", one_twice_as_deep(), FitOptions(smooth_s=0.0))
-    test = tissue("other", press(0.7, 0.8 * DEPTH_M), 4.0)
-    found = accuracy([test.force_n], [predict_n(fit.model, test)])
-    assert found.rmse_percent_of_peak < 4.0
 
 
 @pytest.mark.parametrize(("stiffening", "percent"), [(4.0, 1.0), (12.0, 4.0)])

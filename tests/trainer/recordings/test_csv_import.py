@@ -7,14 +7,12 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
-from springpot.codegen.errors import DataError
+from springpot import DataError, Recording
 from springpot.trainer.recordings.formats.column_map import parse_map
 from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
-from springpot.trainer.recordings.recording import Recording
 
 GOOD = "time_s,position_m,force_N\n0.000,0,0\n0.001,0.1,1\n0.002,0.2,2\n0.003,0.3,3\n0.004,0.4,4\n"
-
-
+COMMA, HEAD = GOOD.replace(",", ";").replace(".", ","), "time_s;position_m;force_N\n"
 BESIDE = "\n".join(f"{line},{'stage_x_mm' if line[0] == 't' else 5}" for line in GOOD.split())
 
 
@@ -50,52 +48,24 @@ def test_columns_that_are_not_read_are_named(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("header", "delimiter", "mapping"),
     [
-        ("Time (ms);Position [mm];Load (mN)", ";", ""),
-        ("time_ms,position_mm,force_mN", ",", ""),
-        ("\ufeffforce mN\ttime ms\tdisplacement mm", "\t", ""),
-        ('"Time, ms","Extension (mm)","Load, mN"', ",", ""),
-        ("Time\tPosition\tForce\n(ms)\t(mm)\t(mN)", "\t", ""),
-        ("t,x,f", ",", "time=t:ms,position=x:mm,force=f:mN"),
-        ("t (s),x (m),f (N)", ",", "time=1:0.001s,position=2:0.001m,force=3:0.001N"),
-        ("t,x,f", ",", "time=1:ms,position=2:mm,force=3:mN"),
-        ("", ",", "time=1:ms,position=2:mm,force=3:mN"),
-        ("Operator: me\n\nTime (ms),Position (mm),Load (mN)", ",", ""),
-        ("Time (ms),Compression (mm),Compression stress (kPa),Load (mN)", ",", ""),
+        ("\ufefftime ms\tdisplacement mm\tforce N", "\t", ""),
+        ('"Time, ms","Extension (mm)","Load, N"', ",", ""),
+        ("TIME_MS,POSITION_MM,FORCE_N", ",", ""),
+        ("Time (Msec),Depth (Millimetres),Load (Newton)", ",", ""),
+        ("t,x,f", ",", "time=t:ms,position=x:mm,force=f:N"),
+        ("t (s),x (m),f (N)", ",", "time=1:0.001s,position=2:0.001m,force=3:N"),
+        ("", ",", "time=1:ms,position=2:mm,force=3:N"),
     ],
 )
 def test_headers(tmp_path: Path, header: str, delimiter: str, mapping: str) -> None:
-    names = [cell.lower() for cell in header.splitlines()[-1].split(delimiter)] if header else []
-    table = {"time": [0, 10, 20, 30], "position": [0, 1, 2, 3], "force": [0, 10, 20, 30]}
-    order = ["time", "position", "force"]
-    if "\ufeff" in header:
-        order = ["force", "time", "position"]
-    columns = [table[name] for name in order]
-    if len(names) == 4 and "stress" in names[2]:
-        columns.insert(2, [9, 9, 9, 9])
-    body = "\n".join(delimiter.join(map(str, row)) for row in zip(*columns, strict=True))
-    recording = load(tmp_path, f"{header}\n{body}\n" if header else f"{body}\n", mapping)
-    np.testing.assert_allclose(recording.position_m, [0.0, 0.001, 0.002, 0.003])
-    np.testing.assert_allclose(recording.force_n, [0.0, 0.01, 0.02, 0.03])
-    assert recording.dt_s == pytest.approx(0.01)
-
-
-@pytest.mark.parametrize(
-    ("header", "units"),
-    [
-        ("TIME_MS,POSITION_MM,FORCE_N", ("ms", "mm", "N")),
-        ("time ms,Position mm,force_n", ("ms", "mm", "N")),
-        ("Time (Msec),Depth (Millimetres),Load (Newton)", ("ms", "mm", "N")),
-    ],
-)
-def test_units_in_other_letters_and_words(
-    tmp_path: Path, header: str, units: tuple[str, str, str]
-) -> None:
-    recording = load(tmp_path, header + GOOD[GOOD.index("\n") :])
-    assert recording.position_m.tolist() == [x * 1e-3 for x in (0.0, 0.1, 0.2, 0.3, 0.4)]
-    assert recording.force_n.tolist() == [0.0, 1.0, 2.0, 3.0, 4.0]
-    assert recording.dt_s == pytest.approx(1e-6)
-    found = recording.details["units"]
-    assert [found[q]["unit"] for q in ("time", "position", "force")] == [*units]
+    """Layouts of public recordings: tests/host/commands/test_real_layouts.py."""
+    body = [delimiter.join(map(str, row)) for row in [(0, 0, 0), (10, 1, 2), (20, 2, 4)]]
+    found = load(tmp_path, "\n".join([header, *body] if header else body), mapping)
+    np.testing.assert_allclose(found.position_m, [0.0, 0.001, 0.002])
+    assert found.force_n.tolist() == [0.0, 2.0, 4.0]
+    assert found.dt_s == pytest.approx(0.01)
+    units = [found.details["units"][q]["unit"] for q in ("time", "position", "force")]
+    assert units == ["ms", "mm", "N"] or "0.001" in mapping
 
 
 @pytest.mark.parametrize("unit", ["N", "-1N", "2kN"])
@@ -125,17 +95,24 @@ def test_a_map_that_contradicts_the_row_of_units_is_refused(tmp_path: Path) -> N
     assert "its row of units says kN, --map says N" in refusal(tmp_path, text, "force=force:N")
     same = load(tmp_path, text, "force=force:-1000N,position=position:0.1cm")
     assert same.force_n.tolist() == [0.0, -1000.0, -2000.0, -3000.0, -4000.0]
+    assert load(tmp_path, text).details["units"]["force"] == {
+        "unit": "kN", "to_si": 1000.0, "from": "row of units", "column": "force"
+    }  # fmt: skip
 
 
-def test_windows_text_is_read(tmp_path: Path) -> None:
-    header = "time (s);Prüfweg (µm);force (N)"
-    text = (header + GOOD[GOOD.index("\n") :].replace(",", ";")).encode("cp1252")
-    for numbers in (text, text.replace(b".", b",")):
+@pytest.mark.parametrize(
+    ("encoding", "said"),
+    [("cp1252", "not UTF-8, read as Windows-1252"), ("utf-16", "UTF-16"), ("utf-8-sig", "time")],
+)
+def test_text_of_windows_is_read(encoding: str, said: str, tmp_path: Path) -> None:
+    text = "time (s);Prüfweg (µm);force (N)" + GOOD[GOOD.index("\n") :].replace(",", ";")
+    for numbers in (text, text.replace(".", ","), text.replace("\n", "\r\n")):
         file = tmp_path / "press.csv"
-        file.write_bytes(numbers)
+        file.write_bytes(numbers.encode(encoding))
         result = import_file(file, parse_map("position=Prüfweg (µm)"), "none", None)
         assert result.recordings[0].position_m[-1] == pytest.approx(0.4e-6)
-        assert "not UTF-8, read as Windows-1252" in result.guess
+        assert said in result.guess
+        assert ("decimal comma" in result.guess) == ("," in numbers)
 
 
 @pytest.mark.parametrize("delimiter", [",", ";", "|", "\t", " "])
@@ -172,17 +149,13 @@ def test_a_mark_above_numbers_of_its_own_is_a_header(tmp_path: Path) -> None:
         ),
         (
             GOOD.replace(",", ";").replace("0.2;2", "0,2;2"),
-            "row 4, column 2: '0,2' is not a number",
+            "row 4, column 2: '0,2' is not a",
         ),
-        (GOOD.replace("0.1,1\n", "0.1,inf\n"), "row 3: force is not a finite number"),
         (GOOD.replace("0.1,1\n", ",1\n"), "row 3, column 2: the cell is empty"),
-        (GOOD.replace("0.1,1\n", "0.1,one\n"), "row 3, column 3: 'one' is not a number"),
         (GOOD.replace("0.1,1\n", "0.1,1_0\n"), "row 3, column 3: '1_0' is not a number"),
         (GOOD.replace("0.003,", "0.0015,"), "row 5: time goes back from 0.002 s to 0.0015 s"),
-        (GOOD.replace("0.003,", "0.002,"), "row 5: time stands still at 0.002 s"),
         (GOOD.replace("0.002,0.2,2\n", ""), "row 4: gap of 0.002 s"),
         (GOOD.replace("0.1,1\n", "0.1,1,7\n"), "row 3: 4 cells, the rows above have 3"),
-        (GOOD.replace("0.2,2\n", "0.2\n"), "row 4: 2 cells"),
         (GOOD[: GOOD.index("0.002")], "2 rows of numbers: a recording needs 3"),
         ("time_s,position_m,force_N\n", "0 rows of numbers"),
         ("", "the file is empty"),
@@ -193,22 +166,10 @@ def test_a_mark_above_numbers_of_its_own_is_a_header(tmp_path: Path) -> None:
         (GOOD.encode().replace(b"0.2", b"0\0002"), "row 4: a NUL byte"),
         (GOOD.encode().replace(b"0.2", b"0\xb52"), "row 4, column 2: '0\u00b52' is not a number"),
         (GOOD.encode().replace(b"0.2", b"0\x812"), "row 4: byte 0x81 is not UTF-8"),
-        (
-            ("mü," + GOOD.replace("\n", "\n0,")).encode() + b"\xb5",
-            "row 7: byte 0xb5 is not UTF-8 text: save the file in UTF-8",
-        ),
-        (
-            GOOD.replace("force_N", "force_mn"),
-            "--map force=force_mn:UNIT, with",
-        ),
-        (
-            GOOD.replace(",", ";").replace(".", ",").replace("0,002;0,2", "0,002;1.0,2"),
-            "row 4, column 2: '1.0,2' is not a number with a decimal comma",
-        ),
-        (
-            "time_s;position_m;force_N\n0;1;1,000\n1;2;2,000\n2;3;3,000\n",
-            "row 2: '1,000' may be a decimal comma or a thousands separator",
-        ),
+        (("mü," + GOOD.replace("\n", "\n0,")).encode() + b"\xb5", "row 7: byte 0xb5 is not UTF-8"),
+        (GOOD.replace("force_N", "force_mn"), "--map force=force_mn:UNIT, with"),
+        (COMMA.replace("0,002;0,2", "0,002;1.0,2"), "'1.0,2' is not a number with a decimal comma"),
+        (HEAD + "0;1;1,000\n1;2;2,000\n2;3;3,000\n", "row 2: '1,000' may be a decimal comma or"),
     ],
 )
 def test_refused(tmp_path: Path, text: str | bytes, message: str) -> None:
@@ -232,30 +193,21 @@ def test_rounded_stamps_pass(tmp_path: Path, rate_hz: float, form: str) -> None:
 def test_jitter_needs_resampling(tmp_path: Path) -> None:
     time_s = np.arange(100) * 0.01
     time_s[42] += 0.001
-    text = rows(time_s)
-    message = refusal(tmp_path, text)
+    message = refusal(tmp_path, rows(time_s))
     assert "row 44: the time step is 0.011 s" in message
     assert "--resample-hz 100" in message
-    recording = load(tmp_path, text, resample_hz=100.0)
-    assert recording.dt_s == 0.01
-    assert len(recording.position_m) == 100
-    assert recording.details["resampled_hz"] == 100.0
-    assert recording.details["source_rows"] == 100
-    expected = np.interp(0.42, [0.41, 0.421], [41e-4, 42e-4])
-    assert recording.position_m[42] == pytest.approx(expected)
+    found = load(tmp_path, rows(time_s), resample_hz=100.0)
+    assert (found.dt_s, found.details["resampled_hz"], found.details["source_rows"]) == (
+        0.01, 100.0, 100
+    )  # fmt: skip
+    np.testing.assert_allclose(found.position_m[42], np.interp(0.42, time_s, np.arange(100) * 1e-4))
+    assert "more than 20 times" in refusal(tmp_path, GOOD, rate=1e6)
 
 
 def test_a_rate_that_changes_within_rounding_is_refused(tmp_path: Path) -> None:
     steps_s = np.where(np.arange(1000) < 500, 0.010, 0.011)
     message = refusal(tmp_path, rows(np.cumsum(steps_s), "%.3f"))
     assert "the mean of the last 100 time steps" in message
-
-
-def test_resampling_does_not_bridge_gaps(tmp_path: Path) -> None:
-    time_s = np.arange(100) * 0.01
-    time_s[50:] += 0.02
-    assert "row 52: gap of 0.03 s" in refusal(tmp_path, rows(time_s), rate=100.0)
-    assert "more than 20 times" in refusal(tmp_path, GOOD, rate=1e6)
 
 
 @pytest.mark.parametrize("seed", range(10))
@@ -351,39 +303,6 @@ def test_numbers_arrive_bit_for_bit(
 @given(st.binary(max_size=200))
 def test_any_bytes_give_one_line(tmp_path: Path, noise: bytes) -> None:
     refusal(tmp_path, GOOD.encode() + b"0.1,x,\n" + noise)
-
-
-RIG = "0.000,1.25,10.5\n0.010,1.50,11.5\n0.020,2.75,13.5\n0.030,3.00,16.5\n"
-PREAMBLE = "Test:;Compression\nSpeed (mm/min):;10,5\nTime limit;never\n\n"
-
-
-@pytest.mark.parametrize(
-    ("text", "encoding"),
-    [
-        (RIG.replace(",", ";").replace(".", ","), "utf-8"),
-        (RIG.replace(",", "\t").replace(".", ","), "utf-8-sig"),
-        (RIG.replace(",", "\t"), "utf-16"),
-        (RIG.replace(",", ";").replace(".", ","), "utf-16"),
-        (RIG.replace(",", ";"), "utf-8"),
-    ],
-)
-@pytest.mark.parametrize("newline", ["\n", "\r\n"])
-def test_dialects_of_test_rigs(tmp_path: Path, text: str, encoding: str, newline: str) -> None:
-    mark = "\t" if "\t" in text else ";"
-    head = PREAMBLE + mark.join(("Time", "Extension", "Load")) + "\n"
-    head += mark.join(("(s)", "(mm)", "(kN)")) + "\n"
-    file = tmp_path / "rig.csv"
-    file.write_bytes((head + text).replace("\n", newline).encode(encoding))
-    result = import_file(file, None, "none", None)
-    (recording,) = result.recordings
-    assert recording.position_m.tolist() == [1.25e-3, 1.5e-3, 2.75e-3, 3e-3]
-    assert recording.force_n.tolist() == [10500.0, 11500.0, 13500.0, 16500.0]
-    assert recording.dt_s == pytest.approx(0.01)
-    assert recording.details["units"]["force"] == {
-        "unit": "kN", "to_si": 1000.0, "from": "row of units", "column": "Load"
-    }  # fmt: skip
-    assert ("decimal comma" in result.guess) == ("," in text)
-    assert ("UTF-16" in result.guess) == (encoding == "utf-16")
 
 
 @pytest.mark.parametrize(("delimiter", "quote"), [(";", ""), (",", '"')])

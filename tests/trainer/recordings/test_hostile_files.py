@@ -17,12 +17,11 @@ import numpy as np
 import pytest
 from support.files.malformed import DBC, can_frames, malformed
 
-from springpot.codegen.errors import DataError, SpringpotError
+from springpot import DataError, Recording, SpringpotError
+from springpot.modelling import split_unit
 from springpot.trainer.recordings import recording_file
-from springpot.trainer.recordings.formats.column_map import split_unit
 from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
 from springpot.trainer.recordings.journal_blocks import LAST_METADATA, SAMPLES, encode
-from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import read_recording, write_recording
 
 COUNT = int(os.environ.get("SPRINGPOT_FUZZ", "100"))
@@ -63,28 +62,34 @@ def journal(folder: Path, metadata: bytes) -> Path:
     return file
 
 
-@pytest.mark.parametrize("missing", ["schema", "name", "dt_s", "source", "details", "block_s"])
-def test_metadata_of_a_journal_without_a_field(tmp_path: Path, missing: str) -> None:
-    left = {name: value for name, value in METADATA.items() if name != missing}
-    if missing == "block_s":  # the time of a block of journals without it is taken for one step
-        assert len(read_recording(journal(tmp_path, json.dumps(left).encode())).force_n) == 20
-        return
-    assert missing in refusal(journal(tmp_path, json.dumps(left).encode()))
+def without(field: str) -> bytes:
+    return json.dumps({name: value for name, value in METADATA.items() if name != field}).encode()
+
+
+WRONG: list[dict[str, Any]] = [
+    {"dt_s": "x"}, {"dt_s": -1}, {"dt_s": None}, {"schema": "one"}, {"details": []}, {"zero": "x"},
+    {"block_s": [1]}, {"channels": 5}, {"name": 7}, {"dt_s": float("inf")},
+]  # fmt: skip
 
 
 @pytest.mark.parametrize(
-    "wrong",
-    [{"dt_s": "x"}, {"dt_s": -1}, {"dt_s": None}, {"schema": "one"}, {"details": []}, {"zero": "x"},
-     {"block_s": [1]}, {"channels": 5}, {"name": 7}, {"dt_s": float("inf")}],
-)  # fmt: skip
-def test_metadata_of_a_journal_of_other_types(tmp_path: Path, wrong: dict[str, Any]) -> None:
-    line = refusal(journal(tmp_path, json.dumps(METADATA | wrong).encode()))
-    assert next(iter(wrong)) in line
+    ("metadata", "says"),
+    [
+        *((without(field), field) for field in METADATA if field != "block_s"),
+        *((json.dumps(METADATA | wrong).encode(), next(iter(wrong))) for wrong in WRONG),
+        *(
+            (text, "no table in JSON")
+            for text in (b"", b"\xcc", b"7", b"[]", b'{"a":', b"[" * 3000)
+        ),
+    ],
+)
+def test_metadata_of_a_journal(tmp_path: Path, metadata: bytes, says: str) -> None:
+    assert says in refusal(journal(tmp_path, metadata))
 
 
-@pytest.mark.parametrize("text", [b"", b"\xcc", b"7", b"[]", b'{"a":', b"[" * 3000])
-def test_metadata_of_a_journal_that_is_no_table(tmp_path: Path, text: bytes) -> None:
-    assert "no table in JSON" in refusal(journal(tmp_path, text))
+def test_a_journal_without_the_time_of_a_block(tmp_path: Path) -> None:
+    """It is taken for one step."""
+    assert len(read_recording(journal(tmp_path, without("block_s"))).force_n) == 20
 
 
 def hdf5(folder: Path, samples: int = 20, **attributes: Any) -> Path:
@@ -135,12 +140,10 @@ def test_tables_of_odd_shapes(tmp_path: Path, text: str) -> None:
     refusal(tmp_path / "a.csv")
 
 
-def test_exponents_that_no_number_has(tmp_path: Path) -> None:
-    rows = (f"0.0{k}e-{'9' * 5000},{k},{k}" for k in range(5))
-    (tmp_path / "a.csv").write_text(HEADER + "\n" + "\n".join(rows))
-    assert "stands still" in refusal(tmp_path / "a.csv")
-    rows = (f"0e99999{k},{k},{k}" for k in range(5))
-    (tmp_path / "a.csv").write_text(HEADER + "\n" + "\n".join(rows))
+@pytest.mark.parametrize("time", ["0.0{}e-" + "9" * 5000, "0e99999{}"])
+def test_exponents_that_no_number_has(time: str, tmp_path: Path) -> None:
+    rows = "".join(f"\n{time.format(k)},{k},{k}" for k in range(5))
+    (tmp_path / "a.csv").write_text(HEADER + rows)
     assert "stands still" in refusal(tmp_path / "a.csv")
 
 

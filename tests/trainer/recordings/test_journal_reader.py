@@ -88,25 +88,22 @@ def test_channels_are_the_columns_after_position_and_force(tmp_path: Path) -> No
     np.testing.assert_array_equal(found.channels["late"], block[:, 3])
 
 
-def test_a_block_that_is_no_whole_number_of_rows_is_damaged(tmp_path: Path) -> None:
-    """Its checksum is right: of another width."""
-    odd = rows(9).ravel()[:5]
-    found = read_journal(journal(tmp_path, [*good(2), odd]))
+@pytest.mark.parametrize(
+    ("ends", "block_s", "lost_s"),
+    [
+        ([BAD], BLOCK_S, BLOCK_S),
+        ([BAD] * 4, BLOCK_S, 1.0),
+        ([rows(9).ravel()[:5]], BLOCK_S, BLOCK_S),  # no whole number of rows, its checksum right
+        ([BAD], None, 0.05),  # of an older version: a block may be of one sample
+        *(([BAD] * 3, 1.0 / 3 + above_s, 1.0) for above_s in (0.0, 1e-10, 0.9e-9 / 3)),
+    ],
+)
+def test_up_to_a_second_may_be_lost_at_the_end(
+    tmp_path: Path, ends: list[np.ndarray | None], block_s: float | None, lost_s: float
+) -> None:
+    found = read_journal(journal(tmp_path, [*good(2), *ends], block_s=block_s))
     assert len(found.recording.position_m) == 2 * ROWS
-    assert found.lost == ", up to 0.250 s at its end are lost"
-
-
-@pytest.mark.parametrize("lost", [1, 4])
-def test_up_to_a_second_may_be_lost_at_the_end(tmp_path: Path, lost: int) -> None:
-    found = read_journal(journal(tmp_path, [*good(2), *[BAD] * lost]))
-    assert len(found.recording.position_m) == 2 * ROWS
-    assert found.lost == f", up to {lost * BLOCK_S:.3f} s at its end are lost"
-
-
-@pytest.mark.parametrize("above_s", [0.0, 1e-10, 0.9e-9 / 3])
-def test_a_second_that_rounds_to_a_little_more_may_be_lost(tmp_path: Path, above_s: float) -> None:
-    path = journal(tmp_path, [*good(2), *[BAD] * 3], block_s=1.0 / 3 + above_s)
-    assert read_journal(path).lost == ", up to 1.000 s at its end are lost"
+    assert found.lost == f", up to {lost_s:.3f} s at its end are lost"
 
 
 @pytest.mark.parametrize("block_s", [1.0 / 3 + 1.1e-9 / 3, 0.4])
@@ -120,12 +117,6 @@ def test_a_hole_before_whole_blocks_is_refused(tmp_path: Path) -> None:
     require_line(refused(path), path, "2 of 4", "0.250 s")
     path = journal(tmp_path, [BAD, *good(2)])
     require_line(refused(path), path, "1 of 3", "0.000 s")
-
-
-def test_a_journal_without_the_time_of_a_block_counts_samples(tmp_path: Path) -> None:
-    """One of an older version: a block may be of one sample."""
-    found = read_journal(journal(tmp_path, [*good(2), BAD], block_s=None))
-    assert found.lost == ", up to 0.050 s at its end are lost"
 
 
 def test_no_samples_is_refused(tmp_path: Path) -> None:
@@ -173,24 +164,17 @@ def test_metadata_may_take_several_blocks(tmp_path: Path) -> None:
     assert "interrupted at its very start" in refused(path)
 
 
-def test_blocks_elsewhere_or_of_another_journal_are_damage(tmp_path: Path) -> None:
+def test_blocks_elsewhere_of_another_journal_or_cut_are_damage(tmp_path: Path) -> None:
     path = journal(tmp_path, good(4))
     content = path.read_bytes()
     blocks = [content[k : k + BLOCK_BYTES] for k in range(0, len(content), BLOCK_BYTES)]
-    path.write_bytes(b"".join([*blocks[:4], encode(8, 4, SAMPLES, rows(4).tobytes())]))
-    assert len(read_journal(path).recording.position_m) == 3 * ROWS
-    path.write_bytes(b"".join([*blocks[:4], blocks[3]]))
-    assert len(read_journal(path).recording.position_m) == 3 * ROWS
+    for last in (encode(8, 4, SAMPLES, rows(4).tobytes()), blocks[3], blocks[4][:-1]):
+        path.write_bytes(b"".join([*blocks[:4], last]))
+        found = read_journal(path)
+        assert len(found.recording.position_m) == 3 * ROWS
+        assert found.lost == ", up to 0.250 s at its end are lost"
     path.write_bytes(b"".join([blocks[0], blocks[2], *blocks[2:]]))
     assert "1 of 4 blocks of samples are damaged" in refused(path)
-
-
-def test_a_last_block_that_was_cut_is_damage(tmp_path: Path) -> None:
-    path = journal(tmp_path, good(3))
-    os.truncate(path, path.stat().st_size - 1)
-    found = read_journal(path)
-    assert len(found.recording.position_m) == 2 * ROWS
-    assert found.lost == ", up to 0.250 s at its end are lost"
 
 
 def test_samples_that_no_recording_may_have_name_the_file(tmp_path: Path) -> None:
@@ -210,20 +194,19 @@ def test_a_file_that_cannot_be_read_is_one_line(tmp_path: Path) -> None:
     assert str(pipe) in refused(pipe)
 
 
-def test_whole_journals_are_one_part(tmp_path: Path) -> None:
-    (only,), found = read_parts(journal(tmp_path, good(3)))
-    assert only.name == "pad"
-    assert len(only.position_m) == 3 * ROWS
-    require_line(found, "interrupted", "3 blocks")
-
-
 def test_parts_are_cut_at_the_holes(tmp_path: Path) -> None:
+    (whole,), found = read_parts(journal(tmp_path, good(3)))
+    assert (whole.name, len(whole.position_m)) == ("pad", 3 * ROWS)
+    require_line(found, "interrupted", "3 blocks")
     blocks = [*good(2), BAD, BAD, *good(1, first=4), BAD]
     parts, found = read_parts(journal(tmp_path, blocks))
     assert [part.name for part in parts] == ["pad-part1", "pad-part2"]
     assert [len(part.position_m) for part in parts] == [2 * ROWS, ROWS]
     np.testing.assert_array_equal(parts[1].force_n, rows(4)[:, 1])
     require_line(found, "6 blocks", "3 damaged", "0.500 s, 0.750 s, 1.250 s", "2 parts")
+    for holes, more in ((5, ""), (6, ", ...")):
+        _, found = read_parts(journal(tmp_path, [*good(1), *[BAD] * holes]))
+        assert f"0.750 s, 1.000 s, 1.250 s{more}), cut there into 1 parts" in found
 
 
 def test_a_part_of_one_sample_is_none(tmp_path: Path) -> None:
@@ -233,12 +216,6 @@ def test_a_part_of_one_sample_is_none(tmp_path: Path) -> None:
     assert "2 damaged and left out (from 0.000 s, 0.500 s), cut there into 1 parts" in found
     path = journal(tmp_path, [rows(0, 1), BAD, rows(2, 1)])
     require_line(refused(path, of_parts=True), path, "no whole block")
-
-
-@pytest.mark.parametrize(("holes", "more"), [(5, ""), (6, ", ...")])
-def test_five_holes_are_named(tmp_path: Path, holes: int, more: str) -> None:
-    _, found = read_parts(journal(tmp_path, [*good(1), *[BAD] * holes]))
-    assert f"0.750 s, 1.000 s, 1.250 s{more}), cut there into 1 parts" in found
 
 
 def test_the_journal_of_a_recording_lies_beside_it() -> None:

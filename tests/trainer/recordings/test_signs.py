@@ -3,7 +3,9 @@
 import json
 import re
 import shlex
+from contextlib import suppress
 from dataclasses import replace
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -12,22 +14,19 @@ import pytest
 from click.testing import CliRunner
 from support.files.mislabelled import Mislabelled, mislabelled, motion, true_force_n
 
-from springpot.codegen.errors import DataError, SpringpotError
+from springpot import DataError, FitOptions, Recording, SpringpotError, check_recordings
 from springpot.host.commands.recordings.import_ import import_
 from springpot.host.validation.seen import accepted_words
 from springpot.host.wings.report.findings import code_findings
-from springpot.trainer.kinds import fit_model
-from springpot.trainer.models.fit import FitOptions
+from springpot.modelling import fit_model, training_set
 from springpot.trainer.models.predict import predict_n
-from springpot.trainer.models.training_set import training_set
 from springpot.trainer.recordings.conditioning import Conditioning, condition
 from springpot.trainer.recordings.formats.importing import import_file
-from springpot.trainer.recordings.quality.report import check_recordings
 from springpot.trainer.recordings.quality.signs import find_signs, require_signs
-from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import read_recordings
 
 CASES = list(mislabelled())
+TURN = "--map position=COL:-1mm,force=COL:-1N"
 
 
 def imported(case: Mislabelled, folder: Path, *more: str) -> dict[str, Any]:
@@ -112,65 +111,46 @@ def test_a_specimen_that_pulls_on_the_way_back_shows_which_way_is_in(
             Recording("turned", shift_m - x, -noisy_n - tare_n, 0.02, details=details)
         )
     for recording in conditioned:
-        with pytest.raises(DataError, match="--map position=COL:-1mm,force=COL:-1N"):
+        with pytest.raises(DataError, match=TURN):
             check_recordings([recording]).refuse()
 
 
 def test_every_fit_refuses_what_gives_energy() -> None:
     """Without `import` and `check` before it."""
-    recordings = [recording_of("presses")]
-    late = replace(recordings[0], force_n=np.roll(recordings[0].force_n, 20))
-    with pytest.raises(DataError, match="no object gives any"):
-        fit_model("hammerstein", "x", [late], FitOptions())
-    mirrored = replace(late, position_m=-recordings[0].position_m, force_n=-recordings[0].force_n)
-    with pytest.raises(DataError, match="--map position=COL:-1mm,force=COL:-1N"):
-        fit_model("hammerstein", "x", [mirrored], FitOptions())
+    right = recording_of("presses")
+    late = replace(right, force_n=np.roll(right.force_n, 20))
+    mirrored = replace(late, position_m=-right.position_m, force_n=-right.force_n)
+    for item, told in ((late, "no object gives any"), (mirrored, TURN)):
+        with pytest.raises(DataError, match=told):
+            fit_model("hammerstein", "x", [item], FitOptions())
 
 
 def test_a_hold_cut_out_of_a_recording_is_not_judged() -> None:
-    """Under force control position creeps in while force falls a little: cross-validation sees it
-    alone, and a whole recording shows its presses too."""
-    time_s = np.arange(2000) / 200.0
+    """Under force control position creeps in as force falls; a whole recording has presses too."""
+    time_s, presses = np.arange(2000) / 200.0, recording_of("presses")
     x, f = 3e-3 + 1e-5 * time_s, 3.0 - 1e-3 * time_s
-    alone = replace(recording_of("presses"), position_m=x, force_n=f)
-    assert training_set([alone], 0.0).rows_total == len(x)
-    presses = recording_of("presses")
-    whole = replace(
-        presses,
-        position_m=np.concatenate([presses.position_m, x]),
-        force_n=np.concatenate([presses.force_n, f]),
-    )
+    assert training_set([replace(presses, position_m=x, force_n=f)], 0.0).rows_total == len(x)
+    both = [np.concatenate(pair) for pair in ((presses.position_m, x), (presses.force_n, f))]
+    whole = replace(presses, position_m=both[0], force_n=both[1])
     assert fit_model("hammerstein", "x", [whole], FitOptions()).rows == len(whole.force_n)
 
 
-def recording_of(kind: str) -> Any:
-    from springpot.trainer.recordings.recording import Recording
-
+def recording_of(kind: str) -> Recording:
     return Recording(kind, motion(kind), true_force_n(motion(kind)), 1 / 200.0)
 
 
 def test_real_recordings_of_every_sign(shared_data: Path, mach1_file: Path) -> None:
     """Of those that were pressed, each of the four sign combinations is recognised."""
-    recordings = import_file(mach1_file, None, "min", None)
-    compressed: list[Any] = list(recordings.recordings)
+    compressed = list(import_file(mach1_file, None, "min", None).recordings)
     for file in sorted((shared_data / "ecoflex_compression").rglob("*_A1.csv")):
-        try:
+        with suppress(SpringpotError):
             compressed += import_file(file, None, "none", 10.0).recordings
-        except SpringpotError:
-            continue
     assert len(compressed) >= 5 + 3
-    for recording in compressed:
-        raw_n = recording.force_n + recording.details.get("zero_force_n", 0.0)
-        for position_sign in (1, -1):
-            for force_sign in (1, -1):
-                turned = replace(
-                    recording,
-                    position_m=position_sign * recording.position_m,
-                    force_n=force_sign * raw_n,
-                    details={},
-                )
-                signs = find_signs(turned)
-                assert (signs.position_sign, signs.force_sign) == (position_sign, force_sign)
+    for item, x, f in product(compressed, (1, -1), (1, -1)):
+        raw_n = item.force_n + item.details.get("zero_force_n", 0.0)
+        turned = replace(item, position_m=x * item.position_m, force_n=f * raw_n, details={})
+        signs = find_signs(turned)
+        assert (signs.position_sign, signs.force_sign) == (x, f)
 
 
 def test_a_mach1_file_is_turned_round_by_its_own_labels(tmp_path: Path, mach1_file: Path) -> None:

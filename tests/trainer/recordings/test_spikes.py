@@ -7,18 +7,12 @@ import numpy as np
 import pytest
 from support.small import DT_S, press, recording, soft_force
 
-from springpot.codegen.errors import DataError
-from springpot.host.metrics import accuracy
+from springpot import DataError, FitOptions, Recording, check_recordings
 from springpot.host.validation.seen import seen_by
-from springpot.trainer.kinds import fit_model
-from springpot.trainer.models.compatibility import require_compatible
-from springpot.trainer.models.fit import FitOptions
+from springpot.modelling import fit_model, hold_spikes, require_compatible, training_set
 from springpot.trainer.models.predict import predict_n
-from springpot.trainer.models.training_set import training_set
-from springpot.trainer.recordings.quality.report import check_recordings
-from springpot.trainer.recordings.quality.spikes import hold_spikes
-from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import write_recording
+from springpot.validation import accuracy
 
 CYCLES = 0.006 + press(1.0, 0.004, 3)
 
@@ -77,37 +71,28 @@ def test_a_spike_of_force_is_held_and_sets_no_limit(to_n: float) -> None:
 def test_a_row_of_zeros_before_a_preload_turns_no_sign_round() -> None:
     """The logger had not begun: position falls and force rises, which no object does."""
     whole = preloaded(1.0)
+    force_n = np.append(0.0, whole.force_n + 10.0)
     for at_m in (0.02, 0.2, 0.07):
-        position_m = whole.position_m - at_m
-        zeros = dataclasses.replace(
-            whole,
-            position_m=np.append(0.0, position_m),
-            force_n=np.append(0.0, whole.force_n + 10.0),
-        )
+        position_m = np.append(0.0, whole.position_m - at_m)
+        zeros = dataclasses.replace(whole, position_m=position_m, force_n=force_n)
         report = check_recordings([zeros])
         assert not report.refused
         assert report.findings[0].kind == "outlier"
         assert report.signs[0].right
 
 
-def test_an_impact_stays() -> None:
-    time_s = np.arange(3000) * DT_S
-    position_m = np.maximum(0.0, 0.5 * np.minimum(time_s - 1.0, 0.02)) * (time_s > 1.0)
-    force_n = soft_force(position_m) + 60.0 * np.exp(-(((time_s - 1.003) / 0.001) ** 2))
-    item = Recording("impact", position_m, force_n, DT_S)
-    assert hold_spikes(item) == (item, [])
-    relaxing = 5.0 + 30.0 * np.exp(-time_s / 0.0005)
-    item = Recording("relaxing", np.full(3000, 0.005), relaxing, DT_S)
-    assert hold_spikes(item) == (item, [])
-
-
 def test_what_a_tool_did_is_no_spike() -> None:
-    rest = np.zeros(3000)
+    time_s, rest = np.arange(3000) * DT_S, np.zeros(3000)
+    struck = np.maximum(0.0, 0.5 * np.minimum(time_s - 1.0, 0.02)) * (time_s > 1.0)
+    impact_n = soft_force(struck) + 60.0 * np.exp(-(((time_s - 1.003) / 0.001) ** 2))
     sudden = rest + 0.005 * (np.arange(3000) > 2)  # three samples before a sudden press
     tap = rest + 0.005 * ((np.arange(3000) >= 400) & (np.arange(3000) < 406))  # six samples
     stairs = rest + 0.002 * (np.arange(3000) > 700) + 0.002 * (np.arange(3000) > 702)
-    for position_m in (CYCLES, sudden, tap, stairs, press(200.0, 0.01, 200), rest[:2]):
-        item = Recording("x", position_m, soft_force(position_m), DT_S)
+    motions = (CYCLES, sudden, tap, stairs, press(200.0, 0.01, 200), rest[:2])
+    pairs = [(position_m, soft_force(position_m)) for position_m in motions]
+    pairs += [(struck, impact_n), (rest + 0.005, 5.0 + 30.0 * np.exp(-time_s / 0.0005))]
+    for position_m, force_n in pairs:
+        item = Recording("x", position_m, force_n, DT_S)
         assert hold_spikes(item) == (item, [])
 
 

@@ -5,11 +5,10 @@ import pytest
 from hypothesis import given, strategies as st
 from support.messages import refusing
 
-from springpot.codegen.errors import DataError, UsageError
+from springpot import DataError, Recording, UsageError
 from springpot.trainer.recordings.formats.column_map import Column, parse_map
 from springpot.trainer.recordings.formats.units import Quantity, factor_to_si
 from springpot.trainer.recordings.quality.plausible import glance
-from springpot.trainer.recordings.recording import Recording
 
 
 @pytest.mark.parametrize(

@@ -6,13 +6,9 @@ import numpy as np
 import pytest
 from support.small import DEPTH_M, DT_S, press, recording, training
 
-from springpot.codegen.model.model import Model
-from springpot.trainer.kinds import fit_model
-from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.folds import fold_families
+from springpot import FitOptions, Model, Recording
+from springpot.modelling import fit_model, fold_families, training_set
 from springpot.trainer.models.predict import predict_n
-from springpot.trainer.models.training_set import training_set
-from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.selection import auto
 from springpot.trainer.selection.auto import ranked, reason
 from springpot.trainer.selection.scores import Score
@@ -61,12 +57,25 @@ def test_what_it_chooses_beats_the_papers_kinds_and_trees_are_for_what_is_felt()
     assert active_cells(fit.model) == 0
 
 
-def test_active_trees_are_passed_over(monkeypatch):
-    monkeypatch.setattr(auto, "active_cells", lambda model: 3)
+@pytest.mark.parametrize("share", [0.0, 0.5])
+def test_of_trees_that_are_active_the_passive_share_is_taken(monkeypatch, share):
+    tried = []
+
+    def cells(model):
+        tried.append(model.regressor.weight)
+        return 0 if tried[-1] < 1.2 * share * tried[0] else 3
+
+    monkeypatch.setattr(auto, "active_cells", cells)
     monkeypatch.setattr(auto, "ranked", lambda scores, gain, peak_n: [scores[1], scores[0]])
     fit = fit_model("auto", "x", training(), OPTIONS)
-    assert fit.metadata["chosen"] == "hammerstein"
-    assert "hybrid lags gives energy in 3 of its small motions" in fit.metadata["why"]
+    if share:
+        assert fit.model.regressor.weight == share * tried[0]
+        assert fit.metadata["chosen"] == "hybrid lags"
+        assert fit.metadata["share_of_trees"] == fit.model.provenance["share_of_trees"] == share
+        assert "0.5 of the trees' force is added" in fit.metadata["why"]
+    else:
+        assert fit.metadata["chosen"] == "hammerstein"
+        assert "hybrid lags gives energy in 3 of its small motions" in fit.metadata["why"]
 
 
 def test_the_choice_is_the_same_again_and_sees_one_recording_in_blocks():
@@ -79,22 +88,6 @@ def test_the_choice_is_the_same_again_and_sees_one_recording_in_blocks():
     assert len(speed.tested) == 3
     assert np.all(np.diff(folds.number) >= 0)
     assert folds.tested == (0, 1, 2, 3, 4)
-
-
-def test_of_trees_that_are_active_a_share_is_taken(monkeypatch):
-    tried = []
-
-    def cells(model):
-        tried.append(model.regressor.weight)
-        return 0 if tried[-1] < 0.6 * tried[0] else 2
-
-    monkeypatch.setattr(auto, "active_cells", cells)
-    monkeypatch.setattr(auto, "ranked", lambda scores, gain, peak_n: [scores[1], scores[0]])
-    fit = fit_model("auto", "x", training(), OPTIONS)
-    assert fit.model.regressor.weight == 0.5 * tried[0]
-    assert (fit.metadata["chosen"], fit.metadata["share_of_trees"]) == ("hybrid lags", 0.5)
-    assert fit.model.provenance["share_of_trees"] == 0.5
-    assert "0.5 of the trees' force is added" in fit.metadata["why"]
 
 
 def score(name: str, cost: int, ratio: float, without: float | None = None) -> Score:

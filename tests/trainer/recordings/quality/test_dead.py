@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 from support.small import soft_force
 
-from springpot.trainer.recordings.quality.report import check_recordings
+from springpot import Recording, check_recordings
 from springpot.trainer.recordings.quality.sensors.jumps import dead_findings
-from springpot.trainer.recordings.recording import Recording
 
 
 def pressed(seed: int) -> tuple[Recording, np.random.Generator]:

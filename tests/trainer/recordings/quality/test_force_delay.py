@@ -7,11 +7,9 @@ import numpy as np
 import pytest
 
 import springpot
+from springpot import Recording, check_recordings
+from springpot.modelling import Finding, find_cycles
 from springpot.trainer.recordings.quality.alignment import estimate_skew, low_pass_delay_s
-from springpot.trainer.recordings.quality.cycles import find_cycles
-from springpot.trainer.recordings.quality.finding import Finding
-from springpot.trainer.recordings.quality.report import check_recordings
-from springpot.trainer.recordings.recording import Recording
 
 TIME_S = np.arange(4000) * 1e-3
 
@@ -34,7 +32,6 @@ def test_skew_is_estimated_with_its_uncertainty(skew_ms: int) -> None:
         lead_rad = 0.06 + 0.01 * np.log(hz) - 2 * np.pi * hz * skew_ms * 1e-3
         recordings.append(sine(f"{hz}", hz, lead_rad))
     skew = estimate_skew([c for c in map(find_cycles, recordings) if c])
-    assert skew is not None
     assert abs(skew.delay_s * 1e3 - skew_ms) < skew.uncertainty_s * 1e3
     assert skew.uncertainty_s < 3e-3
     report = check_recordings(recordings)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from springpot.codegen.errors import DataError, UsageError
+from springpot import DataError, Recording, UsageError, check_recordings
 from springpot.host.commands.recordings.check import check_
 from springpot.host.commands.recordings.import_ import import_
 from springpot.trainer.recordings.formats.importing import (
@@ -17,9 +17,6 @@ from springpot.trainer.recordings.formats.importing import (
 )
 from springpot.trainer.recordings.journal import JournalWriter
 from springpot.trainer.recordings.journal_reader import journal_of, read_journal
-from springpot.trainer.recordings.quality.report import check_recordings
-from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.recording_file import read_recording, write_recording
 
 
 def press(name: str, place_m: tuple[float, float] | None, stiffness: float = 400.0) -> Recording:
@@ -34,25 +31,12 @@ def places_found(*recordings: Recording) -> list[str]:
 
 
 @pytest.mark.parametrize("place_m", [(0.005, -0.01), None])
-def test_a_place_is_kept_in_a_file_and_in_a_journal(
-    tmp_path: Path, place_m: tuple[float, float] | None
-) -> None:
+def test_a_place_is_kept_in_a_journal(tmp_path: Path, place_m: tuple[float, float] | None) -> None:
+    """In other files: tests/host/validation/test_slides_elsewhere.py."""
     recording = press("press", place_m)
-    write_recording(tmp_path / "press.h5", recording)
-    assert read_recording(tmp_path / "press.h5").place_m == place_m
     with JournalWriter(tmp_path / "cut.h5", "cut", 1e-3, "", {}, place_m=place_m) as journal:
         journal.append(recording.position_m, recording.force_n)
     assert read_journal(journal_of(tmp_path / "cut.h5")).recording.place_m == place_m
-
-
-@pytest.mark.parametrize(
-    ("header", "cells"), [("place_x_mm,place_y_mm", "5,-10"), ("place_y_m,place_x_cm", "-0.01,0.5")]
-)
-def test_columns_of_a_table_are_its_place(tmp_path: Path, header: str, cells: str) -> None:
-    rows = "".join(f"{k / 100},{k % 5},{k % 7},{cells}\n" for k in range(50))
-    (tmp_path / "a.csv").write_text(f"time_s,position_mm,force_N,{header}\n{rows}")
-    (read,) = import_file(tmp_path / "a.csv", None, "none", None).recordings
-    assert read.place_m == pytest.approx((0.005, -0.01))
 
 
 @pytest.mark.parametrize("delimiter", [",", ";", "\t", " "])
@@ -85,13 +69,10 @@ def test_a_place_is_given_on_import_and_shown_by_check(tmp_path: Path) -> None:
     assert "5, -10" in CliRunner().invoke(check_, [str(tmp_path / "a.h5")]).output
 
 
-@pytest.mark.parametrize("text", ["5,10", "5mm", "5,10s", "a,bmm", "1,2,3mm"])
-def test_a_place_without_a_length_is_refused(text: str) -> None:
-    with pytest.raises(UsageError, match="--place"):
-        parse_place(text)
-
-
-def test_half_a_place_is_refused() -> None:
+def test_a_place_without_a_length_and_half_a_place_are_refused() -> None:
+    for text in ("5,10", "5mm", "5,10s", "a,bmm", "1,2,3mm"):
+        with pytest.raises(UsageError, match="--place"):
+            parse_place(text)
     with pytest.raises(DataError, match="give both"):
         Recording("a", np.zeros(2), np.zeros(2), 1.0, place_x_m=0.1)
 

@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 from support.small import soft_force
 
-from springpot.trainer.features.fractional import fir_derivatives, gl_taps
-from springpot.trainer.recordings.quality.report import check_recordings
+from springpot import Recording, check_recordings
+from springpot.modelling import fir_derivatives, gl_taps
 from springpot.trainer.recordings.quality.snap import snap_findings
-from springpot.trainer.recordings.recording import Recording
 
 DEPTH_M = 5e-3
 

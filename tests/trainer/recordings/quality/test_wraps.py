@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from springpot.trainer.recordings.quality.report import check_recordings
-from springpot.trainer.recordings.recording import Recording
+from springpot import Recording, check_recordings
 
 
 def kinds(position_m: np.ndarray, force_n: np.ndarray, rate_hz: float) -> set[str]:

@@ -1,0 +1,29 @@
+"""The emitted C and its reference in numpy, compared bit for bit."""
+
+import numpy as np
+
+from springpot.emission import Plan, backward_velocity, run_reference, state_bytes
+from springpot.host.validation.compared import proxy_positions
+from springpot.native import Replay, built
+
+
+def require_same_bits(
+    plan: Plan, position_m: np.ndarray, velocity_mps: np.ndarray | None = None, find: bool = False
+) -> tuple[np.ndarray, np.ndarray]:
+    """Assert that forces, notes and the self-test agree; forces, N, and notes of the C.
+
+    find: the reference finds where the proxy is, which takes long; else it is told by the C, which
+    decides how long it takes and never what it gives.
+    """
+    position = position_m.astype(plan.dtype)
+    velocity = backward_velocity(position, plan.dt_s) if velocity_mps is None else velocity_mps
+    with built(plan) as library:
+        assert library.selftest() == 0
+        assert library.state_bytes == state_bytes(plan)
+        force_n, notes = Replay(library).run(position, velocity)
+        predicted_m = None if find else proxy_positions(plan, library, position, velocity)
+    reference = run_reference(plan, position, velocity, predicted_m)
+    bits = f"u{force_n.itemsize}"
+    np.testing.assert_array_equal(force_n.view(bits), reference.force_n.view(bits))
+    np.testing.assert_array_equal(notes, reference.notes)
+    return force_n, notes
