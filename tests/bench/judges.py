@@ -1,6 +1,6 @@
 """Every candidate of `auto`, and `auto` itself, on objects that do not share our models' structure.
 
-    python tests/bench/judges.py OUT [--mach1 Dynamic_data.txt] [--objects a,b] [--structures x,y]
+    python tests/bench/judges.py OUT [--mach1 Dynamic_data.txt]
     python tests/bench/results.py OUT/judges.json
 
 Simulated objects by structures of recording (host/wings/presses/structures.py), and Mach-1 with one
@@ -48,15 +48,11 @@ _CELL_CPU_S = 50.0  # of a cell, by the last run, most of it auto's
 
 @dataclass(frozen=True)
 class Cell:
-    """An object in a structure of recording; of Mach-1, the recording that is left out.
-
-    seed: of the sensors' noise, and of random commands.
-    """
+    """An object in a structure of recording; of Mach-1, the recording that is left out."""
 
     name: str
     structure: str
     file: Path | None = None
-    seed: int = SEED
 
     def stored(self, out: Path) -> Path:
         return out / "cells" / f"{self.name}.{self.structure}.json"
@@ -67,12 +63,12 @@ class Cell:
         return key_of([code_hash(), self.name, self.structure, content])
 
     def settings(self) -> list[object]:
-        return [SETTINGS[self.structure], self.seed, PAPER_SIGNALS]
+        return [SETTINGS[self.structure], SEED, PAPER_SIGNALS]
 
     def recordings(self) -> tuple[Recordings, Recordings, float | None]:
         """Training part, test part, and the noise floor of the latter, N; None if unknown."""
         if self.file is None:
-            return recorded(self.name, self.structure, self.seed)
+            return recorded(self.name, self.structure)
         found = import_file(self.file, None, "min", None).recordings
         test = tuple(each for each in found if each.name.endswith(f"-{self.structure}"))
         floor_n = find_noise_floor(test).rms_n
@@ -142,32 +138,24 @@ def write(cell: Cell, out: Path, found: dict[str, Any]) -> None:
     part.replace(cell.stored(out))
 
 
-def all_cells(mach1: Path | None, seed: int = SEED) -> Iterator[Cell]:
+def all_cells(mach1: Path | None) -> Iterator[Cell]:
     """The foreign objects first, real data, the five that are hammerstein's kin last."""
     for name in FOREIGN_OBJECTS:
-        yield from (Cell(name, structure, seed=seed) for structure in SETTINGS)
+        yield from (Cell(name, structure) for structure in SETTINGS)
     if mach1:
         for each in import_file(mach1, None, "min", None).recordings:
             yield Cell(MACH1, each.name.rpartition("-")[2], mach1)
     for name in OBJECTS:
-        yield from (Cell(name, structure, seed=seed) for structure in KIN_STRUCTURES)
+        yield from (Cell(name, structure) for structure in KIN_STRUCTURES)
 
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("out", type=Path)
     parser.add_argument("--mach1", type=Path, help="the tester's text file of sines")
-    parser.add_argument("--objects", help="names, separated by commas; default: all")
-    parser.add_argument("--structures", help="names, separated by commas; default: all")
-    parser.add_argument("--seed", type=int, default=SEED, help="of noise and random commands")
     asked = parser.parse_args()
     (asked.out / "cells").mkdir(parents=True, exist_ok=True)
-    wanted = [
-        cell
-        for cell in all_cells(asked.mach1, asked.seed)
-        if not asked.objects or cell.name in asked.objects.split(",")
-        if not asked.structures or cell.structure in asked.structures.split(",")
-    ]
+    wanted = list(all_cells(asked.mach1))
     # One thread each: more wait for each other.
     os.environ |= {"OMP_NUM_THREADS": "1", "LOKY_MAX_CPU_COUNT": "1"}
     missing = [cell for cell in wanted if not known(cell, asked.out).get("complete")]
@@ -182,9 +170,7 @@ def main() -> None:
             left_s = (time.perf_counter() - begin) / done * (len(missing) - done)
             print(f"{done} of {len(missing)}, {left_s / 60:.0f} min left: {cell.name} "
                   f"{cell.structure}: {in_a_line(found)}", flush=True)  # fmt: skip
-    cells = [
-        found for cell in all_cells(asked.mach1, asked.seed) if (found := known(cell, asked.out))
-    ]
+    cells = [found for cell in wanted if (found := known(cell, asked.out))]
     metadata = machine_metadata()
     result = {
         "commit": commit(),

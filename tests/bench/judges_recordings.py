@@ -28,16 +28,16 @@ _SETTLE_S = 3.0
 assert set(SETTINGS) == {"paper", *STRUCTURES}
 
 
-def recorded(name: str, structure: str, seed: int = SEED) -> tuple[Recordings, Recordings, float]:
+def recorded(name: str, structure: str) -> tuple[Recordings, Recordings, float]:
     """Press a simulated object. The floor: what the object itself errs, moved as was measured."""
-    simulated = parse_url(f"sim://{name}?{SETTINGS[structure]}", seed)
+    simulated = parse_url(f"sim://{name}?{SETTINGS[structure]}", SEED)
     bench = SimulatedBench(simulated)
     if structure == "paper":
-        signals = load_protocol("validation", seed)[:PAPER_SIGNALS]
-        profiles = [replace(press, part="training") for press in load_protocol("paper", seed)]
+        signals = load_protocol("validation", SEED)[:PAPER_SIGNALS]
+        profiles = [replace(press, part="training") for press in load_protocol("paper", SEED)]
         profiles += [replace(signal, part="test") for signal in signals]
     else:
-        profiles = load_protocol(structure, seed)
+        profiles = load_protocol(structure, SEED)
     parts: dict[str, list[Recording]] = {"training": [], "test": []}
     errors_n: list[np.ndarray] = []
     dt_s = 1 / bench.rate_hz

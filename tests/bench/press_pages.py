@@ -1,19 +1,17 @@
 """The pages of docs/ in which people press what springpot makes.
 
-    python tests/bench/press_pages.py [--train DATA] [--picture]
+    python tests/bench/press_pages.py [--picture]
 
 Emits the models of tests/golden/press and writes docs/press.html, five simulated silicones, one
 with a recording to compare; docs/press-recorded.html, models of compressions that others recorded,
-which are not in the page; and docs/press-lump.html, a simulated object to search. --train makes the
-models anew first; DATA: the folder where their ecoflex_compression lies. --picture: docs/press.gif,
-the first page while it is pressed, and docs/press-lump.png, the last one during a slide. Needs
-clang and lld, the pictures chromium.
+which are not in the page; and docs/press-lump.html, a simulated object to search. --picture:
+docs/press.gif, the first page while it is pressed, and docs/press-lump.png, the last one during a
+slide. Needs clang and lld, the pictures chromium.
 """
 
 import argparse
 import sys
 import tempfile
-from dataclasses import replace
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
@@ -29,9 +27,6 @@ from springpot.host.recording.session import open_press_device, record_session
 from springpot.host.validation.store import store_validation
 from springpot.host.validation.validation import validate
 from springpot.host.wings.page.press_page import write_press_page
-from springpot.trainer.kinds import fit_model
-from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.recordings.formats.importing import import_file
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import read_recordings
 
@@ -53,11 +48,7 @@ ABOUT = {
     "press-lump.html": "This object is a simulated soft layer with two lumps, recorded at 49 "
     "places: find the stiffest with the colours off.",
 }
-# Its presses: those of the paper at five places, two at each of the others; of a tip of 8 mm.
-_PLACES = "[places]\nspan_m = [0.03, 0.03]\nfull = 5\nshort = 44\n"
 _TIP_MM = 8.0
-_REPEATS = 5  # of the ten compressions of a cylinder
-_HAND_M = 0.003
 
 
 def page_scene(name: str) -> Scene:
@@ -84,61 +75,27 @@ def page_model(name: str) -> Model:
 
 
 def main() -> None:
-    """Train what was asked for, then write both pages."""
+    """Write the pages."""
     parser = argparse.ArgumentParser(description="the pages of docs/")
-    parser.add_argument("--train", type=Path, metavar="DATA", help="recordings by others")
     parser.add_argument("--picture", action="store_true", help="draw docs/press.gif, too")
     asked = parser.parse_args()
     with tempfile.TemporaryDirectory() as scratch:
         place = Path(scratch)
-        if asked.train is not None:
-            train(asked.train, place)
         for page, names in PAGES.items():
             folders = [emitted(name, place / name) for name in names]
             if page == "press.html":
-                compare(folders[0], simulated(names[0], "validation", 2, place))
+                compare(folders[0], simulated(names[0], place))
             write_press_page(folders, ROOT / "docs" / page, about=ABOUT[page])
         if asked.picture:
             draw_press(place)
             draw_slide(place)
 
 
-def train(data: Path, place: Path) -> None:
-    """Fit every model."""
-    MODELS.mkdir(exist_ok=True)
-    for name in SIMULATED:
-        save(name, simulated(name, "paper", 1, place))
-    (place / "places.toml").write_text(_PLACES)
-    save(LUMP, simulated(LUMP, str(place / "places.toml"), 1, place))
-    for name in RECORDED:
-        sample = f"EF{name.split('-')[2]}_0T"
-        files = [data / "ecoflex_compression" / sample / f"{sample}_A{repeat}.csv"
-                 for repeat in range(1, _REPEATS + 1)]  # fmt: skip
-        save(name, [begun(only) for file in files
-                    for only in import_file(file, None, "none", None).recordings])  # fmt: skip
-
-
-def begun(compression: Recording) -> Recording:
-    """What a hand can press of it: a machine goes on to 20 mm and 1180 N."""
-    rows = compression.position_m <= _HAND_M
-    return replace(
-        compression,
-        position_m=compression.position_m[rows],
-        force_n=compression.force_n[rows],
-        channels={},
-    )
-
-
-def save(name: str, recordings: list[Recording] | tuple[Recording, ...]) -> None:
-    fit = fit_model("hammerstein", name, tuple(recordings), FitOptions())
-    write_model(MODELS / f"{name}.spm", replace(fit.model, provenance={"name": name}))
-
-
-def simulated(name: str, protocol: str, seed: int, place: Path) -> list[Recording]:
-    """Recordings of a simulated silicone."""
-    url, folder = f"sim://{name}", place / f"{name}-{Path(protocol).stem}"
-    device = open_press_device(url, seed)
-    record_session(device, url, protocol, load_protocol(protocol, seed), folder, lambda _: None)
+def simulated(name: str, place: Path) -> list[Recording]:
+    """Validation recordings of a simulated silicone."""
+    url, protocol, folder = f"sim://{name}", "validation", place / f"{name}-validation"
+    device = open_press_device(url, 2)
+    record_session(device, url, protocol, load_protocol(protocol, 2), folder, lambda _: None)
     return read_recordings([folder])
 
 
