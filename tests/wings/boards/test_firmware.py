@@ -2,6 +2,7 @@
 
 import shutil
 import subprocess
+from itertools import cycle
 from pathlib import Path
 
 import pytest
@@ -21,24 +22,16 @@ TRIPLES = {"cortex-m4f": "thumbv7em-none-eabihf", "cortex-m7": "thumbv7em-none-e
            "rv32imafc": "riscv32-unknown-elf"}  # fmt: skip
 
 
-@pytest.mark.parametrize("mode", MODES)
-def test_gcc_of_the_target(tmp_path: Path, mode: str) -> None:
-    """All boards have one C (test_mcu_budget.py)."""
-    need(*BOARDS)
-    emit(target_scene("cortex-m4f", mode=mode), model_file(tmp_path), tmp_path / "c")
-    for name, board in BOARDS.items():
-        assert build_firmware(tmp_path / "c", board, tmp_path / name, strict=True).exists()
-
-
-@pytest.mark.parametrize("board", list(BOARDS))
-def test_clang_of_the_target(tmp_path: Path, board: str) -> None:
+@pytest.mark.parametrize(("board", "mode"), zip(BOARDS, cycle(MODES), strict=False))
+def test_gcc_and_clang_of_the_target(tmp_path: Path, board: str, mode: str) -> None:
+    """Couplings take turns: all boards have one C (test_mcu_budget.py)."""
     need(board)
     clang = shutil.which("clang")
     if clang is None:
         pytest.skip("no clang: `apt-get install clang`")
     target = BOARDS[board].target
-    emit(target_scene(target), model_file(tmp_path), tmp_path / "c")
-    build_firmware(tmp_path / "c", BOARDS[board], tmp_path / "f")
+    emit(target_scene(target, mode=mode), model_file(tmp_path), tmp_path / "c")
+    assert build_firmware(tmp_path / "c", BOARDS[board], tmp_path / "f", strict=True).exists()
     build_batch(tmp_path / "c", BOARDS[board], tmp_path / "f")
     compiler = compiler_of(BOARDS[board])
     report = subprocess.run([*compiler.compiler, *compiler.flags, "-E", "-x", "c", "-M", "-"],
@@ -55,7 +48,6 @@ def test_clang_of_the_target(tmp_path: Path, board: str) -> None:
     assert result.returncode == 0, result.stderr[:3000]
 
 
-pytestmark = [pytest.mark.board, pytest.mark.slow]
 BOARD = "mps2-an386"
 
 

@@ -1,5 +1,6 @@
 """One C on every board: 10 000 ticks, bit for bit what this machine gives."""
 
+from functools import cache
 from pathlib import Path
 
 import numpy as np
@@ -35,13 +36,11 @@ KINDS = {
     "rbf-pv": FitOptions(seed=1),
     "hammerstein": FitOptions(seed=1),
 }
-MODELS: dict[str, Model] = {}
 
 
+@cache
 def model(kind: str) -> Model:
-    if kind not in MODELS:
-        MODELS[kind] = fit_model(kind, "x", training(), KINDS[kind]).model
-    return MODELS[kind]
+    return fit_model(kind, "x", training(), KINDS[kind]).model
 
 
 def assert_same(batch: Batch, force_n: np.ndarray, notes: np.ndarray) -> None:

@@ -11,7 +11,6 @@ from joblib import Parallel, delayed, parallel_backend
 from sklearn.base import clone
 from sklearn.ensemble import (
     ExtraTreesRegressor,
-    GradientBoostingRegressor,
     HistGradientBoostingRegressor,
     RandomForestRegressor,
 )
@@ -131,24 +130,6 @@ def test_ensembles_become_c(ensemble: object, number: str, lags: bool) -> None:
     inside = item.position_m > 0.002
     error_n = force_c[inside] - predict_n(model, item)[inside]
     assert np.percentile(np.abs(error_n), 99) < 0.03 * item.force_n.max()
-
-
-def test_ensembles_of_something_else_are_refused() -> None:
-    values, force_n = ensemble_data(training())
-    forest = RandomForestRegressor(3, min_samples_leaf=20)
-    with pytest.raises(UsageError, match="GradientBoostingRegressor: give a fitted"):
-        from_ensemble(GradientBoostingRegressor(n_estimators=3).fit(values, force_n), training())
-    with pytest.raises(UsageError, match="fitted on 4 features, these are 10"):
-        from_ensemble(clone(forest).fit(values[:, :4], force_n), training())
-    with pytest.raises(UsageError, match=r"R2 of -?\d.*as it is"):
-        from_ensemble(clone(forest).fit(values / 1000, force_n), training())
-    two = clone(forest).fit(values, np.stack([force_n, force_n], axis=1))
-    with pytest.raises(UsageError, match="outputs: fit it on one force"):
-        from_ensemble(two, training())
-    poisson = HistGradientBoostingRegressor(max_iter=50, loss="poisson")
-    poisson.fit(values, np.maximum(force_n, 0.0))
-    with pytest.raises(UsageError, match="no weighted sum of its trees"):
-        from_ensemble(poisson, training())
 
 
 def test_sequences_are_checked_as_recordings_are() -> None:

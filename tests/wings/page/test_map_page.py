@@ -16,7 +16,7 @@ from host.validation.test_by_place import PLACES, placed_model, pressed
 from support.browser import CHROMIUM, layout_faults
 from support.paths import TESTS
 from support.pressed_page import Pressed, press_page
-from support.small import model_file, scene
+from support.small import model_file, scene, small_model, training
 
 from springpot.codegen.model.model import Model
 from springpot.codegen.reference.lateral import run_lateral
@@ -187,19 +187,29 @@ def test_the_recording_on_the_page_is_rendered_at_its_place(tmp_path: Path, mode
 
 
 @pytest.mark.parametrize("width", [400, 760, 1100, 1600])
-def test_nothing_sticks_out(tmp_path: Path, width: int) -> None:
-    folder = emitted(tmp_path / "map", SLID, placed("plain", 2))
+@pytest.mark.parametrize("of_map", [True, False])
+def test_nothing_sticks_out(tmp_path: Path, width: int, of_map: bool) -> None:
+    if of_map:
+        folder = emitted(tmp_path / "map", SLID, placed("plain", 2))
+    else:
+        folder = emitted(tmp_path / "scene", HELD, small_model())
+        store_validation(folder, validate(folder, training()[5:6], paced_s=0.1))
     faults = layout_faults(page_of(tmp_path, folder).read_text(), tmp_path, width)
     assert faults == {"out": [], "cut": []}
 
 
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
-@pytest.mark.parametrize("mode", SCENES)
-def test_the_pages_own_c_has_no_warning(tmp_path: Path, compiler: str, mode: str) -> None:
-    folder = emitted(tmp_path / "map", SCENES[mode], placed("plain", 2))
+@pytest.mark.parametrize(
+    ("mode", "names"),
+    [("held", ("map", "survey", "held")), ("lateral", ("map", "survey", "slid")), ("", ("",))],
+)
+def test_the_pages_own_c_has_no_warning(
+    tmp_path: Path, compiler: str, mode: str, names: tuple[str, ...]
+) -> None:
+    model = placed("plain", 2) if mode else small_model()
+    folder = emitted(tmp_path / "map", SCENES.get(mode, HELD), model)
     include = [f"-I{place}" for place in (folder, PORT_BROWSER, PORT_WIRE, SIM)]
-    touch = {"held": "sp_page_held.c", "lateral": "sp_page_slid.c"}[mode]
-    for name in ("sp_page_map.c", "sp_page_survey.c", touch):
+    for name in ("_".join(["sp_page", its]).strip("_") + ".c" for its in names):
         command = [compiler, *flags("SP_CFLAGS"), *flags("SP_STRICT"), "-fsyntax-only", *include,
                    str(PORT_BROWSER / name)]  # fmt: skip
         result = subprocess.run(command, capture_output=True, text=True, check=False)

@@ -2,13 +2,12 @@
 
 import json
 import re
-import subprocess
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from support.browser import CHROMIUM, layout_faults
+from support.browser import CHROMIUM
 from support.in_process import spring
 from support.pressed_page import press_page
 from support.small import model_file, scene, small_model, training
@@ -20,7 +19,6 @@ from springpot.host.native.toolchain import missing_tools
 from springpot.host.validation.store import store_validation
 from springpot.host.validation.validation import validate
 from springpot.host.wings.page.press_page import write_press_page
-from springpot.runtime_c.paths import PORT_BROWSER, PORT_WIRE, SIM, flags
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.recordings.recording import Recording
@@ -154,20 +152,3 @@ def test_a_page_that_cannot_run_says_so(tmp_path: Path) -> None:
     page.write_text(page.read_text().replace("DecompressionStream(", "MissingStream("))
     pressed = press_page(page)
     assert pressed.found["broken"].startswith("This page cannot run here: MissingStream")
-
-
-@pytest.mark.parametrize("width", [400, 1600])
-def test_nothing_sticks_out(tmp_path: Path, width: int) -> None:
-    folder = validated(emitted(tmp_path / "scene", small_model()), training()[5])
-    faults = layout_faults(page_of(tmp_path, folder).read_text(), tmp_path, width)
-    assert faults == {"out": [], "cut": []}
-
-
-@pytest.mark.parametrize("compiler", ["gcc", "clang"])
-def test_the_pages_own_c_has_no_warning(tmp_path: Path, compiler: str) -> None:
-    folder = emitted(tmp_path / "scene", small_model())
-    include = [f"-I{place}" for place in (folder, PORT_BROWSER, PORT_WIRE, SIM)]
-    command = [compiler, *flags("SP_CFLAGS"), *flags("SP_STRICT"), "-fsyntax-only", *include,
-               str(PORT_BROWSER / "sp_page.c")]  # fmt: skip
-    result = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert result.returncode == 0, result.stderr

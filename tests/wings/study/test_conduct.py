@@ -54,18 +54,6 @@ def test_killed_at_every_step_of_a_short_study(tmp_path: Path) -> None:
         assert steps == 2 * (2 + 2 * 4) + 1  # a beginning and an end, four lines a trial, a reply
 
 
-def test_cut_at_every_byte_of_its_last_line(tmp_path: Path) -> None:
-    folder = planned(tmp_path, real_study(2))
-    assert killed_at(9, lambda: run_whole(folder, "01"), before=False)  # the second trial is done
-    file = folder.session_folder("01", 1) / JOURNAL
-    whole = file.read_bytes()
-    for size in range(whole[:-1].rindex(b"\n") + 1, len(whole)):
-        file.write_bytes(whole[:size])
-        run_whole(folder, "01")
-        require_whole(folder)
-        assert [one.attempt for one in answered(folder)] == [1, 2]
-
-
 def test_a_voided_trial_comes_again_at_the_end(tmp_path: Path) -> None:
     folder = planned(tmp_path, real_study(4))
     presenter = ScriptedPresenter(voids=(2,))
