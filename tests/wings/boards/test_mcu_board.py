@@ -18,7 +18,7 @@ from support.c.mcu import (
     need,
     slow_model,
     slow_recording,
-    slow_scene,
+    target_scene,
 )
 from support.peer import CLI, wait_until
 from support.small import model_file
@@ -45,12 +45,11 @@ def emitted(tmp_path_factory: pytest.TempPathFactory) -> Emitted:
     model = model_file(root, slow_model())
 
     @cache
-    def folder_of(target: str, watchdog_ms: float | None) -> Path:
-        folder = root / f"{target}-{watchdog_ms}"
-        emit(slow_scene(target, watchdog_ms), model, folder)
-        return folder
+    def folder_of(target: str) -> Path:
+        emit(target_scene(target, mode="proxy"), model, root / target)
+        return root / target
 
-    return lambda board, watchdog_ms=None: folder_of(BOARDS[board].target, watchdog_ms)
+    return lambda board: folder_of(BOARDS[board].target)
 
 
 def command(*arguments: object) -> tuple[int, dict, str]:
@@ -171,14 +170,3 @@ def test_a_board_whose_self_test_fails_renders_nothing(tmp_path: Path, emitted: 
                                   "--seconds", 1)  # fmt: skip
     assert status == 5
     assert "the device refuses that action" in told
-
-
-def test_a_board_with_another_scene_is_refused(tmp_path: Path, emitted: Emitted) -> None:
-    need("mps2-an386")
-    folder = emitted("mps2-an386")
-    other = emitted("mps2-an386", 30.0)
-    with emulated(folder, "mps2-an386") as port:
-        status, _, told = command("run", "--scene", other, "--device",
-                                  f"serial://{port}", "--seconds", 1)  # fmt: skip
-    assert status == 5
-    assert "the board renders model" in told
