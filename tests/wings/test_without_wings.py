@@ -118,48 +118,42 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     rows = "".join(f"{i / 1000},{i % 7},{i % 7}\n" for i in range(100))
     (folder / "press.csv").write_text(f"time_s,position_mm,force_n\n{rows}")
     (folder / "wasm.toml").write_text(f'{SCENE}[runtime]\ntarget = "wasm32"\n')
+    for name, content in FOREIGN.items():
+        (folder / name).write_bytes(content)
     return folder
 
 
+_OPTION = (2, "of springpot is not installed here: install all of springpot")
+_FORMAT = (3, "; not installed here: can-log, hdf5, mach-1, mat, tdms, workbook; to have them, i")
+_DEVICE = (5, "; not installed here: dhd, odrive, serial; to have them")
+
+
 @pytest.mark.parametrize(
-    "words",
+    ("words", "refused"),
     [
-        ("train", "press.h5", "--model", "rf-fd", "--within", "1%", "--out", "x.spm"),
-        ("train", "press.h5", "--model", "hammerstein", "--next", "x.toml", "--out", "x.spm"),
-        ("stability", "--scene", "scene.toml", "--report", "x.html"),
-        ("emit", "--scene", "scene.toml", "--single", "--out", "c"),
-        ("import", "press.csv", "--tare", "auto", "--out", "r"),
+        ("train press.h5 --model rf-fd --within 1% --out x.spm", _OPTION),
+        ("train press.h5 --model hammerstein --next x.toml --out x.spm", _OPTION),
+        ("stability --scene scene.toml --report x.html", _OPTION),
+        ("emit --scene scene.toml --single --out c", _OPTION),
+        ("import press.csv --tare auto --out r", _OPTION),
         pytest.param(
-            ("emit", "--scene", "wasm.toml", "--out", "c"),
+            "emit --scene wasm.toml --out c", _OPTION,
             marks=pytest.mark.skipif(bool(WASM_LACKS), reason=WASM_LACKS),
         ),
-        ("run", "--scene", "scene.toml", "--device", "sim://free", "--log", "x.h5"),
+        ("run --scene scene.toml --device sim://free --log felt.h5", _OPTION),
+        *((f"import {name} --out rec", _FORMAT) for name in FOREIGN),
+        ("run --scene scene.toml --device odrive://slcan//dev/none?node=0", _DEVICE),
+        ("run --scene scene.toml --device dhd://", _DEVICE),
+        ("run --scene scene.toml --device serial:///dev/none", _DEVICE),
     ],
-)
-def test_an_option_of_a_wing_is_one_line_without_it(made: Path, words: tuple[str, ...]) -> None:
-    told = run(made, *words, status=2).stderr.strip().splitlines()[-1]
-    assert "of springpot is not installed here: install all of springpot" in told
+)  # fmt: skip
+def test_what_is_of_a_wing_is_one_line_without_it(
+    made: Path, words: str, refused: tuple[int, str]
+) -> None:
+    status, told = refused
+    assert told in run(made, *words.split(), status=status).stderr.strip().splitlines()[-1]
 
 
 def test_what_to_record_next_is_not_said_without_its_wing(made: Path) -> None:
     result = run(made, "train", "press.h5", "--model", "hammerstein", "--json", "--out", "y.spm")
     assert "next_presses" not in json.loads(result.stdout)
-
-
-@pytest.mark.parametrize("name", FOREIGN)
-def test_a_file_of_a_format_that_is_not_there_is_one_line(tmp_path: Path, name: str) -> None:
-    (tmp_path / name).write_bytes(FOREIGN[name])
-    (told,) = run(tmp_path, "import", name, "--out", "rec", status=3).stderr.splitlines()
-    assert f"{name}" in told
-    assert told.endswith(
-        "; not installed here: can-log, hdf5, mach-1, mat, tdms, workbook; to have them, install "
-        "all of springpot"
-    )
-
-
-@pytest.mark.parametrize("url", ["odrive://slcan//dev/none?node=0", "dhd://", "serial:///dev/none"])
-def test_a_device_that_is_not_there_is_one_line(made: Path, url: str) -> None:
-    words = ("run", "--scene", "scene.toml", "--device", url, "--log", "x.h5")
-    told = run(made, *words, status=5).stderr.strip().splitlines()[-1]
-    assert "no driver for" in told
-    assert "; not installed here: dhd, odrive, serial; to have them" in told

@@ -3,7 +3,6 @@
 from pathlib import Path
 
 import pytest
-from support.paths import ROOT
 from support.small_study import (
     HARD,
     SOFT,
@@ -104,13 +103,3 @@ def planned_with(folder: Path, text: str, runtime: Runtime) -> None:
     write_scene(folder / f"{HARD}.toml", Scene(1, "hard", f"{HARD}.spm", runtime=runtime))
     (folder / "study.toml").write_text(text)
     write_study(folder / "study.toml", 2, folder / "plan", lambda _done, _of: None)
-
-
-def test_the_papers_study_is_ready() -> None:
-    study = read_study(ROOT / "host" / "scenes" / "paper-study.toml")
-    assert len(study.pair) == 21
-    assert sum(pair.repeats for pair in study.pair) == 24
-    assert study.sessions == 3
-    assert len(study.question) == 5
-    assert len({tuple(pair.factors.values()) for pair in study.pair if pair.factors}) == 20
-    assert study.exclude.repeat_sd_above == study.exclude.side_difference_above == 30
