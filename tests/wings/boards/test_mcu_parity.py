@@ -93,17 +93,6 @@ def test_idle_reset_and_doubles_are_the_same_too(tmp_path: Path, board: str, num
     assert np.any(force_n[610:] > 0)
 
 
-def test_instructions_are_exact_and_repeat(tmp_path: Path) -> None:
-    need("mps2-an386")
-    emit(target_scene("cortex-m4f"), model_file(tmp_path, model("rf-fd")), tmp_path / "c")
-    position = long_motion()[:500].astype(np.float32)
-    calls = steps(position, np.zeros_like(position))
-    board = BOARDS["mps2-an386"]
-    first, again = (run_batch(tmp_path / "c", board, calls).instructions for _ in range(2))
-    np.testing.assert_array_equal(first, again)
-    assert 1000 < first[1:].min() <= first.max() < 100_000
-
-
 def test_a_count_beyond_the_counter_is_told(tmp_path: Path) -> None:
     """The STM32's counter is full after 0.4 million instructions, the other boards' later."""
     need("netduinoplus2", "mps2-an386", "virt")

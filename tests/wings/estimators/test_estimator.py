@@ -2,12 +2,10 @@
 
 import pickle
 import warnings
-from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from joblib import Parallel, delayed, parallel_backend
 from sklearn.base import clone
 from sklearn.ensemble import (
     ExtraTreesRegressor,
@@ -20,7 +18,6 @@ from sklearn.pipeline import Pipeline
 from sklearn.preprocessing import FunctionTransformer
 from support.small import recording, scene, training, wandering
 
-import springpot
 from springpot.codegen.errors import DataError, SpringpotError, UsageError
 from springpot.codegen.plan.plan import make_plan
 from springpot.host.native.trial_build import built
@@ -68,15 +65,6 @@ def test_cross_validation_holds_out_recordings_in_a_pipeline() -> None:
     search = GridSearchCV(small(), {"kind": ["springpot", "hammerstein"]}, cv=3).fit(X, Y)
     assert search.best_params_["kind"] in {"springpot", "hammerstein"}
     assert len(search.predict(X[:2])) == 2
-
-
-@pytest.mark.parametrize("backend", ["threading", "loky"])
-def test_joblib_backends_agree(backend: str) -> None:
-    alone = cross_val_score(small(), X, Y, cv=2)
-    with parallel_backend(backend, n_jobs=2):
-        np.testing.assert_array_equal(cross_val_score(small(), X, Y, cv=2), alone)
-        forces = Parallel()(delayed(small("springpot").fit(X, Y).predict)([x]) for x in X[:2])
-    assert [len(force[0]) for force in forces] == [len(x) for x in X[:2]]
 
 
 def test_weights_count_recordings() -> None:
@@ -139,11 +127,3 @@ def test_sequences_are_checked_as_recordings_are() -> None:
         warnings.simplefilter("always")
         small("hammerstein").fit([1e2 * x for x in X[:4]], Y[:4])
     assert any("recording 2: 3.392 m/s of pressing" in str(w.message) for w in found)
-
-
-def test_a_fitted_regressor_becomes_c(tmp_path: Path) -> None:
-    fitted = small("hammerstein").fit(X, Y)
-    file = tmp_path / "regressor.spm"
-    springpot.write_model(file, fitted.model_)
-    emission = springpot.emit(tmp_path / "c", model=springpot.read_model(file))
-    assert emission.manifest["scene"]

@@ -307,6 +307,3 @@ def test_the_command_writes_tables(tmp_path: Path) -> None:
 def test_what_has_no_law_is_refused(tmp_path: Path) -> None:
     other = CliRunner().invoke(material, [str(model_file(tmp_path, small_model()))])
     assert "train with --model springpot" in str(other.exception)
-    write_model(tmp_path / "m.spm", ecoflex())
-    alone = CliRunner().invoke(material, [str(tmp_path / "m.spm"), "--height-mm", "35"])
-    assert "give --tip-mm as well" in str(alone.exception)
