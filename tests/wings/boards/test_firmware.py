@@ -71,13 +71,3 @@ def test_the_users_files_stand(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match=r"sp_port.c: not as springpot emitted it: move your"):
         build()
     assert (out / "sp_port.c").read_text().startswith("/* mine */")
-
-
-def test_a_folder_of_other_things_is_left_alone(tmp_path: Path) -> None:
-    need(BOARD)
-    emit(target_scene("cortex-m4f"), model_file(tmp_path), tmp_path / "c")
-    (tmp_path / "recordings").mkdir()
-    (tmp_path / "recordings" / "a.h5").touch()
-    with pytest.raises(UsageError, match="holds files that springpot did not emit"):
-        build_firmware(tmp_path / "c", BOARDS[BOARD], tmp_path / "recordings")
-    assert len(list((tmp_path / "recordings").iterdir())) == 1

@@ -48,32 +48,21 @@ def browser(tmp_path: Path) -> Iterator[DrivenBrowser]:
         yield found
 
 
-def open_ready(browser: DrivenBrowser, address: str) -> None:
-    browser.open(address)
-    browser.until("document.body !== null && document.body.classList.contains('ready')")
-
-
-def text_of(browser: DrivenBrowser, name: str) -> str:
-    return str(browser.value(f"document.getElementById('{name}').textContent"))
-
-
 def hash_of(browser: DrivenBrowser) -> str:
     return str(browser.value("JSON.parse(document.getElementById('scenes').textContent)[0].hash"))
 
 
 def number_of(browser: DrivenBrowser, name: str) -> float:
-    return float(text_of(browser, name).split()[0])
+    return float(browser.text(name).split()[0])
 
 
 def test_a_real_pointer_presses_and_lets_go(
     tmp_path: Path, folder: Path, browser: DrivenBrowser
 ) -> None:
     write_press_page([folder], tmp_path / "press.html")
-    open_ready(browser, (tmp_path / "press.html").as_uri())
-    x, y, height = browser.value(
-        "(() => { const box = document.getElementById('object').getBoundingClientRect();"
-        " return [box.left + box.width / 2, box.top, box.height]; })()"
-    )
+    browser.open_ready((tmp_path / "press.html").as_uri())
+    left, y, width, height = browser.box("object")
+    x = left + width / 2
     browser.mouse("mousePressed", x, y + 0.32 * height)
     browser.mouse("mouseMoved", x, y + 0.7 * height)
     browser.wait_for(lambda: number_of(browser, "force") > 1.0, "a force")
@@ -93,7 +82,7 @@ def test_a_session_is_shown_and_stopped(folder: Path, browser: DrivenBrowser) ->
     ) as run:
         assert run.stderr is not None and run.stdout is not None
         address = next(line for line in run.stderr if "page: " in line).split("page: ")[1].strip()
-        open_ready(browser, address)
+        browser.open_ready(address)
         browser.until("Number(document.body.dataset.ticks) > 1000")
         browser.key("keyDown", "q")
         result = json.loads(run.stdout.read())
@@ -110,7 +99,7 @@ def test_a_board_is_shown_and_told_to_stop(
 ) -> None:
     write_press_page([folder], tmp_path / "press.html")
     browser.call("Page.addScriptToEvaluateOnNewDocument", source=_FAKE_PORT)
-    open_ready(browser, (tmp_path / "press.html").as_uri())
+    browser.open_ready((tmp_path / "press.html").as_uri())
     browser.value("document.getElementById('connect').click()")
     browser.until("window.send !== undefined")
     sender, positions_m = Sender(), np.linspace(0.0, 0.004, 200)
@@ -123,8 +112,8 @@ def test_a_board_is_shown_and_told_to_stop(
     browser.value(f"window.send('{base64.b64encode(said).decode()}')")
     browser.until("document.body.dataset.ticks === '200'")
     browser.until("document.getElementById('said').textContent !== ''")
-    assert text_of(browser, "said") == "The board renders this scene; the page shows it."
-    assert text_of(browser, "force") == "0.40 N"
+    assert browser.text("said") == "The board renders this scene; the page shows it."
+    assert browser.text("force") == "0.40 N"
     assert browser.value("document.getElementById('stiffness').closest('section').hidden")
     browser.value("window.told.length = 0")
     browser.key("keyDown", "q")

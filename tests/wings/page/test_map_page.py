@@ -5,7 +5,6 @@ import re
 import shutil
 import subprocess
 from dataclasses import replace
-from itertools import permutations
 from pathlib import Path
 
 import numpy as np
@@ -145,32 +144,6 @@ def test_the_force_shown_along_a_slide_is_that_of_the_c(tmp_path: Path, number: 
     assert np.abs(rows[slides, 4:]).max() > 0.01
     tick = found.found["tick"]
     assert "tick3" in tick and tick in (folder / "sp_scene.c").read_text()
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_a_hand_that_presses_alike_sinks_least_where_it_is_stiffest(
-    tmp_path: Path, seed: int
-) -> None:
-    """What a search goes by: depth and force of presses at random places."""
-    folder = emitted(tmp_path / "map", HELD, placed("plain", 1, seed))
-    tried = np.random.default_rng(seed).uniform([0.2, 0.25], [0.9, 0.8], (5, 2)).tolist()
-    rows = press_page(page_of(tmp_path, folder), map=[[[*at, 700]] for at in tried]).rows
-    edges = np.flatnonzero(np.diff(rows[:, 1] > 0.0))
-    presses = np.split(rows, edges + 1)[1::2]
-    long = [its for its in presses if len(its) > 200]  # a tool that is let go may touch once more
-    assert len(long) == len(tried)
-    depth_m, force_n = np.median([its[:, 1:3] for its in (each[-250:-150] for each in long)],
-                                 axis=1).T  # fmt: skip
-    entry = scene_entry(folder)
-    stiffness = [twin_n(folder, entry, tuple(its[-1, 3:5].tolist()), 0.004) for its in long]
-    told_apart = 0
-    for (stiff, deep_m, its_n), (soft, deeper_m, other_n) in permutations(
-        zip(stiffness, depth_m, force_n, strict=True), 2
-    ):
-        if stiff > 1.05 * soft:
-            told_apart += 1
-            assert deep_m < deeper_m and its_n / deep_m > other_n / deeper_m
-    assert told_apart >= 3
 
 
 @pytest.mark.parametrize("mode", SCENES)
