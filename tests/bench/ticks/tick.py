@@ -154,7 +154,7 @@ def say(table: list[dict[str, Any]]) -> None:
         "instr.",
         "bytes",
         "write s",
-        "cc s",
+        "cc",
     )
     print("{:24}{:>9}{:>9}{:>9}{:>9}{:>8}{:>10}{:>8}{:>7}".format(*head))
     keys = ("paced_p50_ns", "paced_p99_ns", "instructions", "bytes", "write_s", "compile_s")

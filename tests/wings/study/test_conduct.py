@@ -102,19 +102,12 @@ def test_adaptive_sessions_end_by_themselves(tmp_path: Path) -> None:
         key = method.rstrip("+")
         text = study_text(method, stimuli, pairs, sections={key: section})
         folder = planned(place, text)
-        assert killed_at(14, lambda folder=folder: run_left(folder), before=False)
-        run_left(folder)
+        assert killed_at(14, lambda folder=folder: run_whole(folder, "01", "left"), before=False)
+        run_whole(folder, "01", "left")
         found = answered(folder)
         assert [one.number for one in found] == list(range(1, section["trials"] + 1))
         lines = read_lines(folder.session_folder("01", 1) / JOURNAL)
         assert [line["step"] for line in lines].count("resumed") == 1
-
-
-def run_left(folder: StudyFolder) -> None:
-    """Someone who always says left."""
-
-    while (session := next_session(folder, "01")) is not None:
-        conduct(folder, "01", session, ScriptedPresenter(answer="left"))
 
 
 @pytest.mark.parametrize(

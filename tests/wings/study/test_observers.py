@@ -17,7 +17,6 @@ from support.study.same_forces import require_same_forces
 
 from springpot.codegen.errors import UsageError
 from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.wings.study.folder import StudyFolder
 from springpot.host.wings.study.observers.observer import (
     FeltPress,
     Observer,
@@ -30,11 +29,6 @@ from springpot.trainer.recordings.recording_file import read_recording
 
 EXACT = Observer(weber=0.10)
 TRIALS = 20_000
-
-
-def simulated(folder: Path, text: str, observers: int, seed: int = 1) -> StudyFolder:
-    study = planned(folder, text, 1, SOFT)
-    return simulate(study, observers, seed, folder / "sim", lambda _done, _of: None).folder
 
 
 def linear_press(stiffness_npm: float) -> FeltPress:
@@ -90,7 +84,8 @@ def test_ratings_fall_with_the_difference(tmp_path: Path) -> None:
 def test_every_force_of_a_simulated_study_is_that_of_the_emitted_c(tmp_path: Path) -> None:
     stimuli = [scene_stimulus("a"), scene_stimulus("b", stiffer=1.5), real_stimulus("c")]
     pairs = [{"left": "a", "right": "b"}, {"left": "c", "right": "a"}]
-    folder = simulated(tmp_path, study_text("similarity", stimuli, pairs, sessions=2), 2)
+    study = planned(tmp_path, study_text("similarity", stimuli, pairs, sessions=2), 1, SOFT)
+    folder = simulate(study, 2, 1, tmp_path / "sim", lambda _done, _of: None).folder
     libraries = {
         name: SceneLibrary(folder.path / scene.folder) for name, scene in folder.scenes.items()
     }

@@ -1,6 +1,5 @@
 """The README's figures and docs/explanation/results.md are what the stored benchmarks say."""
 
-import json
 import re
 import runpy
 import sys
@@ -12,8 +11,7 @@ SCRIPT = runpy.run_path(str(BENCH / "results.py"))
 
 
 def test_the_pages_are_written_from_the_benchmark() -> None:
-    stored = json.loads(SCRIPT["STORED"].read_text())
-    for path, text in SCRIPT["pages"](stored, SCRIPT["stored_judges"]()).items():
+    for path, text in SCRIPT["stored_pages"]().items():
         if path.suffix == ".svg":  # its curves are the library's of drawing, in its version
             shown = "<!-- .* % -->|<title>.*"  # the words of a text are a comment beside its curves
             assert re.findall(shown, path.read_text()) == re.findall(shown, text)
