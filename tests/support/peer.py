@@ -14,6 +14,12 @@ PEERS = Path(__file__).parent / "peers"
 CLI = [sys.executable, "-c", "from springpot.host.cli import main; main()"]
 
 
+def cli(*words: object, **options: Any) -> subprocess.CompletedProcess[str]:
+    """What `springpot WORDS` returns and prints, as a process of its own."""
+    command = [*CLI, *map(str, words)]
+    return subprocess.run(command, capture_output=True, text=True, check=False, **options)
+
+
 class Peer:
     """A peer that runs: its URL, and the events that it has told."""
 

@@ -20,7 +20,7 @@ from support.c.mcu import (
     slow_recording,
     target_scene,
 )
-from support.peer import CLI, wait_until
+from support.peer import CLI, cli, wait_until
 from support.small import model_file
 
 from springpot.codegen.reference.notes import LATCHED
@@ -53,8 +53,7 @@ def emitted(tmp_path_factory: pytest.TempPathFactory) -> Emitted:
 
 
 def command(*arguments: object) -> tuple[int, dict, str]:
-    run = subprocess.run([*CLI, *map(str, arguments), "--json"], capture_output=True, text=True,
-                         check=False)  # fmt: skip
+    run = cli(*arguments, "--json")
     return run.returncode, json.loads(run.stdout) if run.stdout else {}, run.stderr
 
 
