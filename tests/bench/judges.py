@@ -5,9 +5,7 @@
 
 Simulated objects by structures of recording (host/wings/presses/structures.py), and Mach-1 with one
 frequency left out in turn. Models are fitted on the training part, emitted, built, and replayed on
-the test part. Each cell is one file of OUT/cells, written after every candidate: a run goes on
-where another ended, and computes again only what other code or other data would make different.
-Two processes; it says how long it still takes. OUT/judges.json holds all cells of OUT.
+the test part. Two processes; it says how long it still takes. OUT/judges.json holds all cells.
 """
 
 import argparse
@@ -23,7 +21,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from judges_recordings import PAPER_SIGNALS, SEED, SETTINGS, Recordings, recorded
+from judges_recordings import SETTINGS, Recordings, recorded
 from spring_dashpot import spring_dashpot_percent
 
 from springpot.codegen.plan.plan import make_plan
@@ -31,7 +29,6 @@ from springpot.host.native.machine import machine_metadata
 from springpot.host.native.trial_build import built
 from springpot.host.simulation.objects import FOREIGN_OBJECTS, OBJECTS
 from springpot.host.wings.evidence.benchmark.measure import bench_scene, hot_ns, prediction_errors
-from springpot.host.wings.evidence.benchmark.store import code_hash, key_of
 from springpot.trainer.kinds import AUTO, fit_kind
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.training_set import training_set
@@ -54,17 +51,6 @@ class Cell:
     structure: str
     file: Path | None = None
 
-    def stored(self, out: Path) -> Path:
-        return out / "cells" / f"{self.name}.{self.structure}.json"
-
-    def key(self) -> str:
-        """Of all that decides its figures."""
-        content = self.file.read_bytes().hex() if self.file else self.settings()
-        return key_of([code_hash(), self.name, self.structure, content])
-
-    def settings(self) -> list[object]:
-        return [SETTINGS[self.structure], SEED, PAPER_SIGNALS]
-
     def recordings(self) -> tuple[Recordings, Recordings, float | None]:
         """Training part, test part, and the noise floor of the latter, N; None if unknown."""
         if self.file is None:
@@ -75,37 +61,29 @@ class Cell:
         return tuple(each for each in found if each not in test), test, floor_n
 
 
-def judged(cell: Cell, out: Path) -> dict[str, Any]:
-    """Do what is missing of a cell."""
-    stored = known(cell, out)
-    if stored.get("complete"):
-        return stored
+def judged(cell: Cell) -> dict[str, Any]:
+    """Every candidate, and `auto`, on a cell."""
     training, test, floor_n = cell.recordings()
     data, options = training_set(training, FitOptions().smooth_s), FitOptions()
     peak_n = max(float(np.abs(each.force_n).max()) for each in test)
     listed = {each.name: (each.kind, each.options) for each in candidates(data, options)}
     listed |= {kind: (kind, options) for kind in BESIDE}
-    found = stored | {
-        "key": cell.key(),
+    models: dict[str, dict[str, Any]] = {}
+    for name, (kind, asked) in {**listed, AUTO: (AUTO, options)}.items():
+        begin_s = time.process_time()
+        try:
+            models[name] = measured(kind, data, asked, test)
+        except Exception as error:  # a failure is a result
+            models[name] = {"failed": f"{type(error).__name__}: {error}"}
+        models[name]["cpu_s"] = time.process_time() - begin_s
+    return {
         "object": cell.name,
         "structure": cell.structure,
         "floor_percent": None if floor_n is None else 100.0 * floor_n / peak_n,
         "spring_dashpot_percent": spring_dashpot_percent(training, test),
         "rows": data.rows_total,
+        "models": models,
     }
-    models = found.setdefault("models", {})
-    for name, (kind, asked) in {**listed, AUTO: (AUTO, options)}.items():
-        if name not in models:
-            begin_s = time.process_time()
-            try:
-                models[name] = measured(kind, data, asked, test)
-            except Exception as error:  # a failure is a result
-                models[name] = {"failed": f"{type(error).__name__}: {error}"}
-            models[name]["cpu_s"] = time.process_time() - begin_s
-            write(cell, out, found)
-    found["complete"] = True
-    write(cell, out, found)
-    return found
 
 
 def measured(kind: str, data: Any, options: FitOptions, test: Recordings) -> dict[str, Any]:
@@ -121,21 +99,6 @@ def measured(kind: str, data: Any, options: FitOptions, test: Recordings) -> dic
     chosen = {"chosen": fit.metadata["chosen"]} if "chosen" in fit.metadata else {}
     slopes = {name: value for name, value in errors.items() if name.startswith("slope_")}
     return {"percent": percent, "tick_ns": tick_ns, **slopes, **chosen}
-
-
-def known(cell: Cell, out: Path) -> dict[str, Any]:
-    """What is stored of a cell; nothing where other code or data made it."""
-    try:
-        found: dict[str, Any] = json.loads(cell.stored(out).read_text())
-    except (OSError, ValueError):
-        return {}
-    return found if found["key"] == cell.key() else {}
-
-
-def write(cell: Cell, out: Path, found: dict[str, Any]) -> None:
-    part = cell.stored(out).with_suffix(".part")
-    part.write_text(json.dumps(found, indent=1) + "\n")
-    part.replace(cell.stored(out))
 
 
 def all_cells(mach1: Path | None) -> Iterator[Cell]:
@@ -154,30 +117,28 @@ def main() -> None:
     parser.add_argument("out", type=Path)
     parser.add_argument("--mach1", type=Path, help="the tester's text file of sines")
     asked = parser.parse_args()
-    (asked.out / "cells").mkdir(parents=True, exist_ok=True)
+    asked.out.mkdir(parents=True, exist_ok=True)
     wanted = list(all_cells(asked.mach1))
     # One thread each: more wait for each other.
     os.environ |= {"OMP_NUM_THREADS": "1", "LOKY_MAX_CPU_COUNT": "1"}
-    missing = [cell for cell in wanted if not known(cell, asked.out).get("complete")]
-    cpu_min = _CELL_CPU_S * len(missing) / PROCESSES / 60
-    print(f"{len(wanted)} cells, {len(missing)} of them to compute: about {cpu_min:.0f} min on "
-          f"{PROCESSES} idle cores", flush=True)  # fmt: skip
+    cpu_min = _CELL_CPU_S * len(wanted) / PROCESSES / 60
+    print(f"{len(wanted)} cells: about {cpu_min:.0f} min on {PROCESSES} idle cores", flush=True)
     begin = time.perf_counter()
     with ProcessPoolExecutor(PROCESSES, mp_context=get_context("spawn")) as pool:
-        running = {pool.submit(judged, cell, asked.out): cell for cell in missing}
+        running = {pool.submit(judged, cell): cell for cell in wanted}
         for done, future in enumerate(as_completed(running), start=1):
             cell, found = running[future], future.result()
-            left_s = (time.perf_counter() - begin) / done * (len(missing) - done)
-            print(f"{done} of {len(missing)}, {left_s / 60:.0f} min left: {cell.name} "
+            left_s = (time.perf_counter() - begin) / done * (len(wanted) - done)
+            print(f"{done} of {len(wanted)}, {left_s / 60:.0f} min left: {cell.name} "
                   f"{cell.structure}: {in_a_line(found)}", flush=True)  # fmt: skip
-    cells = [found for cell in wanted if (found := known(cell, asked.out))]
+    cells = [future.result() for future in running]
     metadata = machine_metadata()
     result = {
         "commit": commit(),
         "machine": f"{metadata['processor']}, {metadata['system']}",
         "compiler": metadata["compiler"],
         "candidates": list(dict.fromkeys(name for found in cells for name in found["models"])),
-        "cells": [{key: value for key, value in found.items() if key != "key"} for found in cells],
+        "cells": cells,
     }
     (asked.out / "judges.json").write_text(json.dumps(result, indent=1) + "\n")
     print(f"{asked.out / 'judges.json'}: {len(cells)} cells")
