@@ -43,7 +43,7 @@ class Axis:
         self.tool = Tool(self.options, self.clock.dt_s)
         self.state, self.error, self.torque_nm, self.turns_per_s = IDLE, 0, 0.0, 0.0
         self.max_turns_per_s, self.max_current_a = TURNS_PER_S, CURRENT_A
-        self.steps = self.cut = 0
+        self.steps = 0
         self.fed_s = self.beat_s = time.monotonic()
 
     @property
@@ -79,7 +79,6 @@ class Axis:
                     self.faults.force_came()
             case 0x0F:
                 self.max_turns_per_s, self.max_current_a = struct.unpack("<ff", data)
-                say(event="limits", turns_per_s=self.max_turns_per_s, current_a=self.max_current_a)
             case 0x18:
                 self.error = 0
         return []
@@ -125,12 +124,7 @@ class Axis:
         given = min(max(self.torque_nm, gain * (-limit - self.turns_per_s)),
                     gain * (limit - self.turns_per_s))  # fmt: skip
         most_nm = self.max_current_a * NM_PER_A
-        given = min(max(given, -most_nm), most_nm) if self.state == CLOSED_LOOP else 0.0
-        if abs(given - self.torque_nm) > 1e-6:
-            self.cut += 1
-            if self.cut == 1:
-                say(event="cut", told_nm=self.torque_nm, given_nm=given)
-        return given
+        return min(max(given, -most_nm), most_nm) if self.state == CLOSED_LOOP else 0.0
 
     def _heartbeat(self) -> Frame:
         # 0.5: error flags, the controller's with "trajectory done"; 0.6: procedure result, done

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from itertools import cycle
 from pathlib import Path
 
-import numpy as np
 import pytest
 from support.c import golden_forces
 from support.c.single import every_plan, plan_of, write_single
@@ -20,7 +19,6 @@ from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import planned_headers
 from springpot.host.emission.emission import by_hand, emit
 from springpot.host.native.compiler import find_compiler
-from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.native.toolchain import missing_tools
 from springpot.host.wings.boards.boards import default_board
 from springpot.host.wings.boards.firmware import build_firmware
@@ -89,20 +87,6 @@ def test_no_warning_for_any_kind_at_any_level(tmp_path: Path) -> None:
         units.update(planned_headers(plan))
         require_clean(plan, tmp_path / plan.scene.name, level, languages)
     assert units == {file.name for file in SOURCE.glob("*.h")}
-
-
-def test_the_same_forces_as_in_many_files(tmp_path: Path) -> None:
-    chosen, model = scene(mode="tool", smoothing_s=8e-4, prefix="eco"), model_file(tmp_path)
-    emit(chosen, model, tmp_path / "many")
-    emission = emit(chosen, model, tmp_path / "one", single=True)
-    motion = golden_forces.motion_m()
-    many, one = (SceneLibrary(tmp_path / name) for name in ("many", "one"))
-    forces = [library.new_state().run(motion)[0] for library in (many, one)]
-    assert np.ptp(forces[0]) > 1.0
-    assert forces[0].tobytes() == forces[1].tobytes()
-    assert one.state_bytes == many.state_bytes == emission.ram_bytes
-    assert one.manifest["hash"] == emission.hash
-    assert emission.manifest["sources"] == ["eco.c"]
 
 
 def test_only_the_api_is_public_and_nothing_changes(tmp_path: Path) -> None:
