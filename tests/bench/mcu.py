@@ -58,7 +58,6 @@ def report(model: Path, mode: str, name: str, position, recordings) -> None:
     differ = int(np.sum((batch.force_n.view("u4") != force_n.view("u4")) | (batch.notes != notes)))
     restarts = (batch.notes & RESYNC) != 0
     bound = instruction_bound(emission.plan)
-    assert emission.footprint is not None and bound is not None
     print(
         f"{model.stem} {mode} {name} | {emission.footprint.flash_bytes} {emission.ram_bytes} "
         f"{emission.footprint.stack_bytes} | {batch.instructions[~restarts].max()} {bound.tick} "

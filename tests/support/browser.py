@@ -6,7 +6,6 @@ import re
 import shutil
 import subprocess
 from pathlib import Path
-from typing import Any
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 A4_PIXELS = 703  # between the margins
@@ -38,7 +37,6 @@ document.body.dataset.measures = JSON.stringify({out, cut});
 
 def browse(page: Path, width: int, *how: str) -> subprocess.CompletedProcess[str]:
     """Open a page in a window of so many pixels."""
-    assert CHROMIUM is not None
     command = [CHROMIUM, *FLAGS, f"--user-data-dir={page.parent / 'profile'}",
                f"--window-size={width},6000", *how, page.as_uri()]  # fmt: skip
     return subprocess.run(command, capture_output=True, text=True, check=True, timeout=120)
@@ -55,8 +53,7 @@ def layout_faults(page: str, folder: Path, width: int) -> dict[str, list[str]]:
     done = browse(copy, width, "--dump-dom")
     found = re.search(r'data-measures="([^"]*)"', done.stdout)
     assert found, done.stderr
-    measures: dict[str, Any] = json.loads(html.unescape(found[1]))
-    return measures
+    return json.loads(html.unescape(found[1]))
 
 
 def as_printed(page: str) -> str:

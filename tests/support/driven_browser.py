@@ -123,7 +123,6 @@ class DrivenBrowser:
 @contextlib.contextmanager
 def driven_browser(folder: Path) -> Iterator[DrivenBrowser]:
     """A browser of its own, with its profile in `folder`."""
-    assert CHROMIUM is not None
     reads_from, to = os.pipe()
     back, writes_to = os.pipe()
     # The protocol is spoken over the descriptors 3 and 4.

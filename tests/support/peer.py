@@ -24,7 +24,6 @@ class Peer:
     """A peer that runs: its URL, and the events that it has told."""
 
     def __init__(self, process: subprocess.Popen[str]) -> None:
-        assert process.stdout is not None
         self.process = process
         self.url = process.stdout.readline().strip()
         assert "://" in self.url, "the peer died: " + self.url
@@ -41,7 +40,6 @@ class Peer:
         return self.named(name)[more]
 
     def _read(self) -> None:
-        assert self.process.stdout is not None
         for line in self.process.stdout:
             self.events.append(json.loads(line))
 

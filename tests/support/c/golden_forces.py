@@ -113,8 +113,7 @@ def exp_hash() -> str:
 
 def stored() -> dict[str, str]:
     """Stored hashes, by "MODEL NUMBER COUPLING"."""
-    hashes: dict[str, str] = json.loads(HASHES.read_text())
-    return hashes
+    return json.loads(HASHES.read_text())
 
 
 def stored_exp_hash() -> str:

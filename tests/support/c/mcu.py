@@ -74,7 +74,6 @@ def emulated(folder: Path, name: str) -> Iterator[str]:
     ]  # fmt: skip
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                                preexec_fn=as_firmware_is_scheduled)  # noqa: PLW1509  # fmt: skip
-    assert process.stdout is not None
     try:
         line = process.stdout.readline()
         found = re.search(r"/dev/pts/\d+", line)

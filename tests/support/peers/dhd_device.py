@@ -34,7 +34,6 @@ VELOCITY = 2  # the SDK's cause of a trip
 def states() -> list[str]:
     """Names of the shared page's doubles, as the library has them."""
     table = re.search(r"enum \{(.*?)STATES", SOURCE.read_text(), re.DOTALL)
-    assert table is not None
     return re.findall(r"^\s+([A-Z_]+),", table.group(1), re.MULTILINE)
 
 

@@ -79,7 +79,6 @@ def passive_of(branches: int, stops: int, **of_depth: float) -> Model:
     """A passive model of so many branches and stops."""
     rng = np.random.default_rng(1)
     whole = fitted("hammerstein")
-    assert whole.hammerstein is not None
     passive = dataclasses.replace(
         whole.hammerstein,
         elastic_n=rng.random(9),
@@ -123,7 +122,6 @@ def test_the_bound_is_above_what_is_counted(tmp_path: Path, variant: str, shape:
     for board in BOUND_ON:
         batch = run_batch(tmp_path / "c", BOARDS[board], calls)
         bound = instruction_bound(make_plan(model, scene_of(BOARDS[board].target, shape), True))
-        assert bound is not None
         restarts = (batch.notes & RESYNC) != 0
         late = after_silence(batch.notes)
         assert restarts.sum() > 60 and late.any()
@@ -162,7 +160,6 @@ def test_ten_branches_and_three_stops_take_640_instructions_and_4400_bytes(tmp_p
     restarts = (batch.notes & RESYNC) != 0
     most = int(batch.instructions[~restarts & ~after_silence(batch.notes)].max())
     assert most <= min(emission.manifest["instructions"]["tick"], 640)
-    assert emission.footprint is not None
     assert emission.footprint.flash_bytes <= 4400
 
 
@@ -206,5 +203,4 @@ def test_the_linker_reserves_the_selftests_stack(tmp_path: Path) -> None:
     listed = subprocess.run(["arm-none-eabi-size", "-A", firmware], capture_output=True, text=True,
                             check=True).stdout  # fmt: skip
     found = re.search(r"^\.stack\s+(\d+)", listed, re.MULTILINE)
-    assert found is not None
     assert int(found[1]) >= 4096 + emission.ram_bytes > 8192

@@ -194,7 +194,6 @@ def test_a_page_and_a_board_take_it(tmp_path: Path) -> None:
     if not (why := missing_tools("wasm32")):
         assert page_module(emission.folder, emission.plan, False).startswith(b"\0asm")
     board = default_board("cortex-m4f")
-    assert board is not None
     if not missing_tools("cortex-m4f"):
         built = build_firmware(emission.folder, board, tmp_path / "firmware", strict=True)
         assert built.exists()

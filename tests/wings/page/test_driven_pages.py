@@ -80,7 +80,6 @@ def test_a_session_is_shown_and_stopped(folder: Path, browser: DrivenBrowser) ->
     with subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as run:
-        assert run.stderr is not None and run.stdout is not None
         address = next(line for line in run.stderr if "page: " in line).split("page: ")[1].strip()
         browser.open_ready(address)
         browser.until("Number(document.body.dataset.ticks) > 1000")

@@ -59,7 +59,6 @@ def surveyed(entry: dict, scratch: Path, depth_m: float) -> np.ndarray:
     """Forces of the page's survey, (rows, columns), N."""
     (scratch / "page.wasm").write_bytes(module_of(entry["wasm"]))
     its, node = entry["map"], shutil.which("node")
-    assert node is not None
     numbers = [*its["survey"], *its["first_m"], *its["last_m"], depth_m, its["press_ticks"],
                entry["dt_s"]]  # fmt: skip
     command = [node, str(SURVEY), str(scratch / "page.wasm"), *map(str, numbers)]

@@ -21,7 +21,6 @@ def tight(folder: Path) -> tuple[Scene, Path, int]:
     """A scene whose budget is two thirds of what the model takes."""
     model = model_file(folder, small_fit(trees=20).model)
     whole = emit(scene(), model, folder / "whole").footprint
-    assert whole is not None
     budget = Budget(flash_bytes=2 * whole.flash_bytes // 3)
     return dataclasses.replace(scene(), budget=budget), model, 2 * whole.flash_bytes // 3
 
@@ -51,7 +50,6 @@ def test_a_reduction_that_fits_is_named_and_then_applied(
         assert float(line.split("RMSE ")[1].split()[0]) > 0
     assert not (tmp_path / "c").exists()
     fitted = emit_fitting(chosen, model, tmp_path / "c", False, [EVALUATION], fit=True)
-    assert fitted.footprint is not None
     assert fitted.footprint.flash_bytes <= flash_bytes
 
 

@@ -48,8 +48,7 @@ def refused(screen: ParticipantScreen, number: int, kind: str, value: Any) -> bo
 
 
 def looking(screen: ParticipantScreen) -> IO[bytes]:
-    stream: IO[bytes] = urllib.request.urlopen(screen.address + "events", timeout=10)
-    return stream
+    return urllib.request.urlopen(screen.address + "events", timeout=10)
 
 
 def next_event(stream: IO[bytes], name: str) -> Any:

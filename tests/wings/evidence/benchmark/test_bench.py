@@ -85,7 +85,6 @@ def test_instructions_are_those_of_the_emulated_tick() -> None:
         model = read_model(Store(bench_folder()).model_file(item["key"]))
         plan = make_plan(model, bench_scene(item["number"], "cortex-m4f"), accept_unsafe=True)
         bound = instruction_bound(plan)
-        assert bound is not None
         assert bound.tick / 2.2 < item["instructions"] <= bound.tick
 
 
@@ -121,10 +120,8 @@ def test_a_pick_fits_is_passive_and_bounded() -> None:
         return replace(candidate, bounded=candidate.key != "wild")
 
     found = pick(points, budget, 1000.0, bounded)
-    assert found is not None
     assert found.key == "good"
     only_unbounded = pick(points[:3], budget, 1000.0, bounded)
-    assert only_unbounded is not None
     assert only_unbounded.key == "wild"  # and it says so
 
     def counted(candidate: Point) -> Point:
@@ -133,7 +130,6 @@ def test_a_pick_fits_is_passive_and_bounded() -> None:
 
     tight = PlatformBudget("board", "board", flash_bytes=5000, instructions=8000)
     found = pick(points, tight, 1000.0, counted)
-    assert found is not None
     assert found.key == "good"
     assert pick([points[2]], tight, 1000.0, counted) is None
     told = why(only_unbounded, points, budget, 1000.0)
