@@ -92,10 +92,6 @@ def test_the_host_drives_a_board_at_500_hz(tmp_path: Path, emitted: Emitted, boa
     assert found["mismatches"] == 0
 
 
-def was_reset(calls: list[dict]) -> bool:
-    return any(call["call"] & constant("WAS_RESET") for call in calls)
-
-
 def kill_a_host_that_renders(folder: Path, url: str, relay: Relay) -> None:
     """Tries again where the machine stood still for longer than the watchdog waits."""
     for _ in range(8):
@@ -103,7 +99,11 @@ def kill_a_host_that_renders(folder: Path, url: str, relay: Relay) -> None:
         host = subprocess.Popen([*CLI, "run", "--scene", folder, "--device", url, "--seconds",
                                  "60"], stdout=subprocess.DEVNULL)  # fmt: skip
         try:
-            wait_until(lambda: was_reset(relay.calls[begin:]), 20, "no reset")  # noqa: B023
+            wait_until(
+                lambda: any(c["call"] & constant("WAS_RESET") for c in relay.calls[begin:]),  # noqa: B023
+                20,
+                "no reset",
+            )
             wait_until(
                 lambda: relay.calls[-1]["force_n"] > 2 or relay.calls[-1]["notes"] & LATCHED,
                 20,

@@ -21,7 +21,6 @@ from springpot.host.validation.validation import validate
 from springpot.host.wings.page.press_page import write_press_page
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import read_recording
 
 pytestmark = [
@@ -51,12 +50,6 @@ def emitted(
     return folder / "c"
 
 
-def validated(folder: Path, *recordings: Recording) -> Path:
-    found = validate(folder, recordings, paced_s=0.1)
-    store_validation(folder, found)
-    return folder
-
-
 def page_of(folder: Path, *folders: Path) -> Path:
     write_press_page(folders, folder / "press.html")
     return folder / "press.html"
@@ -76,7 +69,7 @@ def test_what_is_pressed_is_what_validate_computes(
     tmp_path: Path, kind: str, number: str, mode: str
 ) -> None:
     folder = emitted(tmp_path / "scene", fitted(kind), number, mode)
-    validated(folder, training()[5])
+    store_validation(folder, validate(folder, training()[5:6], paced_s=0.1))
     pressed = press_page(page_of(tmp_path, folder))
     assert pressed.console == []
     assert pressed.found["errors"] == []
