@@ -7,7 +7,14 @@ import shutil
 import subprocess
 from pathlib import Path
 
+import pytest
+
+from springpot.host.native.toolchain import missing_tools
+
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+NEEDS_CHROMIUM = pytest.mark.skipif(CHROMIUM is None, reason="no chromium on PATH")
+_NO_WASM = missing_tools("wasm32")
+NEEDS_PAGES = [NEEDS_CHROMIUM, pytest.mark.skipif(bool(_NO_WASM), reason=_NO_WASM or "-")]
 A4_PIXELS = 703  # between the margins
 FLAGS = ("--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars",
          "--enable-logging=stderr")  # fmt: skip

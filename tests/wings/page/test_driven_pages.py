@@ -9,20 +9,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.browser import CHROMIUM
+from support.browser import NEEDS_PAGES
 from support.driven_browser import DrivenBrowser, driven_browser
 from support.small import model_file, scene, small_model
 
 from springpot.host.emission.emission import emit
-from springpot.host.native.toolchain import missing_tools
 from springpot.host.wings.devices.wire import Receiver, Sender, constant, layout
 from springpot.host.wings.page.press_page import write_press_page
 
-pytestmark = [
-    pytest.mark.realtime,
-    pytest.mark.skipif(CHROMIUM is None, reason="no chromium on PATH"),
-    pytest.mark.skipif(bool(missing_tools("wasm32")), reason=missing_tools("wasm32") or "-"),
-]
+pytestmark = [pytest.mark.realtime, *NEEDS_PAGES]
 
 # A board of the browser's own: what it would send is given, what is written to it is kept.
 _FAKE_PORT = """

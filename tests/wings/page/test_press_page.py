@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.browser import CHROMIUM
+from support.browser import NEEDS_PAGES
 from support.in_process import spring
 from support.pressed_page import Pressed, press_page
 from support.small import model_file, scene, small_model, training
@@ -15,7 +15,6 @@ from support.small import model_file, scene, small_model, training
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Device
 from springpot.host.emission.emission import emit
-from springpot.host.native.toolchain import missing_tools
 from springpot.host.validation.store import store_validation
 from springpot.host.validation.validation import validate
 from springpot.host.wings.page.press_page import write_press_page
@@ -23,11 +22,7 @@ from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.recordings.recording_file import read_recording
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(CHROMIUM is None, reason="no chromium on PATH"),
-    pytest.mark.skipif(bool(missing_tools("wasm32")), reason=missing_tools("wasm32") or "-"),
-]
+pytestmark = [pytest.mark.slow, *NEEDS_PAGES]
 
 
 ASSUMED = Device()

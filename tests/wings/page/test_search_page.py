@@ -8,19 +8,14 @@ from pathlib import Path
 
 import pytest
 from codegen.stages.test_placed import placed
-from support.browser import CHROMIUM
+from support.browser import NEEDS_PAGES
 from support.driven_browser import DrivenBrowser, driven_browser
 from support.small import model_file, scene
 
 from springpot.host.emission.emission import emit
-from springpot.host.native.toolchain import missing_tools
 from springpot.host.wings.page.press_page import write_press_page
 
-pytestmark = [
-    pytest.mark.realtime,
-    pytest.mark.skipif(CHROMIUM is None, reason="no chromium on PATH"),
-    pytest.mark.skipif(bool(missing_tools("wasm32")), reason=missing_tools("wasm32") or "-"),
-]
+pytestmark = [pytest.mark.realtime, *NEEDS_PAGES]
 FIRST_MM, LAST_MM = (0.0, -10.0), (20.0, 10.0)  # of the map of `placed`
 # Colours of the canvas at a grid of points within the map, apart from the tool in its middle.
 _PIXELS = """(() => { const canvas = document.getElementById("map"), found = new Set();

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.browser import A4_PIXELS, CHROMIUM, as_printed, layout_faults
+from support.browser import A4_PIXELS, NEEDS_CHROMIUM, as_printed, layout_faults
 from support.small import DT_S, model_file, press, recording, scene, small_model
 
 from springpot.codegen.plan.plan import make_plan
@@ -152,7 +152,7 @@ def test_an_error_stands_beside_the_noise_floor_and_what_a_hand_can_tell(
     assert "times the just noticeable difference" in page
 
 
-@pytest.mark.skipif(CHROMIUM is None, reason="no chromium on PATH")
+@NEEDS_CHROMIUM
 @pytest.mark.parametrize("name", ["report", "stability"])
 @pytest.mark.parametrize("width", [400, 1280, A4_PIXELS])
 def test_nothing_sticks_out_and_no_word_is_cut(

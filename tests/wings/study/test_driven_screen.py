@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import pytest
-from support.browser import CHROMIUM
+from support.browser import NEEDS_CHROMIUM
 from support.driven_browser import DrivenBrowser, driven_browser
 
 from springpot.host.native.loop_library import COLUMN, LoopRows, empty_rows
@@ -13,10 +13,7 @@ from springpot.host.wings.pages.server import PageEvent
 from springpot.host.wings.study.session.screen import ParticipantScreen
 from springpot.host.wings.study.session.screen_state import Act, Ask, ScreenState
 
-pytestmark = [
-    pytest.mark.realtime,
-    pytest.mark.skipif(CHROMIUM is None, reason="no chromium on PATH"),
-]
+pytestmark = [pytest.mark.realtime, NEEDS_CHROMIUM]
 
 RATE = Ask("number", "How alike are they?")
 TRIAL = ScreenState(

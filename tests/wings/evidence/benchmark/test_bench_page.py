@@ -9,7 +9,7 @@ import pytest
 from support.bench_folder import CANDIDATES, bench_folder
 from support.browser import (
     A4_PIXELS,
-    CHROMIUM,
+    NEEDS_CHROMIUM,
     as_printed,
     browse,
     console_errors,
@@ -40,7 +40,7 @@ document.body.dataset.probe = JSON.stringify({heights, marks: marks.length, told
 </script></body>"""
 
 
-@pytest.mark.skipif(CHROMIUM is None, reason="no chromium on PATH")
+@NEEDS_CHROMIUM
 def test_every_point_is_drawn_and_says_what_it_is(tmp_path: Path) -> None:
     page = tmp_path / "page.html"
     page.write_text(write_bench_report(bench_folder()).read_text().replace("</body>", PROBE))
@@ -56,7 +56,7 @@ def test_every_point_is_drawn_and_says_what_it_is(tmp_path: Path) -> None:
     assert "flash" in seen["told"]
 
 
-@pytest.mark.skipif(CHROMIUM is None, reason="no chromium on PATH")
+@NEEDS_CHROMIUM
 @pytest.mark.parametrize("width", [400, 800, 1280, A4_PIXELS])
 def test_nothing_sticks_out_on_screens_and_paper(tmp_path: Path, width: int) -> None:
     text = write_bench_report(bench_folder()).read_text()
