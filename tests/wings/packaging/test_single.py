@@ -22,6 +22,7 @@ from springpot.host.native.compiler import find_compiler
 from springpot.host.native.toolchain import missing_tools
 from springpot.host.wings.boards.boards import default_board
 from springpot.host.wings.boards.firmware import build_firmware
+from springpot.host.wings.packaging.c_blocks import top_level_blocks, without_unused
 from springpot.host.wings.page.scene_entry import page_module
 from springpot.runtime_c.paths import SOURCE
 
@@ -38,6 +39,18 @@ FOUND = [language for language in LANGUAGES if shutil.which(language[0])]
 CPU_FLAGS = Path("/proc/cpuinfo").read_text() if Path("/proc/cpuinfo").exists() else ""
 FMA = pytest.mark.skipif("fma" not in CPU_FLAGS, reason="this processor has no fused multiply-add")
 MAIN = '#include "@.h"\nint main(void) { return @_selftest() ? 3 : 0; }\n'
+
+
+LONELY = "static inline int lonely(void)\n{\n    int x = 2;\n\n    return inner() + x;\n}\n\n"
+TEXT = (
+    "static inline int inner(void)\n{\n    int x = 1;\n\n    return x;\n}\n\n"
+    f"{LONELY}/* Not lonely. */\nint public_name(void)\n{{\n    return inner();\n}}"
+)
+
+
+def test_what_nothing_calls_is_left_out_whole() -> None:
+    kept = without_unused(top_level_blocks(TEXT))
+    assert "\n\n".join(kept) == TEXT.replace(LONELY, "")
 
 
 def hammerstein() -> Plan:
