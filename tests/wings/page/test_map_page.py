@@ -14,7 +14,7 @@ from codegen.stages.test_placed import called, placed
 from host.validation.test_by_place import PLACES, placed_model, pressed
 from support.browser import CHROMIUM, layout_faults
 from support.paths import TESTS
-from support.pressed_page import Pressed, press_page
+from support.pressed_page import press_page
 from support.small import model_file, scene, small_model, training
 
 from springpot.codegen.model.model import Model
@@ -106,43 +106,30 @@ def test_the_picture_is_stiffest_where_the_reference_is(
     assert np.ptp(force_n) > 0.05 * force_n.max()
 
 
-def rows_of(pressed: Pressed, dtype: str) -> np.ndarray:
-    return pressed.rows[:, 1:].astype(dtype)
-
-
-@pytest.mark.parametrize("number", ["float32", "float64"])
-def test_the_force_shown_at_held_places_is_that_of_the_c(tmp_path: Path, number: str) -> None:
-    folder = emitted(tmp_path / "map", scene(number), placed("plain", 2))
-    found = press_page(page_of(tmp_path, folder), map=PATHS)
-    assert found.console == [] and found.found["errors"] == []
-    assert found.csv.startswith("time_s,position_m,force_N,place_x_m,place_y_m\n")
-    rows = rows_of(found, number)
-    depth_m, force_n, places = rows[:, 0], rows[:, 1], rows[:, 2:].astype(float)
-    asked = [(k, tuple(place)) for k, place in enumerate(places.tolist())]
-    here_n, _ = called(SceneLibrary(folder), depth_m, np.zeros_like(depth_m), asked)
-    assert here_n.tobytes() == force_n.tobytes()
-    assert force_n.max() > 0.5
-    pressed_at = {tuple(place) for place in places[depth_m > 0]}
-    assert len(pressed_at) == 2  # held while the pointer moves
-    assert "self-test0 of" in found.found["proof"]
-
-
-@pytest.mark.parametrize("number", ["float32", "float64"])
-def test_the_force_shown_along_a_slide_is_that_of_the_c(tmp_path: Path, number: str) -> None:
-    like = replace(SLID, runtime=scene(number).runtime)
+@pytest.mark.parametrize(("mode", "number"), [("held", "float32"), ("lateral", "float64")])
+def test_the_force_shown_is_that_of_the_c(tmp_path: Path, mode: str, number: str) -> None:
+    like = replace(SCENES[mode], runtime=scene(number).runtime)
     folder = emitted(tmp_path / "map", like, placed("plain", 2))
     found = press_page(page_of(tmp_path, folder), map=PATHS)
     assert found.console == [] and found.found["errors"] == []
-    head = "time_s,position_m,force_N,place_x_m,place_y_m,lateral_x_N,lateral_y_N\n"
-    assert found.csv.startswith(head)
-    rows = rows_of(found, number)
-    here_n, _ = slid(SceneLibrary(folder), rows[:, [2, 3, 0]])
-    assert here_n.tobytes() == np.ascontiguousarray(rows[:, [4, 5, 1]]).tobytes()
-    slides = rows[:, 0] > 0
-    assert np.ptp(rows[slides, 2]) > 0.001
-    assert np.abs(rows[slides, 4:]).max() > 0.01
-    tick = found.found["tick"]
-    assert "tick3" in tick and tick in (folder / "sp_scene.c").read_text()
+    assert "self-test0 of" in found.found["proof"]
+    assert found.csv.startswith("time_s,position_m,force_N,place_x_m,place_y_m")
+    rows, library = found.rows[:, 1:].astype(number), SceneLibrary(folder)
+    depth_m, force_n, places = rows[:, 0], rows[:, 1], rows[:, 2:4].astype(float)
+    pressed = depth_m > 0
+    if mode == "held":
+        asked = [(k, tuple(place)) for k, place in enumerate(places.tolist())]
+        here_n, _ = called(library, depth_m, np.zeros_like(depth_m), asked)
+        assert here_n.tobytes() == force_n.tobytes()
+        assert len(set(map(tuple, places[pressed]))) == 2  # held while the pointer moves
+    else:
+        here_n, _ = slid(library, rows[:, [2, 3, 0]])
+        assert here_n.tobytes() == np.ascontiguousarray(rows[:, [4, 5, 1]]).tobytes()
+        assert np.ptp(rows[pressed, 2]) > 0.001
+        assert np.abs(rows[pressed, 4:]).max() > 0.01
+        tick = found.found["tick"]
+        assert "tick3" in tick and tick in (folder / "sp_scene.c").read_text()
+    assert force_n.max() > 0.5
 
 
 @pytest.mark.parametrize("mode", SCENES)
