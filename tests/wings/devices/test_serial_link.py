@@ -63,6 +63,7 @@ def test_samples_before_the_ack_are_of_the_old_trip(link):
     link.sample(TRIPPED)
     assert link.read() == -2
     link.reset()
+    assert link.read() == 0
     link.sample(TRIPPED)
     assert link.read() == 1
     link.sample(TRIPPED)
