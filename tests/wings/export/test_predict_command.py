@@ -41,9 +41,12 @@ def test_the_force_never_pulls_and_the_error_is_that_of_the_files(job: Path) -> 
     assert result["rmse_n"] == pytest.approx(np.sqrt(np.mean(np.concatenate(errors) ** 2)))
 
 
-def test_millimetres_are_refused(job: Path) -> None:
-    deep = passive_model().trained.max_m * np.linspace(0.0, 40.0, 60)
-    write_recording(job / "mm.h5", recording("mm", deep))
+def test_deeper_presses_are_said_and_millimetres_refused(job: Path) -> None:
+    deep = passive_model().trained.max_m * np.linspace(0.0, 2.0, 60)
+    write_recording(job / "deep.h5", recording("deep", deep))
+    status, _, err = predicted(job, str(job / "deep.h5"))
+    assert status == 0 and "deep: goes to 2 times the trained depth" in err
+    write_recording(job / "mm.h5", recording("mm", 20.0 * deep))
     status, _, err = predicted(job, str(job / "mm.h5"))
     assert status == 3 and "give positions in metres" in err
 

@@ -12,9 +12,12 @@ from support.small import training
 
 from springpot.codegen.errors import BudgetError, DataError, UsageError
 from springpot.codegen.model.model_file import model_hash, read_model
+from springpot.codegen.plan.plan import make_plan
+from springpot.codegen.plan.units import instruction_bound
 from springpot.host.native.toolchain import missing_tools
 from springpot.host.wings.evidence.benchmark.choice import choose_within
 from springpot.host.wings.evidence.benchmark.isolated import missing_for
+from springpot.host.wings.evidence.benchmark.measure import bench_scene
 from springpot.host.wings.evidence.benchmark.picks import (
     PlatformBudget,
     budgets,
@@ -71,6 +74,18 @@ def test_keys_and_what_is_null() -> None:
     assert "--window-s" in refused["error"]
     for key, matrix in result["closed_loop"].items():
         assert len(matrix) == 66, key
+
+
+def test_instructions_are_those_of_the_emulated_tick() -> None:
+    if why := missing_for("cortex-m4f"):
+        pytest.skip(why)
+    for item in read_result(bench_folder())["points"]:
+        if item["instructions"] is None or item["number"] == "float64":
+            continue  # no bound is known of doubles in software
+        model = read_model(Store(bench_folder()).model_file(item["key"]))
+        plan = make_plan(model, bench_scene(item["number"], "cortex-m4f"), accept_unsafe=True)
+        bound = instruction_bound(plan)
+        assert bound.tick / 2.2 < item["instructions"] <= bound.tick
 
 
 def test_fits_that_share_are_the_fits_by_themselves() -> None:
