@@ -5,6 +5,8 @@ import json
 import re
 import shutil
 import subprocess
+import urllib.error
+import urllib.request
 from pathlib import Path
 
 import pytest
@@ -40,6 +42,18 @@ while (walker.nextNode()) {
 }
 document.body.dataset.measures = JSON.stringify({out, cut});
 </script></body>"""
+
+
+def answer_of(
+    address: str, body: bytes | None = None, method: str | None = None, **headers: str
+) -> tuple[int, bytes]:
+    """Status and content of what a page's server answers."""
+    request = urllib.request.Request(address, body, headers, method=method)
+    try:
+        with urllib.request.urlopen(request, timeout=10) as answer:
+            return answer.status, answer.read()
+    except urllib.error.HTTPError as error:
+        return error.code, b""
 
 
 def browse(page: Path, width: int, *how: str) -> subprocess.CompletedProcess[str]:
