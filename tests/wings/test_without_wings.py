@@ -123,35 +123,41 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-_OPTION = (2, "of springpot is not installed here: install all of springpot")
-_FORMAT = (3, "; not installed here: can-log, hdf5, mach-1, mat, tdms, workbook; to have them, i")
-_DEVICE = (5, "; not installed here: dhd, odrive, serial; to have them")
+def require_line(folder: Path, words: str, status: int, told: str) -> None:
+    """Refused in one line, which says what is not there."""
+    assert told in run(folder, *words.split(), status=status).stderr.strip().splitlines()[-1]
 
 
 @pytest.mark.parametrize(
-    ("words", "refused"),
+    "words",
     [
-        ("train press.h5 --model rf-fd --within 1% --out x.spm", _OPTION),
-        ("train press.h5 --model hammerstein --next x.toml --out x.spm", _OPTION),
-        ("stability --scene scene.toml --report x.html", _OPTION),
-        ("emit --scene scene.toml --single --out c", _OPTION),
-        ("import press.csv --tare auto --out r", _OPTION),
+        "train press.h5 --model rf-fd --within 1% --out x.spm",
+        "train press.h5 --model hammerstein --next x.toml --out x.spm",
+        "stability --scene scene.toml --report x.html",
+        "emit --scene scene.toml --single --out c",
+        "import press.csv --tare auto --out r",
         pytest.param(
-            "emit --scene wasm.toml --out c", _OPTION,
+            "emit --scene wasm.toml --out c",
             marks=pytest.mark.skipif(bool(WASM_LACKS), reason=WASM_LACKS),
         ),
-        ("run --scene scene.toml --device sim://free --log felt.h5", _OPTION),
-        *((f"import {name} --out rec", _FORMAT) for name in FOREIGN),
-        ("run --scene scene.toml --device odrive://slcan//dev/none?node=0", _DEVICE),
-        ("run --scene scene.toml --device dhd://", _DEVICE),
-        ("run --scene scene.toml --device serial:///dev/none", _DEVICE),
+        "run --scene scene.toml --device sim://free --log felt.h5",
     ],
-)  # fmt: skip
-def test_what_is_of_a_wing_is_one_line_without_it(
-    made: Path, words: str, refused: tuple[int, str]
-) -> None:
-    status, told = refused
-    assert told in run(made, *words.split(), status=status).stderr.strip().splitlines()[-1]
+)
+def test_an_option_of_a_wing_is_one_line_without_it(made: Path, words: str) -> None:
+    told = "of springpot is not installed here: install all of springpot"
+    require_line(made, words, 2, told)
+
+
+@pytest.mark.parametrize("name", FOREIGN)
+def test_a_file_of_a_format_that_is_not_there_is_one_line(made: Path, name: str) -> None:
+    told = "; not installed here: can-log, hdf5, mach-1, mat, tdms, workbook; to have them, install"
+    require_line(made, f"import {name} --out rec", 3, told)
+
+
+@pytest.mark.parametrize("url", ["odrive://slcan//dev/none?node=0", "dhd://", "serial:///dev/none"])
+def test_a_device_that_is_not_there_is_one_line(made: Path, url: str) -> None:
+    told = "; not installed here: dhd, odrive, serial; to have them"
+    require_line(made, f"run --scene scene.toml --device {url}", 5, told)
 
 
 def test_what_to_record_next_is_not_said_without_its_wing(made: Path) -> None:
