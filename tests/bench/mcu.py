@@ -1,6 +1,6 @@
 """Flash, RAM, stack and instructions of a tick of models on emulated boards, and their parity.
 
-    python tests/bench/mcu.py MODEL.spm ... --recording REC ... [--board mps2-an386] [--ticks 10000]
+    python tests/bench/mcu.py MODEL.spm ... --recording REC ... [--mode off tool]
 
 A model in the scene's defaults for the board's target; counts are the maximum over the ticks of
 the recordings (restarts apart) beside the bound from the tables.
@@ -23,23 +23,23 @@ from springpot.host.wings.boards.boards import BOARDS
 from springpot.host.wings.boards.emulator import run_batch, steps
 from springpot.trainer.recordings.recording_file import read_recordings
 
+TICKS = 10_000
+
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("models", nargs="+", type=Path)
     parser.add_argument("--recording", nargs="+", type=Path, required=True)
-    parser.add_argument("--board", nargs="+", default=list(BOARDS), choices=list(BOARDS))
     parser.add_argument("--mode", nargs="+", default=["auto"])
-    parser.add_argument("--ticks", type=int, default=10_000)
     options = parser.parse_args()
     recordings = read_recordings(options.recording)
-    position = np.concatenate([item.position_m for item in recordings])[: options.ticks]
+    position = np.concatenate([item.position_m for item in recordings])[:TICKS]
     print(
         "model mode board | flash RAM stack | most bound restart bound | ticks differing | RMSE N"
     )
     for model in options.models:
         for mode in options.mode:
-            for name in options.board:
+            for name in BOARDS:
                 report(model, mode, name, position.astype(np.float32), recordings)
 
 
@@ -58,7 +58,6 @@ def report(model: Path, mode: str, name: str, position, recordings) -> None:
     differ = int(np.sum((batch.force_n.view("u4") != force_n.view("u4")) | (batch.notes != notes)))
     restarts = (batch.notes & RESYNC) != 0
     bound = instruction_bound(emission.plan)
-    assert emission.footprint is not None and bound is not None
     print(
         f"{model.stem} {mode} {name} | {emission.footprint.flash_bytes} {emission.ram_bytes} "
         f"{emission.footprint.stack_bytes} | {batch.instructions[~restarts].max()} {bound.tick} "

@@ -78,30 +78,28 @@ def kinship(result: Metadata) -> int:
     return _KIN if own_class(f"sim://{name}") else int(name in FOREIGN_OBJECTS)
 
 
-def pages(results: list[Metadata], judges: Metadata | None) -> dict[Path, str]:
+def pages(results: list[Metadata], judges: Metadata) -> dict[Path, str]:
     """Every file that is written, with its content."""
     benches = sorted(results, key=kinship)
     written = {
         ROOT / "docs" / f"pareto-{i + 1}.svg": front_figure(result) + "\n"
         for i, result in enumerate(benches)
     }
-    if judges:
-        written[ROOT / "docs" / "bars.svg"] = bars_figure(judges) + "\n"
+    written[ROOT / "docs" / "bars.svg"] = bars_figure(judges) + "\n"
     written[ROOT / "docs" / "explanation" / "results.md"] = results_page(benches, judges)
     written[ROOT / "README.md"] = readme(benches, judges)
     return written
 
 
-def results_page(benches: list[Metadata], judges: Metadata | None) -> str:
+def results_page(benches: list[Metadata], judges: Metadata) -> str:
     """docs/explanation/results.md."""
     parts = [
         "# Error against run time, measured\n",
         "Written by `python tests/bench/results.py` from the JSON of `springpot bench`, kept in "
-        "[results.json](../results.json)"
-        f"{', of judges.py, kept in [judges.json](../judges.json),' if judges else ''} and of "
-        "wasm.py, kept in [wasm.json](../wasm.json); "
-        "no figure is typed by hand.\n",
-        *(judges_section(judges) if judges else []),
+        "[results.json](../results.json), of judges.py, kept in "
+        "[judges.json](../judges.json), and of wasm.py, kept in [wasm.json](../wasm.json); no "
+        "figure is typed by hand.\n",
+        *judges_section(judges),
     ]
     for i, result in enumerate(benches):
         parts += section(result, f"../pareto-{i + 1}.svg")
@@ -187,19 +185,19 @@ def paper_table(rows: list[dict[str, str]]) -> str:
     return "\n".join([head, *lines])
 
 
-def readme(benches: list[Metadata], judges: Metadata | None) -> str:
+def readme(benches: list[Metadata], judges: Metadata) -> str:
     """The README with its results between the two marks."""
     text = (ROOT / "README.md").read_text()
     before, rest = text.split(BEGIN)
     after = rest.split(END)[1]
     parts = ["![Error of springpot, the paper's forest, a spring and a dashpot](docs/bars.svg)"]
-    parts += [sentence(benches, judges)] if judges else []
+    parts.append(sentence(benches, judges))
     return "\n".join([f"{before}{BEGIN}", "\n\n".join(parts), f"{END}{after}"])
 
 
-def stored_judges() -> Metadata | None:
-    """What docs/judges.json keeps; None where judges.py has not been run yet."""
-    return json.loads(STORED_JUDGES.read_text()) if STORED_JUDGES.exists() else None
+def stored_pages() -> dict[Path, str]:
+    """`pages` of what docs/ keeps."""
+    return pages(json.loads(STORED.read_text()), json.loads(STORED_JUDGES.read_text()))
 
 
 def main(given: list[Path]) -> None:
@@ -210,7 +208,7 @@ def main(given: list[Path]) -> None:
         STORED_JUDGES.write_text(json.dumps(judges, indent=1) + "\n")
     for wasm in (result for result in found if "wasm" in result):
         STORED_WASM.write_text(json.dumps(wasm, indent=1) + "\n")
-    for path, text in pages(json.loads(STORED.read_text()), stored_judges()).items():
+    for path, text in stored_pages().items():
         path.write_text(text)
 
 

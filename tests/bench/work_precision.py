@@ -93,7 +93,6 @@ def filter_point(features: Features) -> dict[str, float]:
     plan = make_plan(model, scene)
     time_s = np.arange(8000) * _DT_S
     depth = (0.5 * DEPTH_M * (1.0 + np.sin(TURN * time_s))).astype(np.float32)
-    assert plan.features is not None
     found = plan.features.reference(depth, np.array([0]))[6000:, 0].astype(np.float64)
     true = 0.5 * DEPTH_M * TURN**ORDER * np.sin(TURN * time_s + ORDER * np.pi / 2)[6000:]
     error = np.sqrt(np.mean((found - found.mean() - true) ** 2) / np.mean(true**2))

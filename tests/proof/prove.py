@@ -1,6 +1,6 @@
 """`make prove`: Eva over the emitted C of every kind, coupling and number type.
 
-    python tests/proof/prove.py [--defects] [--only TEXT] [--known prove.json] [--out prove.json]
+    python tests/proof/prove.py [--defects] [--known prove.json] [--out prove.json]
     python tests/proof/prove.py --folder DIR
 
 Exit status 1 where an alarm is left, or a planted defect raises none; 2 without Frama-C, and where
@@ -50,14 +50,12 @@ def main() -> int:
         return _report_folder(options.folder)
     began = time.monotonic()
     known = _known(options.known)
-    wanted = [one for one in proved_scenes() if options.only in one.name]
+    wanted = list(proved_scenes())
     with tempfile.TemporaryDirectory(prefix="prove-") as where, ThreadPoolExecutor(2) as pool:
         folder = Path(where)
         for one in wanted:  # fits each model once, so not in threads
             emit_scene(one, folder)
-        rows = _in_pairs(pool, _scene_row, wanted, folder, known)
-        ports = [one for one in PORT_DRIVERS if options.only in one.name]
-        rows += _in_pairs(pool, _port_row, ports, folder, known)
+        rows = _in_pairs(pool, _row, [*wanted, *PORT_DRIVERS], folder, known)
         planted = [one for one in DEFECTS if options.defects]
         defects = _in_pairs(pool, _defect_row, planted, folder, known)
     seconds = time.monotonic() - began
@@ -73,7 +71,6 @@ def main() -> int:
 def _options() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("--defects", action="store_true", help="plant each defect too")
-    parser.add_argument("--only", default="", help="scenes whose name has this text")
     parser.add_argument("--known", type=Path, help="take from it what was answered of the same C")
     parser.add_argument("--folder", type=Path, help="one emitted folder instead")
     parser.add_argument("--out", type=Path, help="write the figures as JSON")
@@ -136,22 +133,14 @@ def _in_pairs(
     return list(pool.map(run, those))
 
 
-def _scene_row(scene: ProvedScene, folder: Path, known: Known) -> tuple[dict[str, Any], Analysis]:
-    found = analyse_scene(folder / scene.name, laws=scene.laws, known=known)
-    row = {
-        "scene": scene.name, "kind": scene.kind, "coupling": scene.coupling,
-        "number": scene.number, "alarms": len(found.alarms),
-    }  # fmt: skip
-    return row, found
-
-
-def _port_row(port: Port, folder: Path, known: Known) -> tuple[dict[str, Any], Analysis]:
-    found = analyse_port(port, folder, known=known)
-    row = {
-        "scene": port.name, "kind": "port", "coupling": "", "number": "",
-        "alarms": len(found.alarms),
-    }  # fmt: skip
-    return row, found
+def _row(one: ProvedScene | Port, folder: Path, known: Known) -> tuple[dict[str, Any], Analysis]:
+    if isinstance(one, Port):
+        its, found = ("port", "", ""), analyse_port(one, folder, known=known)
+    else:
+        its = one.kind, one.coupling, one.number
+        found = analyse_scene(folder / one.name, laws=one.laws, known=known)
+    named = dict(zip(("kind", "coupling", "number"), its, strict=True))
+    return {"scene": one.name, **named, "alarms": len(found.alarms)}, found
 
 
 def _defect_row(defect: Defect, folder: Path, known: Known) -> tuple[dict[str, Any], Analysis]:

@@ -10,14 +10,10 @@ from proof.fuzz.reader import PoorMessageError, Reader, refused_in_one_line
 from springpot.codegen.errors import SpringpotError
 
 
-def reader_of(name: str) -> Reader:
-    return importlib.import_module(f"proof.fuzz.{name}_reader").READER
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("name", READERS)
 def test_seeds_are_read_or_refused_in_one_line(name: str, tmp_path: Path) -> None:
-    reader = reader_of(name)
+    reader: Reader = importlib.import_module(f"proof.fuzz.{name}_reader").READER
     read = reader.as_users or reader.read
     taken = 0
     for _, content in reader.seeds():

@@ -3,7 +3,6 @@
 import json
 import tomllib
 from collections import Counter
-from pathlib import Path
 
 from proof.functions import functions_by_line
 from proof.misra.misra import RECORDS, RESULT, stored_places, wrong_places
@@ -13,30 +12,6 @@ from support.paths import ROOT
 
 def test_the_page_is_what_the_command_makes_of_the_results() -> None:
     assert PAGE.read_text() == page(), "run python tests/proof/reliability.py"
-
-
-def test_a_section_without_a_result_says_so(tmp_path: Path) -> None:
-    assert page(tmp_path).count("\nNot run.\n") == 4
-
-
-def test_what_others_write_becomes_a_section(tmp_path: Path) -> None:
-    row = {"file": "a.c", "mutants": 11, "caught": 9, "equivalent": 1, "survived": 1,
-           "commit": "abc"}  # fmt: skip
-    survivor = {"file": "a.c", "function": "f", "change": "value", "count": 2, "equivalent": 1,
-                "reason": "of no matter"}  # fmt: skip
-    mutation = {"title": "Of C", "command": "x", "rows": [row], "survivors": [survivor]}
-    (tmp_path / "mutation.json").write_text(json.dumps(mutation))
-    scene = {"scene": "s", "kind": "rf-fd", "coupling": "off", "number": "float32", "alarms": 0,
-             "seconds": 2}  # fmt: skip
-    prove = {"command": "make prove", "version": "v", "seconds": 3, "rows": [scene],
-             "defects": [{"defect": "no clamp", "caught_by": "Eva"}],
-             "assumptions": ["IEEE"]}  # fmt: skip
-    (tmp_path / "prove.json").write_text(json.dumps(prove))
-    made = page(tmp_path)
-    assert "| a.c | 11 | 9 | 1 | 1 | 90.0 | abc |" in made
-    assert "- `a.c`, `f`, value: of no matter" in made
-    assert "| s | rf-fd | off | float32 | 0 | 2 |" in made
-    assert "- no clamp: Eva" in made
 
 
 def test_the_stored_places_of_rules_are_of_the_reasons_and_of_functions_that_are_there() -> None:

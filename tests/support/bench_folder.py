@@ -2,7 +2,6 @@
 
 import atexit
 import shutil
-import sys
 import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -15,9 +14,9 @@ from springpot.host.wings.evidence.benchmark.run import Bench, run_bench
 from springpot.host.wings.evidence.sweep import Candidate
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.recordings.recording_file import write_recording
+from support.peer import CLI
 from support.small import press, recording, training
 
-MAIN = "from springpot.host.cli import main; main()"
 PLAIN = FitOptions()
 CANDIDATES = (
     Candidate("rf-fd", PLAIN),
@@ -31,7 +30,7 @@ CANDIDATES = (
 
 
 def command(*arguments: str) -> list[str]:
-    return [sys.executable, "-c", MAIN, *arguments]
+    return [*CLI, *arguments]
 
 
 def asked(kinds: tuple[str, ...] = ()) -> Bench:

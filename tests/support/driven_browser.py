@@ -60,6 +60,23 @@ class DrivenBrowser:
         self.call("Page.navigate", url=address)
         self.until(f"{began} !== {before}")
 
+    def open_ready(self, address: str, width: int = 1600, height: int = 1200) -> None:
+        """Open a page that presses, and wait until it is ready."""
+        self.open(address, width, height)
+        self.until("document.body !== null && document.body.classList.contains('ready')")
+
+    def text(self, name: str) -> str:
+        """The words of an element."""
+        return str(self.value(f"document.getElementById('{name}').textContent"))
+
+    def box(self, name: str) -> list[float]:
+        """Left, top, width and height of an element, pixels."""
+        found: list[float] = self.value(
+            f"(() => {{ const box = document.getElementById('{name}').getBoundingClientRect();"
+            " return [box.left, box.top, box.width, box.height]; })()"
+        )
+        return found
+
     def value(self, expression: str) -> Any:
         found = self.call("Runtime.evaluate", expression=expression, returnByValue=True,
                           awaitPromise=True)  # fmt: skip
@@ -106,7 +123,6 @@ class DrivenBrowser:
 @contextlib.contextmanager
 def driven_browser(folder: Path) -> Iterator[DrivenBrowser]:
     """A browser of its own, with its profile in `folder`."""
-    assert CHROMIUM is not None
     reads_from, to = os.pipe()
     back, writes_to = os.pipe()
     # The protocol is spoken over the descriptors 3 and 4.

@@ -14,11 +14,16 @@ PEERS = Path(__file__).parent / "peers"
 CLI = [sys.executable, "-c", "from springpot.host.cli import main; main()"]
 
 
+def cli(*words: object, **options: Any) -> subprocess.CompletedProcess[str]:
+    """What `springpot WORDS` returns and prints, as a process of its own."""
+    command = [*CLI, *map(str, words)]
+    return subprocess.run(command, capture_output=True, text=True, check=False, **options)
+
+
 class Peer:
     """A peer that runs: its URL, and the events that it has told."""
 
     def __init__(self, process: subprocess.Popen[str]) -> None:
-        assert process.stdout is not None
         self.process = process
         self.url = process.stdout.readline().strip()
         assert "://" in self.url, "the peer died: " + self.url
@@ -35,7 +40,6 @@ class Peer:
         return self.named(name)[more]
 
     def _read(self) -> None:
-        assert self.process.stdout is not None
         for line in self.process.stdout:
             self.events.append(json.loads(line))
 

@@ -33,16 +33,6 @@ async function press_with_pointer(path) {
   point("pointerup", path.at(-1));
 }
 
-// keys: [key, for how many ms].
-async function press_with_keys(keys) {
-  element("object").focus();
-  for (const [key, ms] of keys) {
-    element("object").dispatchEvent(new KeyboardEvent("keydown", { key, bubbles: true }));
-    await wait(ms);
-    element("object").dispatchEvent(new KeyboardEvent("keyup", { key, bubbles: true }));
-  }
-}
-
 async function downloaded() {
   let text = "";
   URL.createObjectURL = (blob) => { blob.text().then((found) => { text = found; }); return "#"; };
@@ -64,15 +54,13 @@ addEventListener("load", async () => {
     while (words("object-name") !== element("picker").selectedOptions[0].textContent) await wait(20);
   }
   if (how.map !== undefined) await window.press_map(how.map);
-  else if (how.keys !== undefined) await press_with_keys(how.keys);
   else await press_with_pointer(how.path ?? there_and_back);
   const vibration = words("vibration"), state = words("notes");
-  await wait(how.wait_ms ?? 600);
+  await wait(600);
   const found = { errors, vibration, state, csv: await downloaded() };
   for (const id of ["verdict", "limit", "device", "proof", "broken", "object-name", "error", "notes", "said"])
     found[id] = words(id);
   found.tick = element("tick").textContent;
-  found.valuetext = element("object").getAttribute("aria-valuetext");
   found.fetched = performance.getEntriesByType("resource").map((one) => one.name);
   document.body.dataset.found = JSON.stringify(found);
 });

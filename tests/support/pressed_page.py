@@ -28,13 +28,13 @@ class Pressed:
         return np.loadtxt(self.csv.splitlines(), delimiter=",", skiprows=1)
 
 
-def press_page(page: Path, width: int = 1600, **how: Any) -> Pressed:
-    """Press it by script. how: `path`, `map`, `sliders`, `keys`, `pick`, `wait_ms` of it."""
+def press_page(page: Path, **how: Any) -> Pressed:
+    """Press it by script. how: `path`, `map`, `sliders`, `pick` of it."""
     text = "\n".join(script.read_text() for script in _SCRIPTS)
     script = f"<script>window.how = {json.dumps(how)};\n{text}</script>"
     copy = page.with_name(f"pressed-{page.name}")
     copy.write_text(page.read_text().replace("<script ", script + "<script ", 1))
-    done = browse(copy, width, "--virtual-time-budget=20000", "--dump-dom")
+    done = browse(copy, 1600, "--virtual-time-budget=20000", "--dump-dom")
     match = re.search(r'data-found="([^"]*)"', done.stdout)
     assert match, done.stderr[-2000:]
     found = json.loads(html.unescape(match[1]))

@@ -47,10 +47,10 @@ class ScriptedPresenter:
         del session
 
 
-def run_whole(folder: StudyFolder, participant: str) -> None:
+def run_whole(folder: StudyFolder, participant: str, answer: float | str = 50.0) -> None:
     """All sessions that are left of a participant."""
     while (session := next_session(folder, participant)) is not None:
-        conduct(folder, participant, session, ScriptedPresenter())
+        conduct(folder, participant, session, ScriptedPresenter(answer=answer))
 
 
 def killed_at(step: int, work: Callable[[], None], before: bool) -> bool:

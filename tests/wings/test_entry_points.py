@@ -13,6 +13,7 @@ from typing import Any, cast
 import numpy as np
 import pytest
 from support.paths import TESTS
+from support.peer import cli
 from support.small import training
 
 from springpot import DataError, DeviceError, UsageError, import_recordings, train
@@ -24,7 +25,6 @@ from springpot.loop import loop_library
 from springpot.modelling import KINDS, FileFormat, FileRequest, Kind, RawChannels
 from springpot.trainer.recordings.formats import importing
 
-CLI = [sys.executable, "-c", "from springpot.host.cli import main; main()"]
 SCENE = 'schema = 1\nname = "rig"\nmodel = "rig.spm"\n[runtime]\nrate_hz = 1000.0\n'
 
 
@@ -40,9 +40,7 @@ def installed(folder: Path) -> Path:
 
 def said(target: Path, folder: Path, *words: str) -> str:
     """Standard output of a command of springpot beside that package."""
-    environment = {**os.environ, "PYTHONPATH": str(target)}
-    result = subprocess.run([*CLI, *words], cwd=folder, env=environment, capture_output=True,
-                            text=True, check=False)  # fmt: skip
+    result = cli(*words, cwd=folder, env={**os.environ, "PYTHONPATH": str(target)})
     assert result.returncode == 0, result.stderr
     return result.stdout
 
@@ -80,17 +78,10 @@ def test_a_package_adds_a_command_a_kind_a_device_and_a_format(tmp_path: Path) -
 
 
 def test_what_cannot_be_loaded_is_left_out_and_said(tmp_path: Path) -> None:
-    folder = tmp_path / "broken-1.0.dist-info"
-    folder.mkdir()
-    (folder / "METADATA").write_text("Metadata-Version: 2.1\nName: broken\nVersion: 1.0\n")
-    (folder / "entry_points.txt").write_text(
-        "[springpot.commands]\nbroken = no_such_module:BROKEN\ntrain = json:loads\n"
-    )
-    environment = {**os.environ, "PYTHONPATH": str(tmp_path)}
-    result = subprocess.run([*CLI, "--help"], env=environment, capture_output=True, text=True,
-                            check=True)  # fmt: skip
+    entries = "[springpot.commands]\nbroken = no_such_module:BROKEN\ntrain = json:loads\n"
+    result = cli("--help", env=beside(tmp_path, entries, ""))
     left_out = [line for line in result.stderr.splitlines() if "left out" in line]
-    assert [("'broken' of broken" in line, "'train' of broken" in line) for line in left_out] == [
+    assert [("'broken' of other" in line, "'train' of other" in line) for line in left_out] == [
         (True, False), (False, True),
     ]  # fmt: skip
     assert "Traceback" not in result.stderr

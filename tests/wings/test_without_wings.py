@@ -118,48 +118,48 @@ def made(tmp_path_factory: pytest.TempPathFactory) -> Path:
     rows = "".join(f"{i / 1000},{i % 7},{i % 7}\n" for i in range(100))
     (folder / "press.csv").write_text(f"time_s,position_mm,force_n\n{rows}")
     (folder / "wasm.toml").write_text(f'{SCENE}[runtime]\ntarget = "wasm32"\n')
+    for name, content in FOREIGN.items():
+        (folder / name).write_bytes(content)
     return folder
+
+
+def require_line(folder: Path, words: str, status: int, told: str) -> None:
+    """Refused in one line, which says what is not there."""
+    assert told in run(folder, *words.split(), status=status).stderr.strip().splitlines()[-1]
 
 
 @pytest.mark.parametrize(
     "words",
     [
-        ("train", "press.h5", "--model", "rf-fd", "--within", "1%", "--out", "x.spm"),
-        ("train", "press.h5", "--model", "hammerstein", "--next", "x.toml", "--out", "x.spm"),
-        ("stability", "--scene", "scene.toml", "--report", "x.html"),
-        ("emit", "--scene", "scene.toml", "--single", "--out", "c"),
-        ("import", "press.csv", "--tare", "auto", "--out", "r"),
+        "train press.h5 --model rf-fd --within 1% --out x.spm",
+        "train press.h5 --model hammerstein --next x.toml --out x.spm",
+        "stability --scene scene.toml --report x.html",
+        "emit --scene scene.toml --single --out c",
+        "import press.csv --tare auto --out r",
         pytest.param(
-            ("emit", "--scene", "wasm.toml", "--out", "c"),
+            "emit --scene wasm.toml --out c",
             marks=pytest.mark.skipif(bool(WASM_LACKS), reason=WASM_LACKS),
         ),
-        ("run", "--scene", "scene.toml", "--device", "sim://free", "--log", "x.h5"),
+        "run --scene scene.toml --device sim://free --log felt.h5",
     ],
 )
-def test_an_option_of_a_wing_is_one_line_without_it(made: Path, words: tuple[str, ...]) -> None:
-    told = run(made, *words, status=2).stderr.strip().splitlines()[-1]
-    assert "of springpot is not installed here: install all of springpot" in told
+def test_an_option_of_a_wing_is_one_line_without_it(made: Path, words: str) -> None:
+    told = "of springpot is not installed here: install all of springpot"
+    require_line(made, words, 2, told)
+
+
+@pytest.mark.parametrize("name", FOREIGN)
+def test_a_file_of_a_format_that_is_not_there_is_one_line(made: Path, name: str) -> None:
+    told = "; not installed here: can-log, hdf5, mach-1, mat, tdms, workbook; to have them, install"
+    require_line(made, f"import {name} --out rec", 3, told)
+
+
+@pytest.mark.parametrize("url", ["odrive://slcan//dev/none?node=0", "dhd://", "serial:///dev/none"])
+def test_a_device_that_is_not_there_is_one_line(made: Path, url: str) -> None:
+    told = "; not installed here: dhd, odrive, serial; to have them"
+    require_line(made, f"run --scene scene.toml --device {url}", 5, told)
 
 
 def test_what_to_record_next_is_not_said_without_its_wing(made: Path) -> None:
     result = run(made, "train", "press.h5", "--model", "hammerstein", "--json", "--out", "y.spm")
     assert "next_presses" not in json.loads(result.stdout)
-
-
-@pytest.mark.parametrize("name", FOREIGN)
-def test_a_file_of_a_format_that_is_not_there_is_one_line(tmp_path: Path, name: str) -> None:
-    (tmp_path / name).write_bytes(FOREIGN[name])
-    (told,) = run(tmp_path, "import", name, "--out", "rec", status=3).stderr.splitlines()
-    assert f"{name}" in told
-    assert told.endswith(
-        "; not installed here: can-log, hdf5, mach-1, mat, tdms, workbook; to have them, install "
-        "all of springpot"
-    )
-
-
-@pytest.mark.parametrize("url", ["odrive://slcan//dev/none?node=0", "dhd://", "serial:///dev/none"])
-def test_a_device_that_is_not_there_is_one_line(made: Path, url: str) -> None:
-    words = ("run", "--scene", "scene.toml", "--device", url, "--log", "x.h5")
-    told = run(made, *words, status=5).stderr.strip().splitlines()[-1]
-    assert "no driver for" in told
-    assert "; not installed here: dhd, odrive, serial; to have them" in told

@@ -7,7 +7,6 @@ Instructions: callgrind, which has no AVX-512; those rows have none.
 
 import argparse
 import json
-import platform
 import shutil
 import subprocess
 import tempfile
@@ -21,6 +20,7 @@ from tick_rows import HERE, Row, Stepper, literal_row, scene_rows
 from springpot.codegen.model.features import FirBank
 from springpot.codegen.scene import Coupling, Smoothing
 from springpot.host.native.compiler import compiler_version, find_compiler
+from springpot.host.native.machine import machine_metadata
 from springpot.host.wings.evidence.paper.reproduce import Work, simulated
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
@@ -132,7 +132,7 @@ def main() -> None:
         ]  # fmt: skip
         table += peer_rows(ensemble, features, folder)
     result = {
-        "machine": machine(),
+        "machine": machine_metadata()["processor"],
         "compiler": compiler_version(find_compiler()),
         "object": OBJECT,
         "rows": table,
@@ -140,14 +140,6 @@ def main() -> None:
     say(table)
     if asked.json:
         asked.json.write_text(json.dumps(result, indent=2) + "\n")
-
-
-def machine() -> str:
-    """Processor's name."""
-    for line in Path("/proc/cpuinfo").read_text().splitlines():
-        if line.startswith("model name"):
-            return line.split(":", 1)[1].strip()
-    return platform.machine()
 
 
 def say(table: list[dict[str, Any]]) -> None:
@@ -162,7 +154,7 @@ def say(table: list[dict[str, Any]]) -> None:
         "instr.",
         "bytes",
         "write s",
-        "cc s",
+        "cc",
     )
     print("{:24}{:>9}{:>9}{:>9}{:>9}{:>8}{:>10}{:>8}{:>7}".format(*head))
     keys = ("paced_p50_ns", "paced_p99_ns", "instructions", "bytes", "write_s", "compile_s")

@@ -8,20 +8,21 @@ from proof.eva.analysis import Analysis, Known
 from proof.eva.scene_analysis import analyse_scene
 from proof.eva.scenes import ProvedScene, emit_scene
 
+_PASSIVE = ProvedScene("hammerstein", "off", "float32")
+
 
 @dataclass(frozen=True)
 class Defect:
     """A change of one place in the emitted C of a scene."""
 
     what: str
-    scene: ProvedScene
     file: str
     right: str
     wrong: str
+    scene: ProvedScene = _PASSIVE
     of_laws: bool = False  # seen where growth and the latched fall are looked at
 
 
-_PASSIVE = ProvedScene("hammerstein", "off", "float32")
 _DEVICE = ProvedScene("hammerstein", "proxy", "float32", contact="always", velocity="device")
 _FOREST = ProvedScene("rf-history", "off", "float32")
 _RADIAL = ProvedScene("rbf-fd", "off", "float32")
@@ -29,35 +30,32 @@ _RADIAL = ProvedScene("rbf-fd", "off", "float32")
 DEFECTS = (
     Defect(
         "an index one too far",
-        _PASSIVE,
         "sp_curve.h",
         "nodes + place.piece * 2 * n_curves",
         "nodes + (place.piece + 1) * 2 * n_curves",
     ),
     Defect(
         "a forest's step one too far",
-        _FOREST,
         "sp_forest.h",
         "(step >> SP_FOREST_SLOT_BITS) + right",
         "(step >> SP_FOREST_SLOT_BITS) + 2 * right + 1",
+        _FOREST,
     ),
     Defect(
         "a bin looked for one too far",
-        _FOREST,
         "sp_bins.h",
         "from < begin_max ? from : begin_max",
         "from < n ? from : n",
+        _FOREST,
     ),
     Defect(
         "the force's clamp removed",
-        _PASSIVE,
         "sp_output.h",
         "force_n = sp_output_clamp(config, force_n, notes);",
         "",
     ),
     Defect(
         "a force that grows twice as fast",
-        _PASSIVE,
         "sp_output.h",
         "const sp_real upper_n = before_n + slew_n;",
         "const sp_real upper_n = before_n + (sp_real)2 * slew_n;",
@@ -65,7 +63,6 @@ DEFECTS = (
     ),
     Defect(
         "a latched force that falls a thousand times too slowly",
-        _PASSIVE,
         "sp_output.h",
         "const sp_real step = config->fall_n * ticks;",
         "const sp_real step = config->fall_n * ticks * (sp_real)0.001;",
@@ -73,60 +70,54 @@ DEFECTS = (
     ),
     Defect(
         "the maximum not clamped",
-        _PASSIVE,
         "sp_output.h",
         "return force_n > config->max_n   ? config->max_n",
         "return force_n > config->max_n   ? force_n",
     ),
     Defect(
         "a position that is no number let through",
-        _PASSIVE,
         "sp_guard.h",
         "return x == x && x >= config->min_m",
         "return !(x < config->min_m)",
     ),
-    Defect("an infinite position let through", _PASSIVE, "sp_guard.h", "&& x <= config->max_m", ""),
+    Defect("an infinite position let through", "sp_guard.h", "&& x <= config->max_m", ""),
     Defect(
         "a time that is not finite let through",
-        _PASSIVE,
         "sp_number.h",
         "return x == x && x > (sp_real)0 && x <= SP_REAL_MAX;",
         "return x > (sp_real)0;",
     ),
     Defect(
         "a curve left without a value",
-        _PASSIVE,
         "sp_curve.h",
         "        values[i] = value[i]",
         "        values[0] = value[i]",
     ),
     Defect(
         "a sum that begins anywhere",
-        _RADIAL,
         "sp_taps.h",
         "sum[SP_TAPS_SUMS] = {0};",
         "sum[SP_TAPS_SUMS];",
+        _RADIAL,
     ),
     Defect(
         "a pole that grows",
-        _PASSIVE,
         "sp_poles.h",
         "h + (rise - loss * h)",
         "h + (rise + loss * h)",
     ),
     Defect(
         "a piece of a curve beyond the last",
-        _PASSIVE,
         "sp_curve.h",
         "(sp_real)(n_pieces - 1u)",
         "(sp_real)(n_pieces + 1u)",
     ),
     Defect(
         "a device's velocity that is no number let through",
-        _DEVICE,
         "sp_guard_velocity.h",
         "return v == v &&",
         "return v != v ||",
+        _DEVICE,
     ),
 )
 

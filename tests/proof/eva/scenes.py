@@ -108,7 +108,6 @@ def _model(kind: str) -> Model:
             return fit_model(kind, "x", training(), _OPTIONS).model
     model = _model("hammerstein")
     passive = model.hammerstein
-    assert passive is not None
     if kind != "by-depth":
         slopes_n = np.stack([passive.slopes_n, 0.2 * passive.slopes_n])
         amounts = np.random.default_rng(1).uniform(0.0, 1.0, (3, 4, 2))

@@ -11,7 +11,6 @@ import argparse
 import json
 import platform
 import shutil
-import subprocess
 import sys
 from pathlib import Path
 from typing import Any
@@ -19,7 +18,7 @@ from typing import Any
 sys.path.insert(0, str(Path(__file__).parents[2]))
 from proof.fuzz.harness import READERS
 from proof.fuzz.targets import missing_for, prepare, run_target
-from support.paths import ROOT
+from support.paths import ROOT, commit
 
 RESULT = ROOT / "docs" / "reliability" / "fuzz.json"
 WORK = ROOT / "build" / "fuzz"
@@ -53,11 +52,9 @@ def _stored(file: Path) -> list[dict[str, Any]]:
 
 
 def _store(file: Path, rows: list[dict[str, Any]]) -> None:
-    commit = subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, text=True,
-                            capture_output=True, check=False).stdout.strip()  # fmt: skip
     result = {
         "command": "python tests/proof/fuzz/fuzz.py",
-        "commit": commit,
+        "commit": commit(),
         "machine": f"{platform.machine()}, Python {platform.python_version()}",
         "rows": rows,
     }

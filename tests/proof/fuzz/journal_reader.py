@@ -5,8 +5,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
-from proof.fuzz.reader import Reader
-from proof.fuzz.sections import joined, split
+from proof.fuzz.reader import Reader, joined, split
 
 from springpot.trainer.recordings.formats.importing import import_file
 from springpot.trainer.recordings.journal_blocks import (

@@ -6,8 +6,7 @@ import zipfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from proof.fuzz.reader import Reader
-from proof.fuzz.sections import joined, split
+from proof.fuzz.reader import Reader, joined, split
 from support.c import golden_forces
 from support.small import small_model
 

@@ -7,6 +7,9 @@ from pathlib import Path
 from springpot.codegen.errors import SpringpotError
 
 MAX_MESSAGE = 4000
+# Of a file that is compressed or has checksums the fuzzer changes the parts: a harness packs them
+# as the project does, so that what lies behind is reached.
+_BETWEEN = b"\n--part--\n"
 
 
 class PoorMessageError(Exception):
@@ -39,3 +42,13 @@ def refused_in_one_line(read: Callable[[bytes, Path], None], content: bytes, fol
             raise PoorMessageError(f"not one printable line: {message[:200]!r}") from None
         if str(folder) not in message:
             raise PoorMessageError(f"does not name the file: {message[:200]!r}") from None
+
+
+def joined(parts: list[bytes]) -> bytes:
+    """What the fuzzer sees of a file of these parts."""
+    return _BETWEEN.join(parts)
+
+
+def split(content: bytes) -> list[bytes]:
+    """The parts of what the fuzzer made."""
+    return content.split(_BETWEEN)

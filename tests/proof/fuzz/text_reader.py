@@ -5,17 +5,9 @@ from pathlib import Path
 
 import numpy as np
 from proof.fuzz.reader import Reader
-from support.files.malformed import DBC, TIME_S, can_frames
+from support.files.malformed import DBC, MACH1, TIME_S, can_frames
 
 from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
-
-_MACH1 = (
-    "<Mach-1 File>\r\n<INFO>\r\nTime:\t10:08\r\nLoad Cell Low-pass filter:\tYes\r\n"
-    "Load Cell Low-pass filter Order:\t3\r\n"
-    "Load Cell Low-pass filter Cutoff frequency (Hz):\t20.0\r\n<END INFO>\r\n<Sinusoid>\r\n"
-    "Stage Axis:\tPosition (z)\r\nAmplitude, mm:\t0.5\r\nFrequency, Hz:\t1.0\r\n"
-    "Number of Cycles:\t20\r\n<DATA>\r\nTime, s\tPosition (z), mm\tFz, gf\r\n%s\r\n<END DATA>\r\n"
-)
 
 
 def _rows(delimiter: str) -> str:
@@ -30,7 +22,7 @@ def seeds() -> Iterator[tuple[str, bytes]]:
     yield "semicolons", lines.encode("utf-8-sig")
     yield "tabs", ("time\tposition\tforce\ns\tmm\tN\n" + _rows("\t")).encode("utf-16")
     yield "text", (b'"time_s","position_mm","force_N","note"\n0,0,0,"a, b"\n0.1,1,1,""\n')
-    yield "mach1", (_MACH1 % _rows("\t").replace("\n", "\r\n")).encode()
+    yield "mach1", "\r\n".join([*MACH1, *_rows("\t").split("\n"), "<END DATA>", ""]).encode()
     yield "candump", b"\n".join(can_frames("log").split(b"\n")[:12])
 
 

@@ -12,7 +12,6 @@ checks some of the rules, and no rule about a whole project.
 import argparse
 import json
 import os
-import subprocess
 import sys
 import tempfile
 import time
@@ -24,7 +23,7 @@ from typing import Any
 sys.path.insert(0, str(Path(__file__).parents[2]))
 from proof.misra.analysis import by_function, missing_tool, places_of, tool_version
 from proof.misra.programs import PORT, RUNTIME, programs
-from support.paths import ROOT
+from support.paths import ROOT, commit
 
 RECORDS = Path(__file__).parent / "deviations.toml"
 RESULT = ROOT / "docs" / "reliability" / "misra.json"
@@ -105,7 +104,7 @@ def main() -> int:
     result = {
         "command": "make misra",
         "tool": tool_version(),
-        "commit": _commit(),
+        "commit": commit(),
         "seconds": seconds,
         "programs": [program.name for program in analysed],
         "c_files": len([*(RUNTIME / "src").iterdir(), *PORT.rglob("*.[ch]")]),
@@ -114,11 +113,6 @@ def main() -> int:
     options.json.parent.mkdir(parents=True, exist_ok=True)
     options.json.write_text(json.dumps(result, indent=1, ensure_ascii=False) + "\n")
     return 0
-
-
-def _commit() -> str:
-    return subprocess.run(["git", "rev-parse", "--short", "HEAD"], cwd=ROOT, text=True,
-                          capture_output=True, check=False).stdout.strip()  # fmt: skip
 
 
 if __name__ == "__main__":

@@ -52,7 +52,6 @@ def _scenes(folder: Path) -> list[Program]:
     ]
     hammerstein = golden_forces.model("hammerstein")
     passive = hammerstein.hammerstein
-    assert passive is not None
     tau_s = np.array([0.01, 4e3, 0.2, 2.0])  # the second moves in double only
     weight = np.ones((4, 1)) * passive.elastic_n
     laws = replace(

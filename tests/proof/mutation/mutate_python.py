@@ -91,7 +91,6 @@ def _server(copy: Path) -> "subprocess.Popen[str]":
 def passes(copy: Path, test: str) -> bool:
     """Whether a file of tests passes in a copy of the checkout."""
     server = _server(copy)
-    assert server.stdin is not None and server.stdout is not None
     server.stdin.write(json.dumps([*_OPTIONS, *_DESELECTED, test]) + "\n")
     server.stdin.flush()
     return server.stdout.readline().strip() == "0"

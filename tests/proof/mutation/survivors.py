@@ -1,7 +1,6 @@
 """The result of a run for docs/explanation/reliability.md, and the reasons of what survives."""
 
 import json
-import subprocess
 import tomllib
 from collections import Counter
 from collections.abc import Mapping, Sequence
@@ -10,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from killing import ROOT, SURVIVED, UNCHANGED, Tried
+from support.paths import commit
 
 REASONS = Path(__file__).parent / "survivors.toml"
 Place = tuple[str, str]  # file, function.kind of the change
@@ -61,7 +61,7 @@ def write_result(out: Path, title: str, command: str, tried: Sequence[Tried]) ->
     """
     reasons = read_reasons()
     rows, survivors = _kept(out, {row.file for row in tried})
-    commit = _commit()
+    found_at = commit()
     for file in dict.fromkeys(row.file for row in tried):
         of_file = [row for row in tried if row.file == file and row.by != UNCHANGED]
         left = _survivors(file, of_file, reasons)
@@ -74,7 +74,7 @@ def write_result(out: Path, title: str, command: str, tried: Sequence[Tried]) ->
                 "caught": len(of_file) - survived,
                 "equivalent": equivalent,
                 "survived": survived - equivalent,
-                "commit": commit,
+                "commit": found_at,
             }
         )
     wrong = wrong_reasons(reasons, tried)
@@ -122,10 +122,3 @@ def _kept(out: Path, tried: set[str]) -> tuple[list[dict[str, Any]], list[dict[s
         for key in ("rows", "survivors")
     )
     return rows, survivors
-
-
-def _commit() -> str:
-    return subprocess.run(
-        ["git", "rev-parse", "--short", "HEAD"],
-        cwd=ROOT, check=True, capture_output=True, text=True,
-    ).stdout.strip()  # fmt: skip

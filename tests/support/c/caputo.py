@@ -19,5 +19,4 @@ def caputo_derivative(position_m: Samples, order: float, dt_s: float) -> Samples
     rises = np.diff(position_m, prepend=position_m[:1])
     size = 1 << (2 * n - 1).bit_length()
     product = np.fft.rfft(rises, size) * np.fft.rfft(kernel, size)
-    derivative: Samples = np.fft.irfft(product, size)[:n]
-    return derivative
+    return np.fft.irfft(product, size)[:n]

@@ -1,7 +1,7 @@
 """The C's forces and notes for stored models, and hashes of them: the same whatever else changes.
 
 `cd tests && python -m support.c.golden_forces` writes them again, after a change that is meant to
-change forces; golden_models.py makes the models.
+change forces.
 """
 
 import hashlib
@@ -113,8 +113,7 @@ def exp_hash() -> str:
 
 def stored() -> dict[str, str]:
     """Stored hashes, by "MODEL NUMBER COUPLING"."""
-    hashes: dict[str, str] = json.loads(HASHES.read_text())
-    return hashes
+    return json.loads(HASHES.read_text())
 
 
 def stored_exp_hash() -> str:

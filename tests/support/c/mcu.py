@@ -18,7 +18,7 @@ import numpy as np
 import pytest
 
 from springpot.codegen.model.model import Model
-from springpot.codegen.scene import Guard, Scene
+from springpot.codegen.scene import Scene
 from springpot.host.wings.boards.boards import BOARDS, emulator_of, missing
 from springpot.host.wings.boards.firmware import build_firmware
 from springpot.host.wings.devices.wire import Receiver
@@ -74,7 +74,6 @@ def emulated(folder: Path, name: str) -> Iterator[str]:
     ]  # fmt: skip
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                                preexec_fn=as_firmware_is_scheduled)  # noqa: PLW1509  # fmt: skip
-    assert process.stdout is not None
     try:
         line = process.stdout.readline()
         found = re.search(r"/dev/pts/\d+", line)
@@ -97,11 +96,6 @@ def slow_model() -> Model:
         for item in training()
     )
     return fit_model("rf-fd", "slow", slower, FitOptions(seed=1, trees=5, leaf=20)).model
-
-
-def slow_scene(target: str, watchdog_ms: float | None = None) -> Scene:
-    chosen = target_scene(target, mode="proxy")
-    return dataclasses.replace(chosen, guard=Guard(watchdog_ms=watchdog_ms))
 
 
 def slow_recording(seconds: float, hold: bool = False) -> Recording:

@@ -58,7 +58,7 @@ int pressed_tool_run(const pressed_tool *is, sp_press *press, uint32_t n, double
     double felt_n[PAST] = {0}, pushed_n[PAST] = {0};
     double at_m = 0.0, speed_mps = 0.0, returned_n;
     sim_noise noise;
-    const int status = sim_object_init(object, is->object, 0, is->stiffer, step_s, 2);
+    const int status = sim_object_init(object, is->object, 0, 1.0, step_s, 2);
     if (status != SIM_OK) {
         return status;
     }
@@ -77,7 +77,7 @@ int pressed_tool_run(const pressed_tool *is, sp_press *press, uint32_t n, double
             force_n[tick] = now_n;
             motor_n[tick] = -returned_n;
         }
-        pushed_n[at % PAST] = -is->motor_gain * returned_n;
+        pushed_n[at % PAST] = -returned_n;
         const double push_n =
             pushed_n[(at - is->motor_late) % PAST] - now_n - is->viscous_nspm * speed_mps;
         speed_mps = next_speed(is, push_n, speed_mps, step_s);

@@ -13,7 +13,6 @@ typedef struct {
     double mass_kg;
     double viscous_nspm;
     double coulomb_n;
-    double motor_gain;
     double encoder_m;
     double noise_n;       /* of the sensor */
     uint32_t sensor_late; /* eighths of a tick */
@@ -21,8 +20,7 @@ typedef struct {
     double gap_m;         /* between tool and object at the beginning */
     double spring_npm;    /* of the object, where it is a spring and a damper; else 0 */
     double damper_nspm;
-    uint32_t object; /* of sim.h, and how much stiffer */
-    double stiffer;
+    uint32_t object; /* of sim.h */
     uint32_t wrong_tick; /* from then on the sensor shows so much of the force; 0: never */
     double sensor_gain;
     int32_t sensor_holds; /* or what it showed last */

@@ -62,12 +62,10 @@ class PressedTool:
     viscous_nspm: float = 2.0
     coulomb_n: float = 0.1
     wrong: float = 1.0
-    motor_gain: float = 1.0
     spring_npm: float = 0.0
     damper_nspm: float = 0.0
     gap_m: float = 0.0
     name: str = "ecoflex-00-30"
-    stiffer: float = 1.0
     gains: dict[str, float] = field(default_factory=dict)  # of another control
     max_mps: float = 0.0  # 0: nothing is watched
     goes_wrong: dict[str, float] = field(default_factory=dict)  # wrong_tick, ..., lost_tick, ...
@@ -102,12 +100,11 @@ class PressedTool:
         press = library.ffi.new("sp_press *", settings)
         tool = library.ffi.new("pressed_tool *", {
             "mass_kg": self.mass_kg, "viscous_nspm": self.viscous_nspm,
-            "coulomb_n": self.coulomb_n, "motor_gain": self.motor_gain,
-            "encoder_m": _ENCODER_M, "noise_n": _NOISE_N,
+            "coulomb_n": self.coulomb_n, "encoder_m": _ENCODER_M, "noise_n": _NOISE_N,
             "sensor_late": round(_SUBSTEPS_HZ * self.sensor_s),
             "motor_late": round(_SUBSTEPS_HZ * self.motor_s), "gap_m": self.gap_m,
             "spring_npm": self.spring_npm, "damper_nspm": self.damper_nspm,
-            "object": ALL_OBJECTS.index(self.name), "stiffer": self.stiffer, **self.goes_wrong,
+            "object": ALL_OBJECTS.index(self.name), **self.goes_wrong,
         })  # fmt: skip
         made = np.zeros((3, len(driven_n)))
         status = library.c.pressed_tool_run(tool, press, len(driven_n), *map(library.array, made))

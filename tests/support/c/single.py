@@ -61,7 +61,6 @@ def every_plan(target: str) -> Iterator[Plan]:
         yield plan_of(name, golden_forces.model(name), *settings, target)
     hammerstein = golden_forces.model("hammerstein")
     passive = hammerstein.hammerstein
-    assert passive is not None
     laws = replace(
         passive,
         tau_s=np.array([0.01, 4e3, 0.2, 4e3]),  # two move in double only
@@ -85,7 +84,6 @@ def every_plan(target: str) -> Iterator[Plan]:
 
 def with_map(model: Model) -> Model:
     """An object of two materials, in amounts that differ from place to place."""
-    assert model.hammerstein is not None
     slopes_n = model.hammerstein.slopes_n * np.array([[1.0], [0.5]])
     amounts = np.linspace(0.2, 2.0, 12).reshape(3, 2, 2)
     places = Places(np.array([0.0, -0.01]), np.array([0.01, 0.02]), amounts, slopes_n)

@@ -40,7 +40,6 @@ class SlidingC:
 def tables(plan: Plan) -> dict[str, np.ndarray]:
     """Tables of a plan by their names in the C; those that its shape has not are empty."""
     lateral = plan.lateral
-    assert lateral is not None
     its = lateral.of_one
     loss = {step.names.prefix: step.loss for step in its.steps}
     return {

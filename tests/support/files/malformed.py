@@ -132,13 +132,16 @@ def csv_head(rng: Rng) -> Case:
     return Case(f"CSV, {what}", "a.csv", (heads[what] + rows).encode())
 
 
+MACH1 = ["<Mach-1 File>", "<INFO>", "Time:\t10:08", "Load Cell Low-pass filter:\tYes",
+         "Load Cell Low-pass filter Order:\t3",
+         "Load Cell Low-pass filter Cutoff frequency (Hz):\t20.0", "<END INFO>", "<Sinusoid>",
+         "Stage Axis:\tPosition (z)", "Amplitude, mm:\t0.5", "Frequency, Hz:\t1.0",
+         "Number of Cycles:\t20", "<DATA>", "Time, s\tPosition (z), mm\tFz, gf"]  # fmt: skip
+
+
 def mach1(rng: Rng) -> Case:
     """A Mach-1 file with a bad row, parameter or end."""
-    head = ["<Mach-1 File>", "<INFO>", "Time:\t10:08", "Load Cell Low-pass filter:\tYes",
-            "Load Cell Low-pass filter Order:\t3",
-            "Load Cell Low-pass filter Cutoff frequency (Hz):\t20.0", "<END INFO>", "<Sinusoid>",
-            "Stage Axis:\tPosition (z)", "Amplitude, mm:\t0.5", "Frequency, Hz:\t1.0",
-            "Number of Cycles:\t20", "<DATA>", "Time, s\tPosition (z), mm\tFz, gf"]  # fmt: skip
+    head = list(MACH1)
     rows = _table(rng)
     end = ["<END DATA>"]
     fault = str(rng.choice(["row", "row", "row", "end", "parameter", "axis", "unit"]))

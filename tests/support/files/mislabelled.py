@@ -1,6 +1,6 @@
 """CSV files of one object whose signs, units, columns or rate are not what they say.
 
-The object is a stiffening spring and two Maxwell branches: its force is known at every row.
+Its force is known at every row.
 """
 
 from collections.abc import Iterator
@@ -8,12 +8,12 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
+
+from support.files.recording_files import PressedObject, Samples
 
 Outcome = Literal["right", "refused", "warned"]
 RATE_HZ = 200.0
 _HEADER = ("time_s", "position_mm", "force_N")
-_Samples = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ class Mislabelled:
     says: str = ""
 
 
-def motion(kind: str) -> _Samples:
+def motion(kind: str) -> Samples:
     """Position into the object of a tool that presses, (n,), m; 0 is the surface."""
     time_s = np.arange(round(12 * RATE_HZ)) / RATE_HZ
     swing = 0.5 - 0.5 * np.cos(2 * np.pi * np.cumsum(np.where(time_s < 6, 0.5, 1.5)) / RATE_HZ)
@@ -41,17 +41,9 @@ def motion(kind: str) -> _Samples:
     return np.interp(time_s, [0, 1, 4, 8, 9, 12], [-1e-3, -1e-3, 5e-3, 5e-3, -1e-3, -1e-3])
 
 
-def true_force_n(position_m: _Samples) -> _Samples:
+def true_force_n(position_m: Samples) -> Samples:
     """Force that the object pushes out with, (n,), N."""
-    depth_m = np.maximum(position_m, 0.0)
-    spring_n = 300.0 * depth_m * (1.0 + (depth_m / 2.5e-3) ** 2)
-    force_n = 0.8 * spring_n
-    for tau_s, share in ((0.1, 0.2), (1.0, 0.2)):
-        decay, memory = np.exp(-1.0 / RATE_HZ / tau_s), 0.0
-        for k, rise_n in enumerate(np.diff(spring_n, prepend=spring_n[0])):
-            memory = decay * (memory + share * rise_n)
-            force_n[k] += memory
-    return np.where(position_m > 0.0, np.maximum(force_n, 0.0), 0.0)
+    return PressedObject(5e-3, 7.5, 2.0, 0.25).force(position_m, 1.0 / RATE_HZ)
 
 
 def mislabelled() -> Iterator[Mislabelled]:
@@ -145,7 +137,7 @@ def _rates() -> Iterator[Mislabelled]:
     yield Mislabelled("drifting-clock", uneven, (), "refused", "--resample-hz")
 
 
-def _csv(position: _Samples, force: _Samples, time: _Samples | None = None, **headers: str) -> str:
+def _csv(position: Samples, force: Samples, time: Samples | None = None, **headers: str) -> str:
     """A file with the numbers as given; time: stamps; headers: other ones, by channel."""
     stamps = np.arange(len(force)) / RATE_HZ if time is None else time
     header = [headers.get(channel.partition("_")[0] + "_header", channel) for channel in _HEADER]

@@ -11,6 +11,7 @@ from springpot.host.emission.emission import emit
 from springpot.host.emission.scene_file import read_scene
 from springpot.host.simulation.bench import ObjectMotion
 from springpot.host.simulation.objects import parse_url
+from support.files.malformed import DBC, MACH1
 from support.pages.job import small_job
 from support.small import DT_S, press, soft_force
 
@@ -26,15 +27,9 @@ def rig_files(folder: Path) -> None:
     rows = "".join(f"{t:.2f}\t{x:.6f}\t{f:.6f}\n" for t, x, f in
                    zip(0.01 * np.arange(400), 1e3 * press(0.25, 0.004)[::10],
                        soft_force(press(0.25, 0.004))[::10] / 9.80665e-3, strict=True))  # fmt: skip
-    head = ("<Mach-1 File>\n<INFO>\nTime:\t10:08:47.546\n<END INFO>\n<Sinusoid>\n"
-            "Stage Axis:\tPosition (z)\nAmplitude, mm:\t2\nFrequency, Hz:\t0.25000\n"
-            "Number of Cycles:\t1\n<DATA>\nTime, s\tPosition (z), mm\tFz, gf\n")  # fmt: skip
-    (folder / "Dynamic_data.txt").write_text(head + rows + "<END DATA>\n")
-    (folder / "rig.dbc").write_text(
-        'VERSION ""\nNS_ :\nBS_:\nBU_: RIG\nBO_ 291 Tool: 8 RIG\n'
-        ' SG_ Position : 0|32@1- (0.0001,0) [0|0] "mm" RIG\n'
-        ' SG_ Force : 32|16@1- (0.001,0) [0|0] "N" RIG\n'
-    )
+    head = "\n".join(MACH1)
+    (folder / "Dynamic_data.txt").write_text(f"{head}\n{rows}<END DATA>\n")
+    (folder / "rig.dbc").write_text(DBC)
     database = cantools.database.load_file(folder / "rig.dbc")
     with can.Logger(folder / "drive.blf") as logger:
         for t, x, f in columns[::2]:

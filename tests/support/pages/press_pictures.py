@@ -19,7 +19,7 @@ def draw_press(place: Path) -> None:
     """docs/press.gif: three presses, each picture shown for as long as it took."""
     frames: list[tuple[float, Image.Image]] = []
     with driven_browser(place) as browser:
-        left, top, width, height = opened(browser, "press.html", "object")
+        left, top, width, height = opened(browser, "press.html").box("object")
         x, began_s = left + width / 2, time.monotonic()
         browser.mouse("mousePressed", x, top + 0.3 * height)
         # By the page's own clock: a screenshot holds everything else up.
@@ -46,13 +46,13 @@ def draw_press(place: Path) -> None:
 def draw_slide(place: Path) -> None:
     """docs/press-lump.png: the second object of its page at the end of a slide."""
     with driven_browser(place) as browser:
-        opened(browser, "press-lump.html", "map")
+        opened(browser, "press-lump.html")
         browser.value(
             "(() => { const picker = document.getElementById('picker'); picker.value = 1;"
             " picker.dispatchEvent(new Event('change')); })()"
         )
         browser.until("document.getElementById('slides').hidden === false")
-        left, top, width, height = box_of(browser, "map")
+        left, top, width, height = browser.box("map")
         ways = left + width * _SLIDE[:, 0], top + height * _SLIDE[:, 1]
         browser.mouse("mousePressed", *(float(way[0]) for way in ways))
         time.sleep(1.0)
@@ -60,24 +60,13 @@ def draw_slide(place: Path) -> None:
             browser.mouse("mouseMoved", *(float(np.interp(share, [0, 1], way)) for way in ways))
             time.sleep(_SLIDE_S / 50)
         browser.screenshot(place / "slide.png")
-        beside, _, its_width, _ = box_of(browser, "object")
+        beside, _, its_width, _ = browser.box("object")
     with Image.open(place / "slide.png") as shown:
         corners = (left - 8, top - 8, beside + its_width + 8, top + height)
         drawn = shown.convert("RGB").crop(tuple(map(round, corners)))
         drawn.quantize(2 * _COLOURS).save(ROOT / "docs" / "press-lump.png", optimize=True)
 
 
-def opened(browser: DrivenBrowser, page: str, name: str) -> list[float]:
-    """Open a page of docs/; left, top, width and height of its element `name`."""
-    browser.open((ROOT / "docs" / page).as_uri(), 1200, 700)
-    browser.until("document.body !== null && document.body.classList.contains('ready')")
-    return box_of(browser, name)
-
-
-def box_of(browser: DrivenBrowser, name: str) -> list[float]:
-    """Left, top, width and height of an element, pixels."""
-    found: list[float] = browser.value(
-        f"(() => {{ const box = document.getElementById('{name}').getBoundingClientRect();"
-        " return [box.left, box.top, box.width, box.height]; })()"
-    )
-    return found
+def opened(browser: DrivenBrowser, page: str) -> DrivenBrowser:
+    browser.open_ready((ROOT / "docs" / page).as_uri(), 1200, 700)
+    return browser

@@ -81,7 +81,6 @@ def print_urls(block: Block, folder: Path) -> list[str]:
             text=True, env=_environment(),
         )  # fmt: skip
         with process:
-            assert process.stdout is not None
             found.append(process.stdout.readline().strip())
             process.terminate()
     return found
@@ -109,7 +108,6 @@ def _emulator(words: list[str], folder: Path, running: ExitStack) -> str:
                                text=True)  # fmt: skip
     running.enter_context(process)  # closes its output, and waits
     running.callback(process.terminate)
-    assert process.stdout is not None
     line = process.stdout.readline()
     found = re.search(r"/dev/\S+", line)
     assert found, f"the emulator told no port: {line}"

@@ -16,6 +16,7 @@ STEP_HZ = 1000.0  # its motion and its watchdog, whatever it sends
 # Of a drive whose limits nobody has set.
 TURNS_PER_S, TOLERANCE, CURRENT_A = 2.0, 1.2, 10.0
 GAIN_NM_S = 1 / 6  # vel_gain
+M_PER_TURN, NM_PER_A, WATCHDOG_S = 0.1, 0.1, 0.03
 Frame = tuple[int, bytes]
 
 
@@ -23,12 +24,7 @@ def add_options(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--node", type=int, default=0)
     parser.add_argument("--firmware", choices=("0.5", "0.6"), default="0.6")
     parser.add_argument("--rate-hz", type=float, default=100.0, help="of encoder estimates")
-    parser.add_argument("--m-per-turn", type=float, default=0.1)
-    parser.add_argument("--max-torque-nm", type=float, default=1.0)
-    parser.add_argument("--nm-per-a", type=float, default=0.1)
     parser.add_argument("--sign", type=int, choices=(1, -1), default=1)
-    parser.add_argument("--no-watchdog", action="store_true")
-    parser.add_argument("--watchdog-ms", type=float, default=30.0)
     parser.add_argument("--on-object", action="store_true", help="an object instead of a hand")
 
 
@@ -47,15 +43,15 @@ class Axis:
         self.tool = Tool(self.options, self.clock.dt_s)
         self.state, self.error, self.torque_nm, self.turns_per_s = IDLE, 0, 0.0, 0.0
         self.max_turns_per_s, self.max_current_a = TURNS_PER_S, CURRENT_A
-        self.steps = self.cut = 0
+        self.steps = 0
         self.fed_s = self.beat_s = time.monotonic()
 
     @property
     def settings(self) -> str:
         """What the URL has to say about the transmission."""
         o = self.options
-        return (f"node={o.node}&m_per_turn={o.m_per_turn}&max_torque_nm={o.max_torque_nm}"
-                f"&nm_per_a={o.nm_per_a}&sign={o.sign}")  # fmt: skip
+        return (f"node={o.node}&m_per_turn={M_PER_TURN}&max_torque_nm=1.0&nm_per_a={NM_PER_A}"
+                f"&sign={o.sign}")  # fmt: skip
 
     def take(self, identifier: int, data: bytes, remote: bool = False) -> list[Frame]:
         """Obey one frame; what the drive answers."""
@@ -83,7 +79,6 @@ class Axis:
                     self.faults.force_came()
             case 0x0F:
                 self.max_turns_per_s, self.max_current_a = struct.unpack("<ff", data)
-                say(event="limits", turns_per_s=self.max_turns_per_s, current_a=self.max_current_a)
             case 0x18:
                 self.error = 0
         return []
@@ -92,7 +87,7 @@ class Axis:
         """One period: watchdog, motion, what the drive sends by itself."""
         now_s, frames = time.monotonic(), []
         silent_s = now_s - self.fed_s
-        if not self.options.no_watchdog and silent_s > 1e-3 * self.options.watchdog_ms:
+        if silent_s > WATCHDOG_S:
             self.error |= WATCHDOG[self.options.firmware]  # in every state
             if self.state == CLOSED_LOOP:
                 say(event="tripped", silent_ms=1e3 * silent_s, was_nm=self.torque_nm)
@@ -103,13 +98,13 @@ class Axis:
             self.state, self.torque_nm = IDLE, 0.0
             self.error |= OVERSPEED[self.options.firmware]
         torque_nm = self.given_nm()
-        turn_n = -self.options.sign * 2 * math.pi / self.options.m_per_turn
+        turn_n = -self.options.sign * 2 * math.pi / M_PER_TURN
         force_n = torque_nm * turn_n
         if self.options.on_object:
             position_m, velocity_mps, _ = self.tool.on_object(force_n)
         else:
             position_m, velocity_mps = self.tool.in_hand(force_n)
-        scale = self.options.sign / self.options.m_per_turn
+        scale = self.options.sign / M_PER_TURN
         self.turns_per_s = scale * velocity_mps
         self.steps += 1
         if self.steps % self.steps_a_sample == 0 and not self.faults.no_sample():
@@ -128,13 +123,8 @@ class Axis:
         gain, limit = GAIN_NM_S, self.max_turns_per_s
         given = min(max(self.torque_nm, gain * (-limit - self.turns_per_s)),
                     gain * (limit - self.turns_per_s))  # fmt: skip
-        most_nm = self.max_current_a * self.options.nm_per_a
-        given = min(max(given, -most_nm), most_nm) if self.state == CLOSED_LOOP else 0.0
-        if abs(given - self.torque_nm) > 1e-6:
-            self.cut += 1
-            if self.cut == 1:
-                say(event="cut", told_nm=self.torque_nm, given_nm=given)
-        return given
+        most_nm = self.max_current_a * NM_PER_A
+        return min(max(given, -most_nm), most_nm) if self.state == CLOSED_LOOP else 0.0
 
     def _heartbeat(self) -> Frame:
         # 0.5: error flags, the controller's with "trajectory done"; 0.6: procedure result, done

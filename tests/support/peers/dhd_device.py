@@ -34,7 +34,6 @@ VELOCITY = 2  # the SDK's cause of a trip
 def states() -> list[str]:
     """Names of the shared page's doubles, as the library has them."""
     table = re.search(r"enum \{(.*?)STATES", SOURCE.read_text(), re.DOTALL)
-    assert table is not None
     return re.findall(r"^\s+([A-Z_]+),", table.group(1), re.MULTILINE)
 
 
@@ -200,7 +199,7 @@ def set_up(page: Page, options: argparse.Namespace) -> None:
     for name in FREE:
         page[f"free_{name}"] = getattr(FreeDeviceTruth(**options.free or {}), name)
     page["object"] = ALL_OBJECTS.index(options.object)
-    page["hand"] = HAND_NAMES.index(options.hand)
+    page["hand"] = HAND_NAMES.index("mid")
     page["presses_hz"], page["intended_m"] = options.presses_hz, 1e-3 * options.intended_mm
     page["seed"], page["surface_m"] = options.seed, 1e-3 * options.surface_mm
     page["sideways_n"], page["saturated_n"] = options.sideways_n, options.saturated_n

@@ -29,11 +29,9 @@ enum {
     WATCHDOG_S, /* 0: off */
     HAS_WATCHDOG,
     FORCE_S, /* when the last force came, s of CLOCK_MONOTONIC */
-    FORCES,
     FORCE_X,
     FORCE_Y,
     FORCE_Z,
-    CALLS,
     FAILS,   /* every call fails */
     HANGS_S, /* the next call takes as long */
     STALE,   /* what was read before is read again, and said so */
@@ -113,7 +111,6 @@ static int call(void)
     if (page == NULL || page[CONNECTED] == 0 || page[FAILS] != 0) {
         return fail(COM);
     }
-    page[CALLS] = page[CALLS] + 1;
     if (page[HANGS_S] > 0) {
         const double hang_s = page[HANGS_S];
         page[HANGS_S] = 0;
@@ -239,7 +236,7 @@ int dhdOpenID(signed char id)
         return -1;
     }
     started = 0;
-    page[WATCHDOG_S] = page[ENABLED] = page[FORCES] = 0;
+    page[WATCHDOG_S] = page[ENABLED] = 0;
     page[FORCE_X] = page[FORCE_Y] = page[FORCE_Z] = 0;
     return OMEGA3;
 }
@@ -316,7 +313,6 @@ int dhdSetForce(double x, double y, double z, signed char id)
         return fail(COM);
     }
     page[FORCE_S] = now_s();
-    page[FORCES] = page[FORCES] + 1;
     if (page[ENABLED] == 0) {
         return 0;
     }

@@ -4,6 +4,7 @@ import argparse
 import contextlib
 import heapq
 import json
+import math
 import os
 import pty
 import random
@@ -18,7 +19,7 @@ import numpy as np
 
 from springpot.codegen.atomic_write import written_aside
 from springpot.host.simulation.bench import ObjectMotion, SimulatedHand
-from springpot.host.simulation.objects import HAND_NAMES, OBJECTS, SimulatedObject
+from springpot.host.simulation.objects import OBJECTS, SimulatedObject
 from springpot.host.wings.lab.free_device import FreeDevice, FreeDeviceTruth
 
 
@@ -26,7 +27,6 @@ def arguments(description: str) -> argparse.ArgumentParser:
     """Options of all peers. Probabilities are for each frame that the peer sends."""
     parser = argparse.ArgumentParser(description=description)
     parser.add_argument("--object", default="ecoflex-00-30", choices=OBJECTS)
-    parser.add_argument("--hand", default="mid", choices=HAND_NAMES)
     parser.add_argument("--intended-mm", type=float, default=20.0, help="how deep the hand means")
     parser.add_argument("--presses-hz", type=float, default=0.5)
     parser.add_argument("--free", type=json.loads, metavar="JSON", help="nobody holds this device")
@@ -41,8 +41,7 @@ def arguments(description: str) -> argparse.ArgumentParser:
     )
     parser.add_argument("--silent-after", type=float, metavar="S")
     parser.add_argument("--silent-for", type=float, default=1e9, metavar="S")
-    parser.add_argument("--thin-after", type=float, metavar="S", help="send each tenth sample ...")
-    parser.add_argument("--thin-for", type=float, default=1e9, metavar="S", help="... so long")
+    parser.add_argument("--thin-after", type=float, metavar="S", help="send each tenth sample")
     parser.add_argument("--burst-after", type=float, metavar="S", help="hold all frames back ...")
     parser.add_argument("--burst-for", type=float, default=0.015, metavar="S", help="... so long")
     return parser
@@ -73,14 +72,9 @@ class Noise:
         self._held: bytes | None = None
         self._late: list[bytes] = []
         self._count = 0
-        options_set = (options.damage, options.drop, options.duplicate, options.reorder,
-                       options.late)  # fmt: skip
-        self.quiet = not any(options_set) and not options.delay_ms
 
     def out(self, frame: bytes, now_s: float) -> bytes:
         """Bytes to send now, for a frame that the peer sends now."""
-        if self.quiet:
-            return frame
         options, chance = self._options, self._draw.random
         frames = [] if chance() < options.drop else [frame]
         if frames and chance() < options.damage:
@@ -166,7 +160,7 @@ class Faults:
         if after_s is None or self._begin_s is None:
             return False
         since_s = time.monotonic() - self._begin_s - after_s
-        return 0 <= since_s < getattr(self._options, f"{kind}_for")
+        return 0 <= since_s < getattr(self._options, f"{kind}_for", math.inf)
 
 
 class Tool:
@@ -178,7 +172,7 @@ class Tool:
 
     def __init__(self, options: argparse.Namespace, dt_s: float) -> None:
         self._options, self.dt_s = options, dt_s
-        self._hand = SimulatedHand(options.hand, noisy=True, seed=options.seed)
+        self._hand = SimulatedHand("mid", noisy=True, seed=options.seed)
         self._object = ObjectMotion(SimulatedObject(options.object), dt_s)
         self._let_go = options.free and FreeDevice(FreeDeviceTruth(**options.free), dt_s)
         self._ticks = 0

@@ -9,7 +9,7 @@ import argparse
 from pathlib import Path
 from typing import Any
 
-from line import Port, arguments, be_a_device, say
+from line import Port, arguments, be_a_device
 from serial_device import PRESS, RESET, START, Board
 
 from springpot.host.native.scene_library import SceneLibrary
@@ -19,8 +19,10 @@ from springpot.host.wings.devices.wire import constant
 class RenderingBoard(Board):
     """Firmware with the scene in it: a call every period, told to whoever listens."""
 
+    role = "RENDERS"
+
     def __init__(self, options: argparse.Namespace, port: Port, scene: SceneLibrary) -> None:
-        self.scene, self.state = scene, scene.new_state()
+        self.state, self.model = scene.new_state(), bytes.fromhex(scene.manifest["hash"])
         self.fed: dict[str, float] | None = None
         self.was_reset = False
         self.last = (0.0, 0.0)
@@ -72,13 +74,10 @@ def main() -> None:
     parser.add_argument("--fed", action="store_true", help="take motion from the host only")
     options = parser.parse_args()
     scene = SceneLibrary(options.scene)
-    options.model, options.layout = scene.manifest["hash"], 0
-    options.max_n, options.max_hz, options.rate_hz = 20.0, 8000.0, None
     port = Port()
     board = RenderingBoard(options, port, scene)
     be_a_device()
     print(f"serial://{port.path}?baud=4000000", flush=True)
-    say(event="renders", hash=options.model)
     while True:
         board.tick()
 

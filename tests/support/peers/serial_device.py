@@ -20,6 +20,8 @@ IDLE_RATE_HZ = 1000.0
 class Board:
     """The firmware: commands, watchdog, samples."""
 
+    role, model = "SIMPLE", bytes(32)
+
     def __init__(self, options: argparse.Namespace, port: Port) -> None:
         self.options, self.port = options, port
         self.noise, self.faults = Noise(options), Faults(options)
@@ -48,17 +50,14 @@ class Board:
             self.held = b""
 
     def hello(self) -> None:
-        model = bytes.fromhex(self.options.model) if self.options.model else bytes(32)
-        role = constant("RENDERS" if self.options.model else "SIMPLE")
-        self.send("hello", layout=self.options.layout or layout(), role=role, model=model,
-                  rate_hz=self.rate_hz, max_n=self.options.max_n)  # fmt: skip
+        self.send("hello", layout=layout(), role=constant(self.role), model=self.model,
+                  rate_hz=self.rate_hz, max_n=20.0)  # fmt: skip
 
     def command(self, sequence: int, action: int, watchdog_s: float, rate_hz: float) -> None:
         refused = 0
-        if not 10 <= rate_hz <= self.options.max_hz:
+        if not 10 <= rate_hz <= 8000:
             refused = constant("REFUSED_RATE")
         elif action in (START, PRESS):
-            rate_hz = self.options.rate_hz or rate_hz
             self.rate_hz, self.watchdog_s = rate_hz, watchdog_s
             self.tool = Tool(self.options, 1 / rate_hz)
             self.clock = Clock(1 / rate_hz)
@@ -98,11 +97,11 @@ class Board:
         if self.faults.now("trip") and not self.tripped:
             say(event="fault", was_n=self.force_n)
             self.force_n, self.tripped = 0.0, True
-        if self.options.no_watchdog or (self.options.lockstep and self.forces > 1):
+        if self.options.lockstep and self.forces > 1:
             return
         if self.running and not self.tripped and self.force_came_s is not None:
             silent_s = time.monotonic() - self.force_came_s
-            if silent_s > (1e-3 * self.options.watchdog_ms or self.watchdog_s):
+            if silent_s > self.watchdog_s:
                 name = "tripped" if self.forces > 1 else "proved"
                 say(event=name, silent_ms=1e3 * silent_s, was_n=self.force_n)
                 self.force_n, self.tripped = 0.0, True
@@ -145,16 +144,9 @@ class Board:
 
 def main() -> None:
     parser = arguments(__doc__.splitlines()[0])
-    parser.add_argument("--max-n", type=float, default=20.0, help="of the motor")
-    parser.add_argument("--max-hz", type=float, default=8000.0)
-    parser.add_argument("--rate-hz", type=float, help="send at this rate, whatever is asked")
-    parser.add_argument("--trip-after", type=float, metavar="S", help="a fault of its own ...")
-    parser.add_argument("--trip-for", type=float, default=0.01, metavar="S", help="... so long")
-    parser.add_argument("--watchdog-ms", type=float, default=0.0, help="instead of the host's")
-    parser.add_argument("--no-watchdog", action="store_true")
-    parser.add_argument("--model", default="", help="say that it renders the scene of this hash")
-    parser.add_argument("--layout", type=int, default=0, help="say another layout of messages")
+    parser.add_argument("--trip-after", type=float, metavar="S", help="a fault of its own, 10 ms")
     options = parser.parse_args()
+    options.trip_for = 0.01
     port = Port()
     board = Board(options, port)
     be_a_device()

@@ -33,8 +33,7 @@ _PAID, _SHARED = "processor_s", "shared_s"
 @cache
 def durations_s() -> dict[str, float]:
     """Processor time, s, by name of the test, or by FILE::[FIXTURE]."""
-    found: dict[str, float] = json.loads(TABLE.read_text())
-    return found
+    return json.loads(TABLE.read_text())
 
 
 def chosen(

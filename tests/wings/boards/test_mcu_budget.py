@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.c.mcu import long_motion, need, target_scene
-from support.peer import CLI
+from support.in_process import spring
 from support.small import damage, flow, model_file, press, recording, training
 
 from springpot.codegen.emit.files import emit_files
@@ -79,7 +79,6 @@ def passive_of(branches: int, stops: int, **of_depth: float) -> Model:
     """A passive model of so many branches and stops."""
     rng = np.random.default_rng(1)
     whole = fitted("hammerstein")
-    assert whole.hammerstein is not None
     passive = dataclasses.replace(
         whole.hammerstein,
         elastic_n=rng.random(9),
@@ -123,7 +122,6 @@ def test_the_bound_is_above_what_is_counted(tmp_path: Path, variant: str, shape:
     for board in BOUND_ON:
         batch = run_batch(tmp_path / "c", BOARDS[board], calls)
         bound = instruction_bound(make_plan(model, scene_of(BOARDS[board].target, shape), True))
-        assert bound is not None
         restarts = (batch.notes & RESYNC) != 0
         late = after_silence(batch.notes)
         assert restarts.sum() > 60 and late.any()
@@ -162,7 +160,6 @@ def test_ten_branches_and_three_stops_take_640_instructions_and_4400_bytes(tmp_p
     restarts = (batch.notes & RESYNC) != 0
     most = int(batch.instructions[~restarts & ~after_silence(batch.notes)].max())
     assert most <= min(emission.manifest["instructions"]["tick"], 640)
-    assert emission.footprint is not None
     assert emission.footprint.flash_bytes <= 4400
 
 
@@ -173,67 +170,27 @@ def test_there_is_no_bound_where_none_is_known() -> None:
         )
 
 
-@pytest.fixture
-def too_big(tmp_path: Path) -> Path:
-    """A scene over its budget, and a recording."""
+def test_fit_makes_it_fit(tmp_path: Path) -> None:
     need("mps2-an386")
     model_file(tmp_path, fitted("rf-fd deep"))
-    write_recording(tmp_path / "val.h5", recording("val", press(1.5, 0.011, cycles=3)))
+    recorded, folder = tmp_path / "val.h5", tmp_path / "c"
+    write_recording(recorded, recording("val", press(1.5, 0.011, cycles=3)))
     (tmp_path / "scene.toml").write_text(
         'schema = 1\nname = "big"\nmodel = "model.spm"\n[runtime]\ntarget = "cortex-m4f"\n'
         '[coupling]\nmode = "off"\n[budget]\nflash_bytes = 24000\ntick_instructions = 6000\n'
     )
-    return tmp_path
-
-
-def emit_command(folder: Path, *options: object) -> subprocess.CompletedProcess[str]:
-    arguments = ["emit", "--scene", folder / "scene.toml", "--out", folder / "c", "--json"]
-    return subprocess.run([*CLI, *map(str, [*arguments, *options])], capture_output=True,
-                          text=True, check=False)  # fmt: skip
-
-
-def test_what_does_not_fit_is_refused_with_three_reductions(too_big: Path) -> None:
-    found = emit_command(too_big, "--recording", too_big / "val.h5")
-    assert found.returncode == 4
-    assert "the scene's budget is 24000" in found.stderr
-    assert "the scene's budget is 6000" in found.stderr
-    reductions = [line for line in found.stderr.splitlines() if line.startswith("would fit: ")]
-    assert len(reductions) == 3
-    for reduction in reductions:
-        assert int(reduction.split(" bytes of flash")[0].split()[-1]) <= 24000
-        assert int(reduction.split(" instructions")[0].split()[-1]) <= 6000
-        assert float(reduction.split("RMSE ")[1].split()[0]) > 0
-    assert not (too_big / "c").exists()
-
-
-def test_fit_makes_it_fit(too_big: Path) -> None:
-    found = emit_command(too_big, "--recording", too_big / "val.h5", "--fit")
+    found = spring("emit", "--scene", tmp_path / "scene.toml", "--out", folder, "--json",
+                   "--recording", recorded, "--fit")  # fmt: skip
     assert found.returncode == 0, found.stderr
     result = json.loads(found.stdout)
     assert result["flash_bytes"] <= 24000
     assert result["instructions"]["tick"] <= 6100
-    checked = subprocess.run(
-        [*CLI, "validate", str(too_big / "c"), "--recording", str(too_big / "val.h5"), "--json"],
-        capture_output=True, text=True, check=True,
-    )  # fmt: skip
+    checked = spring("validate", folder, "--recording", recorded, "--json")
     told = next(line for line in found.stderr.splitlines() if line.startswith("fitted: "))
     measured = json.loads(checked.stdout)
     assert float(told.split("RMSE ")[1].split()[0]) == pytest.approx(measured["rmse_n"], rel=1e-3)
     assert measured["mismatches"] == 0
-    assert json.loads((too_big / "c" / "manifest.json").read_text())["provenance"]["left_out"]
-
-
-def test_fit_needs_recordings_and_a_model_that_can_shrink(too_big: Path) -> None:
-    assert emit_command(too_big, "--fit").returncode == 2
-    plain = emit_command(too_big)
-    assert plain.returncode == 4
-    assert "give --recording REC" in plain.stderr
-    model_file(too_big, fitted("hammerstein"))
-    scene = too_big / "scene.toml"
-    scene.write_text(scene.read_text().replace("24000", "100"))
-    hopeless = emit_command(too_big, "--fit", "--recording", too_big / "val.h5")
-    assert hopeless.returncode == 4
-    assert "no reduction of this model fits" in hopeless.stderr
+    assert json.loads((folder / "manifest.json").read_text())["provenance"]["left_out"]
 
 
 def test_the_linker_reserves_the_selftests_stack(tmp_path: Path) -> None:
@@ -246,5 +203,4 @@ def test_the_linker_reserves_the_selftests_stack(tmp_path: Path) -> None:
     listed = subprocess.run(["arm-none-eabi-size", "-A", firmware], capture_output=True, text=True,
                             check=True).stdout  # fmt: skip
     found = re.search(r"^\.stack\s+(\d+)", listed, re.MULTILINE)
-    assert found is not None
     assert int(found[1]) >= 4096 + emission.ram_bytes > 8192

@@ -90,16 +90,3 @@ def test_every_kind_passes_without_a_flag_of_ours(
     emulator._emulate(board, program, tmp_path)
     found = np.frombuffer((tmp_path / "returns.bin").read_bytes(), dtype="<i4")
     assert dict(zip(prefixes, found.tolist(), strict=True)) == dict.fromkeys(prefixes, 0)
-
-
-def test_without_its_pragmas_it_would_fuse_and_the_selftest_sees_it(tmp_path: Path) -> None:
-    need("mps2-an386")
-    board = BOARDS["mps2-an386"]
-    plan = next(every_plan(board.target))
-    source, prefix = write_single(plan, tmp_path), plan.scene.runtime.prefix
-    source.write_text(re.sub(r"#pragma GCC (optimize|push|pop).*\n", "", source.read_text()))
-    built = build(board, source, "c", tmp_path / f"{prefix}.o")
-    assert fused(board, built) > 5
-    program = link(board, [prefix], tmp_path, tmp_path, 4096 + state_bytes(plan))
-    emulator._emulate(board, program, tmp_path)
-    assert np.frombuffer((tmp_path / "returns.bin").read_bytes(), dtype="<i4")[0] > 0

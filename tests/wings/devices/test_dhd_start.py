@@ -59,22 +59,30 @@ def test_a_number_beyond_the_devices_found() -> None:
         open_device(device.url.replace("dhd://", "dhd://3"), WANTED)
 
 
-def test_no_library(monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(DeviceError, match=r"SDK is not found .*/nowhere/libdhd.so.*\?library="):
-        open_device("dhd://?library=/nowhere/libdhd.so", WANTED)
+@pytest.mark.parametrize(
+    ("address", "told"),
+    [
+        ("dhd://?library=/nowhere/libdhd.so", r"SDK is not found .*/nowhere/libdhd.so.*\?library="),
+        ("dhd://", r"/elsewhere\.so"),
+        ("dhd://?library=libm.so.6", "this SDK has no dhdGetDeviceCount"),
+    ],
+)
+def test_a_library_that_is_no_sdk(monkeypatch: pytest.MonkeyPatch, address: str, told: str) -> None:
     monkeypatch.setenv("SPRINGPOT_LIBDHD", "/elsewhere.so")
-    with pytest.raises(DeviceError, match=r"/elsewhere\.so"):
-        open_device("dhd://", WANTED)
+    with pytest.raises(DeviceError, match=told):
+        open_device(address, WANTED)
 
 
-def test_a_library_that_is_no_sdk(monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(DeviceError, match=r"this SDK has no dhdGetDeviceCount"):
-        open_device("dhd://?library=libm.so.6", WANTED)
-
-
-def test_a_slow_scene_would_trip_the_device_between_two_forces() -> None:
-    said = refusal(wanted=DeviceRequirements(rate_hz=20.0, watchdog_s=0.1, max_n=8.0))
-    assert "needs at least 63 Hz" in said
+@pytest.mark.parametrize(
+    ("wanted", "told"),
+    [
+        (replace(WANTED, rate_hz=20.0, watchdog_s=0.1, presses=False), "needs at least 63 Hz"),
+        (replace(WANTED, force_sign=-1), "leave [device] force_sign out"),
+    ],
+)
+def test_a_scene_that_the_device_cannot_render(wanted: DeviceRequirements, told: str) -> None:
+    """Slower forces would trip it; position and force are of one frame."""
+    assert told in refusal(wanted=wanted)
 
 
 def test_what_it_is_armed_with() -> None:
@@ -88,11 +96,6 @@ def test_what_it_is_armed_with() -> None:
     assert stop["max_force_n"] == pytest.approx(13.5)  # and room for gravity
     assert stop["mass_kg"] == 0.12
     assert stop["watchdog_s"] == pytest.approx(0.02)
-
-
-def test_a_position_and_a_force_of_one_frame() -> None:
-    said = refusal(wanted=replace(WANTED, force_sign=-1))
-    assert "leave [device] force_sign out" in said
 
 
 def test_without_a_watchdog_where_that_is_accepted() -> None:

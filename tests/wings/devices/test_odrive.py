@@ -1,7 +1,5 @@
 """Drives as processes: sessions, watchdogs, limits, refusals."""
 
-import contextlib
-import math
 import re
 import time
 
@@ -15,10 +13,6 @@ from springpot.host.devices.drivers import parse_device
 from springpot.host.recording.session import open_press_device
 from springpot.host.session.session import Session
 from springpot.host.validation.validation import validate
-from springpot.host.wings.devices.odrive import (
-    Drive,
-    DriveLimits,
-)
 from springpot.host.wings.devices.odrive_device import OdriveDevice
 from springpot.trainer.recordings.recording_file import read_recording
 
@@ -63,19 +57,6 @@ def test_a_drive_over_udp_multicast(tmp_path, folder):
     assert session.runner.scheduler().startswith("C thread")
     assert session.result()["samples"] > 800
     assert validate(folder, [read_recording(log)], paced_s=0.01).mismatches == 0
-
-
-def test_one_bound_in_time_proves_a_watchdog(monkeypatch):
-    """A heartbeat may be lost: the least of three upper bounds counts, and refuses."""
-    drive = Drive(None, 0, "odrive://x", DriveLimits(1, 1))
-    monkeypatch.setattr(drive, "arm", lambda: None)
-    monkeypatch.setattr(drive, "rest", lambda: None)
-    for found_s, taken in (((0.3, 0.19), True), ((0.3, 0.25, 0.201), False), ((math.inf,), False)):
-        found = iter(found_s)
-        monkeypatch.setattr(drive, "_silent_until_off_s", lambda found=found: next(found))
-        with contextlib.nullcontext() if taken else pytest.raises(DeviceError, match=r"0\.2 s"):
-            drive._prove_watchdog()
-        assert not list(found)
 
 
 def test_the_limit_that_a_refusal_names_is_taken():

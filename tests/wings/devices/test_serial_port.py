@@ -17,7 +17,6 @@ from springpot.host.wings.devices.serial_port import (
     latency_timer,
     open_port,
     require_fast_adapter,
-    require_fast_line,
     used_by,
 )
 from springpot.host.wings.doctor import machine_check as doctor
@@ -123,14 +122,6 @@ def test_a_latency_timer_is_looked_up_by_the_real_name(tmp_path, monkeypatch) ->
             f"{place}: the adapter's latency timer is {timer_ms} ms, {1000 // timer_ms} exchanges "
             f"a second: `echo 1 | sudo tee {file}`"
         )
-
-
-def test_a_byte_is_ten_bits_on_the_line() -> None:
-    require_fast_line("x", 200_000, 1000, 20)
-    with pytest.raises(
-        DeviceError, match="x: 199999 baud carry 1000 frames a second, 1000 Hz need"
-    ):
-        require_fast_line("x", 199_999, 1000, 20)
 
 
 @pytest.mark.parametrize(("found", "said"), [("n/a", "does not say what"), ("a board", "a board")])

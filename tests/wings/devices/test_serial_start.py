@@ -3,7 +3,7 @@
 import math
 import types
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
 import pytest
@@ -211,7 +211,7 @@ def test_what_is_not_heard_is_said_again_every_50_ms(opened: Opened) -> None:
         assert after - before == pytest.approx(0.05, abs=1e-3)
 
 
-def test_a_device_that_says_nothing_for_two_seconds(opened: Opened) -> None:
+def test_a_device_that_says_nothing_is_asked_for_two_seconds(opened: Opened) -> None:
     simulated = SimulatedDevice(deaf={"ask": 1000})
     require_refused(opened, simulated, "no answer in 2 s")
     assert simulated.now_s == pytest.approx(52.0, abs=2e-3)
@@ -219,51 +219,37 @@ def test_a_device_that_says_nothing_for_two_seconds(opened: Opened) -> None:
     assert len(simulated.heard) == pytest.approx(40, abs=1)
 
 
-@pytest.mark.parametrize(("damaged", "told"), [(3, "no answer"), (4, "damaged frames")])
-def test_a_line_of_damaged_frames(opened: Opened, damaged: int, told: str) -> None:
-    simulated = SimulatedDevice(deaf={"ask": 1000}, sent=b"\3xx\0" * damaged)
-    require_refused(opened, simulated, told)
-
-
-def test_a_device_of_another_protocol(opened: Opened) -> None:
-    require_refused(opened, SimulatedDevice(version=9), "version 9", "version 1", "flash")
-    other = layout() ^ 1
-    require_refused(opened, SimulatedDevice(layout=other), f"{other:08x}", f"{layout():08x}")
-
-
-def test_a_board_of_another_scene(opened: Opened) -> None:
-    board = SimulatedDevice("RENDERS", model=HASH)
-    other = DeviceRequirements(1000, 0.15, 10.0, hash="ab" * 32)
-    require_refused(opened, board, "000102030405", "abababababab", "flash", needs=other)
-    board = SimulatedDevice("RENDERS", model=HASH)
-    require_refused(opened, board, "000102030405", "none", "flash")
-
-
-def test_a_device_gives_the_scenes_force_to_a_millionth(opened: Opened) -> None:
-    opened(SimulatedDevice(max_n=12.0), DeviceRequirements(1000, 0.15, 12.0 * (1 + 0.9e-6)))
-    exact = next(n for n in range(1, 100) if n / (1 - 1e-6) * (1 - 1e-6) == n)
-    opened(SimulatedDevice(max_n=exact), DeviceRequirements(1000, 0.15, exact / (1 - 1e-6)))
-    needs = DeviceRequirements(1000, 0.15, 12.0 * (1 + 1.2e-6))
-    require_refused(opened, SimulatedDevice(), "12 N", "guard.max_force_n = 12", needs=needs)
+_BOARD = {"role": "RENDERS", "model": HASH}
 
 
 @pytest.mark.parametrize(
-    ("refuses", "what"),
+    ("options", "needs", "parts"),
     [
-        (1, ["that action (START)", "self-test", "flash"]),
-        (2, ["that rate", "1000 Hz", "runtime.rate_hz"]),
-        (3, ["that watchdog", "150 ms", "guard.watchdog_ms"]),
-        (4, ["a command"]),
+        ({"version": 9}, {}, ["version 9", "version 1", "flash"]),
+        ({"layout": layout() ^ 1}, {}, [f"{layout() ^ 1:08x}", f"{layout():08x}"]),
+        (_BOARD, {"hash": "ab" * 32}, ["000102030405", "abababababab", "flash"]),
+        (_BOARD, {}, ["000102030405", "none", "flash"]),
+        ({"refuses": 1}, {}, ["that action (START)", "self-test", "flash"]),
+        ({"refuses": 2}, {}, ["that rate", "1000 Hz", "runtime.rate_hz"]),
+        ({"refuses": 3}, {}, ["that watchdog", "150 ms", "guard.watchdog_ms"]),
+        ({"refuses": 4}, {}, ["a command"]),
+        ({}, {"max_n": 12.0 * (1 + 1.2e-6)}, ["12 N", "guard.max_force_n = 12"]),
+        ({"deaf": {"ask": 1000}, "sent": b"\3xx\0" * 3}, {}, ["no answer"]),
+        ({"deaf": {"ask": 1000}, "sent": b"\3xx\0" * 4}, {}, ["damaged frames"]),
+        ({"deaf": {"command": 1000}}, {}, ["START", "2 s", "restart"]),
     ],
 )
-def test_a_command_that_is_refused(opened: Opened, refuses: int, what: list[str]) -> None:
-    require_refused(opened, SimulatedDevice(refuses=refuses), *what)
+def test_a_device_that_is_refused(opened: Opened, options: dict, needs: dict, parts: list) -> None:
+    simulated = SimulatedDevice(**options)
+    require_refused(opened, simulated, *parts, needs=replace(NEEDS, **needs))
+    if "deaf" in options:
+        assert simulated.now_s == pytest.approx(52.0, abs=5e-3)
 
 
-def test_a_command_that_is_never_acknowledged(opened: Opened) -> None:
-    simulated = SimulatedDevice(deaf={"command": 1000})
-    require_refused(opened, simulated, "START", "2 s", "restart")
-    assert simulated.now_s == pytest.approx(52.0, abs=5e-3)
+def test_a_device_gives_the_scenes_force_to_a_millionth(opened: Opened) -> None:
+    exact = next(n for n in range(1, 100) if n / (1 - 1e-6) * (1 - 1e-6) == n)
+    for max_n, asked_n in ((12.0, 12.0 * (1 + 0.9e-6)), (exact, exact / (1 - 1e-6))):
+        opened(SimulatedDevice(max_n=max_n), DeviceRequirements(1000, 0.15, asked_n))
 
 
 def test_a_stop_waits_for_three_tenths_of_a_second_and_raises_nothing(opened: Opened) -> None:

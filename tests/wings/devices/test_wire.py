@@ -90,9 +90,8 @@ def test_both_ends_count_alike(c_end):
 
     And a frame that is whole always comes through, whatever came before it.
     """
-    ffi, lib = c_end
     rng = np.random.default_rng(5)
-    sender, receiver = Sender(), Receiver()
+    sender = Sender()
     frames = [sender.encode("force", force_n=float(k)) for k in range(FRAMES)]
     stream, whole = bytearray(), set()
     for k in range(FRAMES):
@@ -111,32 +110,34 @@ def test_both_ends_count_alike(c_end):
         stream += content
         if content.startswith(frames[k]):
             whole.add(k)
-    state, frame = ffi.new("sp_wire_receiver *"), ffi.new("sp_wire_frame *")
-    by_c = []
-    for byte in stream:
-        if kind := lib.sp_wire_receive(state, byte, frame):
-            by_c.append((frame.sequence, kind == 2, bytes(frame.body[0 : frame.size])))
-    by_python = [(f.sequence, f.old, struct.pack("<f", f.values["force_n"]))
-                 for f in receiver.feed(bytes(stream))]  # fmt: skip
-    assert by_c == by_python
-    assert whole <= {sequence for sequence, _, _ in by_c}
-    assert all(body == struct.pack("<f", float(sequence)) for sequence, _, body in by_c)
-    assert (state.frames, state.gaps) == (receiver.frames, receiver.gaps)
-    assert state.crc_errors == receiver.crc_errors > 100
+    found, receiver = heard(c_end, bytes(stream))
+    assert whole <= {sequence for sequence, _, _ in found}
+    assert all(body == struct.pack("<f", float(sequence)) for sequence, _, body in found)
+    assert receiver.crc_errors > 100
     assert receiver.gaps > 100
 
 
-def both_ends(c_end, content: bytes) -> tuple[list[tuple[int, bool]], int]:
-    """Sequence and age of each frame, and how many are missing: the same at both ends."""
+def heard(c_end, content: bytes) -> tuple[list[tuple[int, bool, bytes]], Receiver]:
+    """Sequence, age and body of each frame, and the receiver: the same at both ends."""
     ffi, lib = c_end
     state, frame, receiver = ffi.new("sp_wire_receiver *"), ffi.new("sp_wire_frame *"), Receiver()
     by_c = []
     for byte in content:
         if kind := lib.sp_wire_receive(state, byte, frame):
-            by_c.append((frame.sequence, kind == 2))
-    assert by_c == [(frame.sequence, frame.old) for frame in receiver.feed(content)]
-    assert state.gaps == receiver.gaps
-    return by_c, receiver.gaps
+            by_c.append((frame.sequence, kind == 2, bytes(frame.body[0 : frame.size])))
+    assert by_c == [
+        (one.sequence, one.old, messages()[one.name].body.pack(*one.values.values()))
+        for one in receiver.feed(content)
+    ]
+    for count in ("frames", "gaps", "crc_errors"):
+        assert getattr(state, count) == getattr(receiver, count)
+    return by_c, receiver
+
+
+def both_ends(c_end, content: bytes) -> tuple[list[tuple[int, bool]], int]:
+    """Sequence and age of each frame, and how many are missing."""
+    found, receiver = heard(c_end, content)
+    return [frame[:2] for frame in found], receiver.gaps
 
 
 def numbered(sequence: int, name: str = "ack", **values: object) -> bytes:

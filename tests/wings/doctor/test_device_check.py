@@ -1,18 +1,16 @@
 """`springpot doctor --device`: reached, armed, sampled, of the right sign; or why not."""
 
 import json
-import subprocess
 from pathlib import Path
 
 import pytest
-from support.peer import CLI, peer
+from support.peer import cli, peer
 
 SCENE = 'schema = 1\nname = "pad"\nmodel = "pad.spm"\n[device]\n'
 
 
 def examined(url: str, *options: object) -> tuple[int, dict[str, dict]]:
-    command = [*CLI, "doctor", "--json", "--device", url, *map(str, options)]
-    result = subprocess.run(command, capture_output=True, text=True, check=False)
+    result = cli("doctor", "--json", "--device", url, *options)
     assert "Traceback" not in result.stderr, result.stderr
     found = json.loads(result.stdout)["findings"]
     return result.returncode, {finding["what"]: finding for finding in found}

@@ -66,7 +66,13 @@ def test_what_is_no_fitted_ensemble_is_told_what_to_give():
     small = FOREST(2, max_depth=2)
     boosted = GradientBoostingRegressor(n_estimators=2).fit(VALUES, FORCE_N)
     search = GridSearchCV(small, {"max_depth": [1]}, cv=2)
+    two = np.stack([FORCE_N, FORCE_N], axis=1)
+    poisson = BOOSTED(max_iter=50, loss="poisson").fit(VALUES, np.maximum(FORCE_N, 0.0))
     for given, says in (
+        (clone(small).fit(VALUES[:, :4], FORCE_N), "fitted on 4 features, these are 10"),
+        (clone(STRONG[0]).fit(VALUES / 1000, FORCE_N), "R2 of "),
+        (clone(small).fit(VALUES, two), "outputs: fit it on one force"),
+        (poisson, "no weighted sum of its trees"),
         (boosted, "HistGradientBoostingRegressor: fit the last"),
         (search, "best_estimator_"),
         (make_pipeline(StandardScaler(), small), "trees need no scaling"),

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 from scipy.io import savemat
+from support.files.malformed import DBC as TOOL_DBC
 
 from springpot.codegen.errors import DataError, UsageError
 from springpot.host.wings.export.commands import export_
@@ -20,16 +21,12 @@ from springpot.trainer.recordings.recording_file import read_recording, write_re
 TIME_S = np.arange(50) * 0.01
 POSITION_MM = 5 * np.sin(TIME_S) ** 2
 FORCE_N = 3 * POSITION_MM
-DBC = """VERSION ""
-NS_ :
-BS_:
-BU_: RIG
-BO_ 291 Tool: 8 RIG
- SG_ Position : 0|32@1- (0.0001,0) [0|0] "mm" RIG
- SG_ Force : 32|16@1- (0.001,0) [0|0] "N" RIG
-BO_ 292 Cell: 2 RIG
+DBC = (
+    TOOL_DBC
+    + """BO_ 292 Cell: 2 RIG
  SG_ LoadCell : 0|16@1- (0.001,0) [0|0] "N" RIG
 """
+)
 
 
 def load(path: Path, mapping: str = "", **options: object) -> Recording:

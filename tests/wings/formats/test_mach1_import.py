@@ -45,13 +45,8 @@ def test_units_and_details(tmp_path: Path) -> None:
     np.testing.assert_allclose(recording.force_n, [0.980665, 1.96133, 2.941995], rtol=1e-15)
     assert recording.dt_s == 0.01
     assert recording.details.pop("sampling")["median_step_s"] == 0.01
-    assert recording.details["units"]["force"] == {
-        "unit": "gf",
-        "to_si": 9.80665e-3,
-        "from": "header",
-        "column": "Fz",
-    }
-    del recording.details["units"]
+    force = {"unit": "gf", "to_si": 9.80665e-3, "from": "header", "column": "Fz"}
+    assert recording.details.pop("units")["force"] == force
     assert recording.details == {
         "block": "Sinusoid",
         "frequency_hz": 0.5,
@@ -118,10 +113,6 @@ def test_blocks_are_left_out_by_kind_or_for_want_of_samples(tmp_path: Path) -> N
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
-        ("1.5\t200.0", "1.5\tx", "row 16: 'x' is not a number"),
-        ("1.5\t200.0", "nan\t200.0", "row 16: position is not a finite number"),
-        ("1.5\t200.0", "1.5", "row 16: 2 cells, the header has 3"),
-        ("0.02\t", "0.00\t", "row 17: time goes back"),
         ("\n<END DATA>\n", "", "ends without <END DATA>, within a row"),
         ("300.0\n<END DATA>\n", "3", "ends without <END DATA>, within a row"),
         ("2.0\t300.0\n<END DATA>\n", "2\n", "ends without <END DATA>, within a row"),

@@ -196,16 +196,6 @@ def test_a_prony_series_that_misses_the_law_is_refused(tmp_path: Path) -> None:
     assert not CliRunner().invoke(material, [str(tmp_path / "m.spm")]).exception
 
 
-def test_the_prony_series_is_the_law_where_it_was_recorded() -> None:
-    model = ecoflex()
-    frequency_hz = np.geomspace(0.2, 100.0, 20)
-    law, prony = law_of(model), prony_of(model)
-    ratio = prony.dynamic_npm(frequency_hz) / law.dynamic_npm(frequency_hz)
-    assert np.abs(ratio - 1.0).max() < 0.02
-    assert np.all(np.diff(prony.tau_s) > 0.0)
-    assert prony.instant_npm > prony.long_term_npm > 0.0
-
-
 def test_each_shape_gives_the_modulus_of_its_published_force() -> None:
     """Slopes of F(x) for G = 1 Pa, E = 3 G: Hertz, Sneddon, a bar under uniform stress."""
     g, radius, angle, x, step = 1.0, 4e-3, np.radians(50.0), 1.3e-3, 1e-7
@@ -280,7 +270,6 @@ def test_the_interval_of_a_modulus_holds_the_truth() -> None:
         )
         law = law_of(fit_model("springpot", "x", noisy, FitOptions()).model)
         widths = law.dynamic_interval_npm(frequency_hz)
-        assert widths is not None
         found = law.dynamic_npm(frequency_hz)
         assert np.all(np.concatenate(widths) < 0.03 * np.abs(exact).max())
         inside += [np.abs(found.real - exact.real) <= widths[0] + 1e-3 * exact.real]
@@ -317,6 +306,3 @@ def test_the_command_writes_tables(tmp_path: Path) -> None:
 def test_what_has_no_law_is_refused(tmp_path: Path) -> None:
     other = CliRunner().invoke(material, [str(model_file(tmp_path, small_model()))])
     assert "train with --model springpot" in str(other.exception)
-    write_model(tmp_path / "m.spm", ecoflex())
-    alone = CliRunner().invoke(material, [str(tmp_path / "m.spm"), "--height-mm", "35"])
-    assert "give --tip-mm as well" in str(alone.exception)

@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from itertools import cycle
 from pathlib import Path
 
-import numpy as np
 import pytest
 from support.c import golden_forces
 from support.c.single import every_plan, plan_of, write_single
@@ -20,10 +19,10 @@ from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import planned_headers
 from springpot.host.emission.emission import by_hand, emit
 from springpot.host.native.compiler import find_compiler
-from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.native.toolchain import missing_tools
 from springpot.host.wings.boards.boards import default_board
 from springpot.host.wings.boards.firmware import build_firmware
+from springpot.host.wings.packaging.c_blocks import top_level_blocks, without_unused
 from springpot.host.wings.page.scene_entry import page_module
 from springpot.runtime_c.paths import SOURCE
 
@@ -40,6 +39,18 @@ FOUND = [language for language in LANGUAGES if shutil.which(language[0])]
 CPU_FLAGS = Path("/proc/cpuinfo").read_text() if Path("/proc/cpuinfo").exists() else ""
 FMA = pytest.mark.skipif("fma" not in CPU_FLAGS, reason="this processor has no fused multiply-add")
 MAIN = '#include "@.h"\nint main(void) { return @_selftest() ? 3 : 0; }\n'
+
+
+LONELY = "static inline int lonely(void)\n{\n    int x = 2;\n\n    return inner() + x;\n}\n\n"
+TEXT = (
+    "static inline int inner(void)\n{\n    int x = 1;\n\n    return x;\n}\n\n"
+    f"{LONELY}/* Not lonely. */\nint public_name(void)\n{{\n    return inner();\n}}"
+)
+
+
+def test_what_nothing_calls_is_left_out_whole() -> None:
+    kept = without_unused(top_level_blocks(TEXT))
+    assert "\n\n".join(kept) == TEXT.replace(LONELY, "")
 
 
 def hammerstein() -> Plan:
@@ -89,20 +100,6 @@ def test_no_warning_for_any_kind_at_any_level(tmp_path: Path) -> None:
         units.update(planned_headers(plan))
         require_clean(plan, tmp_path / plan.scene.name, level, languages)
     assert units == {file.name for file in SOURCE.glob("*.h")}
-
-
-def test_the_same_forces_as_in_many_files(tmp_path: Path) -> None:
-    chosen, model = scene(mode="tool", smoothing_s=8e-4, prefix="eco"), model_file(tmp_path)
-    emit(chosen, model, tmp_path / "many")
-    emission = emit(chosen, model, tmp_path / "one", single=True)
-    motion = golden_forces.motion_m()
-    many, one = (SceneLibrary(tmp_path / name) for name in ("many", "one"))
-    forces = [library.new_state().run(motion)[0] for library in (many, one)]
-    assert np.ptp(forces[0]) > 1.0
-    assert forces[0].tobytes() == forces[1].tobytes()
-    assert one.state_bytes == many.state_bytes == emission.ram_bytes
-    assert one.manifest["hash"] == emission.hash
-    assert emission.manifest["sources"] == ["eco.c"]
 
 
 def test_only_the_api_is_public_and_nothing_changes(tmp_path: Path) -> None:
@@ -210,7 +207,6 @@ def test_a_page_and_a_board_take_it(tmp_path: Path) -> None:
     if not (why := missing_tools("wasm32")):
         assert page_module(emission.folder, emission.plan, False).startswith(b"\0asm")
     board = default_board("cortex-m4f")
-    assert board is not None
     if not missing_tools("cortex-m4f"):
         built = build_firmware(emission.folder, board, tmp_path / "firmware", strict=True)
         assert built.exists()

@@ -9,20 +9,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.browser import CHROMIUM
+from support.browser import NEEDS_PAGES
 from support.driven_browser import DrivenBrowser, driven_browser
 from support.small import model_file, scene, small_model
 
 from springpot.host.emission.emission import emit
-from springpot.host.native.toolchain import missing_tools
 from springpot.host.wings.devices.wire import Receiver, Sender, constant, layout
 from springpot.host.wings.page.press_page import write_press_page
 
-pytestmark = [
-    pytest.mark.realtime,
-    pytest.mark.skipif(CHROMIUM is None, reason="no chromium on PATH"),
-    pytest.mark.skipif(bool(missing_tools("wasm32")), reason=missing_tools("wasm32") or "-"),
-]
+pytestmark = [pytest.mark.realtime, *NEEDS_PAGES]
 
 # A board of the browser's own: what it would send is given, what is written to it is kept.
 _FAKE_PORT = """
@@ -48,32 +43,21 @@ def browser(tmp_path: Path) -> Iterator[DrivenBrowser]:
         yield found
 
 
-def open_ready(browser: DrivenBrowser, address: str) -> None:
-    browser.open(address)
-    browser.until("document.body !== null && document.body.classList.contains('ready')")
-
-
-def text_of(browser: DrivenBrowser, name: str) -> str:
-    return str(browser.value(f"document.getElementById('{name}').textContent"))
-
-
 def hash_of(browser: DrivenBrowser) -> str:
     return str(browser.value("JSON.parse(document.getElementById('scenes').textContent)[0].hash"))
 
 
 def number_of(browser: DrivenBrowser, name: str) -> float:
-    return float(text_of(browser, name).split()[0])
+    return float(browser.text(name).split()[0])
 
 
 def test_a_real_pointer_presses_and_lets_go(
     tmp_path: Path, folder: Path, browser: DrivenBrowser
 ) -> None:
     write_press_page([folder], tmp_path / "press.html")
-    open_ready(browser, (tmp_path / "press.html").as_uri())
-    x, y, height = browser.value(
-        "(() => { const box = document.getElementById('object').getBoundingClientRect();"
-        " return [box.left + box.width / 2, box.top, box.height]; })()"
-    )
+    browser.open_ready((tmp_path / "press.html").as_uri())
+    left, y, width, height = browser.box("object")
+    x = left + width / 2
     browser.mouse("mousePressed", x, y + 0.32 * height)
     browser.mouse("mouseMoved", x, y + 0.7 * height)
     browser.wait_for(lambda: number_of(browser, "force") > 1.0, "a force")
@@ -91,9 +75,8 @@ def test_a_session_is_shown_and_stopped(folder: Path, browser: DrivenBrowser) ->
     with subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
     ) as run:
-        assert run.stderr is not None and run.stdout is not None
         address = next(line for line in run.stderr if "page: " in line).split("page: ")[1].strip()
-        open_ready(browser, address)
+        browser.open_ready(address)
         browser.until("Number(document.body.dataset.ticks) > 1000")
         browser.key("keyDown", "q")
         result = json.loads(run.stdout.read())
@@ -110,7 +93,7 @@ def test_a_board_is_shown_and_told_to_stop(
 ) -> None:
     write_press_page([folder], tmp_path / "press.html")
     browser.call("Page.addScriptToEvaluateOnNewDocument", source=_FAKE_PORT)
-    open_ready(browser, (tmp_path / "press.html").as_uri())
+    browser.open_ready((tmp_path / "press.html").as_uri())
     browser.value("document.getElementById('connect').click()")
     browser.until("window.send !== undefined")
     sender, positions_m = Sender(), np.linspace(0.0, 0.004, 200)
@@ -123,8 +106,8 @@ def test_a_board_is_shown_and_told_to_stop(
     browser.value(f"window.send('{base64.b64encode(said).decode()}')")
     browser.until("document.body.dataset.ticks === '200'")
     browser.until("document.getElementById('said').textContent !== ''")
-    assert text_of(browser, "said") == "The board renders this scene; the page shows it."
-    assert text_of(browser, "force") == "0.40 N"
+    assert browser.text("said") == "The board renders this scene; the page shows it."
+    assert browser.text("force") == "0.40 N"
     assert browser.value("document.getElementById('stiffness').closest('section').hidden")
     browser.value("window.told.length = 0")
     browser.key("keyDown", "q")

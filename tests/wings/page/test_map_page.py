@@ -5,7 +5,6 @@ import re
 import shutil
 import subprocess
 from dataclasses import replace
-from itertools import permutations
 from pathlib import Path
 
 import numpy as np
@@ -15,8 +14,8 @@ from codegen.stages.test_placed import called, placed
 from host.validation.test_by_place import PLACES, placed_model, pressed
 from support.browser import CHROMIUM, layout_faults
 from support.paths import TESTS
-from support.pressed_page import Pressed, press_page
-from support.small import model_file, scene
+from support.pressed_page import press_page
+from support.small import model_file, scene, small_model, training
 
 from springpot.codegen.model.model import Model
 from springpot.codegen.reference.lateral import run_lateral
@@ -60,7 +59,6 @@ def surveyed(entry: dict, scratch: Path, depth_m: float) -> np.ndarray:
     """Forces of the page's survey, (rows, columns), N."""
     (scratch / "page.wasm").write_bytes(module_of(entry["wasm"]))
     its, node = entry["map"], shutil.which("node")
-    assert node is not None
     numbers = [*its["survey"], *its["first_m"], *its["last_m"], depth_m, its["press_ticks"],
                entry["dt_s"]]  # fmt: skip
     command = [node, str(SURVEY), str(scratch / "page.wasm"), *map(str, numbers)]
@@ -108,69 +106,30 @@ def test_the_picture_is_stiffest_where_the_reference_is(
     assert np.ptp(force_n) > 0.05 * force_n.max()
 
 
-def rows_of(pressed: Pressed, dtype: str) -> np.ndarray:
-    return pressed.rows[:, 1:].astype(dtype)
-
-
-@pytest.mark.parametrize("number", ["float32", "float64"])
-def test_the_force_shown_at_held_places_is_that_of_the_c(tmp_path: Path, number: str) -> None:
-    folder = emitted(tmp_path / "map", scene(number), placed("plain", 2))
-    found = press_page(page_of(tmp_path, folder), map=PATHS)
-    assert found.console == [] and found.found["errors"] == []
-    assert found.csv.startswith("time_s,position_m,force_N,place_x_m,place_y_m\n")
-    rows = rows_of(found, number)
-    depth_m, force_n, places = rows[:, 0], rows[:, 1], rows[:, 2:].astype(float)
-    asked = [(k, tuple(place)) for k, place in enumerate(places.tolist())]
-    here_n, _ = called(SceneLibrary(folder), depth_m, np.zeros_like(depth_m), asked)
-    assert here_n.tobytes() == force_n.tobytes()
-    assert force_n.max() > 0.5
-    pressed_at = {tuple(place) for place in places[depth_m > 0]}
-    assert len(pressed_at) == 2  # held while the pointer moves
-    assert "self-test0 of" in found.found["proof"]
-
-
-@pytest.mark.parametrize("number", ["float32", "float64"])
-def test_the_force_shown_along_a_slide_is_that_of_the_c(tmp_path: Path, number: str) -> None:
-    like = replace(SLID, runtime=scene(number).runtime)
+@pytest.mark.parametrize(("mode", "number"), [("held", "float32"), ("lateral", "float64")])
+def test_the_force_shown_is_that_of_the_c(tmp_path: Path, mode: str, number: str) -> None:
+    like = replace(SCENES[mode], runtime=scene(number).runtime)
     folder = emitted(tmp_path / "map", like, placed("plain", 2))
     found = press_page(page_of(tmp_path, folder), map=PATHS)
     assert found.console == [] and found.found["errors"] == []
-    head = "time_s,position_m,force_N,place_x_m,place_y_m,lateral_x_N,lateral_y_N\n"
-    assert found.csv.startswith(head)
-    rows = rows_of(found, number)
-    here_n, _ = slid(SceneLibrary(folder), rows[:, [2, 3, 0]])
-    assert here_n.tobytes() == np.ascontiguousarray(rows[:, [4, 5, 1]]).tobytes()
-    slides = rows[:, 0] > 0
-    assert np.ptp(rows[slides, 2]) > 0.001
-    assert np.abs(rows[slides, 4:]).max() > 0.01
-    tick = found.found["tick"]
-    assert "tick3" in tick and tick in (folder / "sp_scene.c").read_text()
-
-
-@pytest.mark.parametrize("seed", range(3))
-def test_a_hand_that_presses_alike_sinks_least_where_it_is_stiffest(
-    tmp_path: Path, seed: int
-) -> None:
-    """What a search goes by: depth and force of presses at random places."""
-    folder = emitted(tmp_path / "map", HELD, placed("plain", 1, seed))
-    tried = np.random.default_rng(seed).uniform([0.2, 0.25], [0.9, 0.8], (5, 2)).tolist()
-    rows = press_page(page_of(tmp_path, folder), map=[[[*at, 700]] for at in tried]).rows
-    edges = np.flatnonzero(np.diff(rows[:, 1] > 0.0))
-    presses = np.split(rows, edges + 1)[1::2]
-    long = [its for its in presses if len(its) > 200]  # a tool that is let go may touch once more
-    assert len(long) == len(tried)
-    depth_m, force_n = np.median([its[:, 1:3] for its in (each[-250:-150] for each in long)],
-                                 axis=1).T  # fmt: skip
-    entry = scene_entry(folder)
-    stiffness = [twin_n(folder, entry, tuple(its[-1, 3:5].tolist()), 0.004) for its in long]
-    told_apart = 0
-    for (stiff, deep_m, its_n), (soft, deeper_m, other_n) in permutations(
-        zip(stiffness, depth_m, force_n, strict=True), 2
-    ):
-        if stiff > 1.05 * soft:
-            told_apart += 1
-            assert deep_m < deeper_m and its_n / deep_m > other_n / deeper_m
-    assert told_apart >= 3
+    assert "self-test0 of" in found.found["proof"]
+    assert found.csv.startswith("time_s,position_m,force_N,place_x_m,place_y_m")
+    rows, library = found.rows[:, 1:].astype(number), SceneLibrary(folder)
+    depth_m, force_n, places = rows[:, 0], rows[:, 1], rows[:, 2:4].astype(float)
+    pressed = depth_m > 0
+    if mode == "held":
+        asked = [(k, tuple(place)) for k, place in enumerate(places.tolist())]
+        here_n, _ = called(library, depth_m, np.zeros_like(depth_m), asked)
+        assert here_n.tobytes() == force_n.tobytes()
+        assert len(set(map(tuple, places[pressed]))) == 2  # held while the pointer moves
+    else:
+        here_n, _ = slid(library, rows[:, [2, 3, 0]])
+        assert here_n.tobytes() == np.ascontiguousarray(rows[:, [4, 5, 1]]).tobytes()
+        assert np.ptp(rows[pressed, 2]) > 0.001
+        assert np.abs(rows[pressed, 4:]).max() > 0.01
+        tick = found.found["tick"]
+        assert "tick3" in tick and tick in (folder / "sp_scene.c").read_text()
+    assert force_n.max() > 0.5
 
 
 @pytest.mark.parametrize("mode", SCENES)
@@ -187,19 +146,29 @@ def test_the_recording_on_the_page_is_rendered_at_its_place(tmp_path: Path, mode
 
 
 @pytest.mark.parametrize("width", [400, 760, 1100, 1600])
-def test_nothing_sticks_out(tmp_path: Path, width: int) -> None:
-    folder = emitted(tmp_path / "map", SLID, placed("plain", 2))
+@pytest.mark.parametrize("of_map", [True, False])
+def test_nothing_sticks_out(tmp_path: Path, width: int, of_map: bool) -> None:
+    if of_map:
+        folder = emitted(tmp_path / "map", SLID, placed("plain", 2))
+    else:
+        folder = emitted(tmp_path / "scene", HELD, small_model())
+        store_validation(folder, validate(folder, training()[5:6], paced_s=0.1))
     faults = layout_faults(page_of(tmp_path, folder).read_text(), tmp_path, width)
     assert faults == {"out": [], "cut": []}
 
 
 @pytest.mark.parametrize("compiler", ["gcc", "clang"])
-@pytest.mark.parametrize("mode", SCENES)
-def test_the_pages_own_c_has_no_warning(tmp_path: Path, compiler: str, mode: str) -> None:
-    folder = emitted(tmp_path / "map", SCENES[mode], placed("plain", 2))
+@pytest.mark.parametrize(
+    ("mode", "names"),
+    [("held", ("map", "survey", "held")), ("lateral", ("map", "survey", "slid")), ("", ("",))],
+)
+def test_the_pages_own_c_has_no_warning(
+    tmp_path: Path, compiler: str, mode: str, names: tuple[str, ...]
+) -> None:
+    model = placed("plain", 2) if mode else small_model()
+    folder = emitted(tmp_path / "map", SCENES.get(mode, HELD), model)
     include = [f"-I{place}" for place in (folder, PORT_BROWSER, PORT_WIRE, SIM)]
-    touch = {"held": "sp_page_held.c", "lateral": "sp_page_slid.c"}[mode]
-    for name in ("sp_page_map.c", "sp_page_survey.c", touch):
+    for name in ("_".join(["sp_page", its]).strip("_") + ".c" for its in names):
         command = [compiler, *flags("SP_CFLAGS"), *flags("SP_STRICT"), "-fsyntax-only", *include,
                    str(PORT_BROWSER / name)]  # fmt: skip
         result = subprocess.run(command, capture_output=True, text=True, check=False)

@@ -2,35 +2,27 @@
 
 import json
 import re
-import subprocess
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from support.browser import CHROMIUM, layout_faults
+from support.browser import NEEDS_PAGES
 from support.in_process import spring
-from support.pressed_page import press_page
+from support.pressed_page import Pressed, press_page
 from support.small import model_file, scene, small_model, training
 
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Device
 from springpot.host.emission.emission import emit
-from springpot.host.native.toolchain import missing_tools
 from springpot.host.validation.store import store_validation
 from springpot.host.validation.validation import validate
 from springpot.host.wings.page.press_page import write_press_page
-from springpot.runtime_c.paths import PORT_BROWSER, PORT_WIRE, SIM, flags
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import read_recording
 
-pytestmark = [
-    pytest.mark.slow,
-    pytest.mark.skipif(CHROMIUM is None, reason="no chromium on PATH"),
-    pytest.mark.skipif(bool(missing_tools("wasm32")), reason=missing_tools("wasm32") or "-"),
-]
+pytestmark = [pytest.mark.slow, *NEEDS_PAGES]
 
 
 ASSUMED = Device()
@@ -53,12 +45,6 @@ def emitted(
     return folder / "c"
 
 
-def validated(folder: Path, *recordings: Recording) -> Path:
-    found = validate(folder, recordings, paced_s=0.1)
-    store_validation(folder, found)
-    return folder
-
-
 def page_of(folder: Path, *folders: Path) -> Path:
     write_press_page(folders, folder / "press.html")
     return folder / "press.html"
@@ -78,7 +64,7 @@ def test_what_is_pressed_is_what_validate_computes(
     tmp_path: Path, kind: str, number: str, mode: str
 ) -> None:
     folder = emitted(tmp_path / "scene", fitted(kind), number, mode)
-    validated(folder, training()[5])
+    store_validation(folder, validate(folder, training()[5:6], paced_s=0.1))
     pressed = press_page(page_of(tmp_path, folder))
     assert pressed.console == []
     assert pressed.found["errors"] == []
@@ -107,46 +93,39 @@ def test_another_object_is_taken_up_at_rest(tmp_path: Path) -> None:
     assert pressed.rows[:, 2].max() > 0.5
 
 
+HOLD = [0.3 + 0.3 * min(1.0, i / 50) for i in range(150)]
+
+
+def shaking_mps(pressed: Pressed) -> float:
+    return float(pressed.found["vibration"].removesuffix(" mm/s"))
+
+
 def test_delay_makes_a_stiff_object_shake_as_the_check_says(tmp_path: Path) -> None:
-    model = fitted("hammerstein").stiffened(5.0)
-    folder = emitted(tmp_path / "stiff", model)
+    folder = emitted(tmp_path / "stiff", fitted("hammerstein").stiffened(5.0))
     page = page_of(tmp_path, folder)
-    hold = [0.3 + 0.3 * min(1.0, i / 50) for i in range(150)]
-    shaking_mps = {}
     for delay in (0, 3):
-        pressed = press_page(page, path=hold, sliders={"delay": delay})
-        shaking_mps[delay] = float(pressed.found["vibration"].removesuffix(" mm/s"))
+        pressed = press_page(page, path=HOLD, sliders={"delay": delay})
+        assert shaking_mps(pressed) > 5.0 if delay else shaking_mps(pressed) < 1.0
         (tmp_path / "scene.toml").write_text(
             f'schema = 1\nname = "stiff"\nmodel = "{folder / "from" / "model.spm"}"\n'
             f'[coupling]\nmode = "off"\n[device]\ndelay_samples = {delay}\n'
         )
+        assert pressed.found["device"].startswith("assumed device: 0.3 kg, 4 N s/m")
         assert ("vibrates" in pressed.found["state"]) == (delay > 0)
         told = json.loads(spring("stability", "--scene", tmp_path / "scene.toml", "--json").stdout)
         assert told["recommendation"].startswith(pressed.found["verdict"])
         limit_npm = told["limit"]["max_stiffness_npm"]["mid, 0 more samples"]
         assert f"{1e-3 * limit_npm:.3g} N/mm" in pressed.found["limit"]
-    assert shaking_mps[0] < 1.0
-    assert shaking_mps[3] > 5.0
 
 
 def test_the_page_holds_the_scenes_own_device(tmp_path: Path) -> None:
     """An object that the assumed device holds quietly makes a light, late one shake."""
-    model = fitted("hammerstein").stiffened(5.0)
-    hold = [0.3 + 0.3 * min(1.0, i / 50) for i in range(150)]
     light = Device(mass_kg=0.05, viscous_nspm=0.5, delay_s=0.003)
-    found = {}
-    for name, device in {"assumed": ASSUMED, "light": light}.items():
-        folder = emitted(tmp_path / name, model, device=device)
-        found[name] = press_page(page_of(tmp_path, folder), path=hold).found
-    assert found["assumed"]["device"].startswith("assumed device: 0.3 kg, 4 N s/m")
-    assert found["light"]["device"] == "the scene's device: 0.05 kg, 0.5 N s/m, 3 ms late."
-    assert found["assumed"]["verdict"].startswith("The linear loop is stable")
-    assert found["light"]["verdict"].startswith("Unstable")
-    quiet_mps, shaking_mps = (
-        float(each["vibration"].removesuffix(" mm/s")) for each in found.values()
-    )
-    assert quiet_mps < 1.0
-    assert shaking_mps > 5.0
+    folder = emitted(tmp_path / "light", fitted("hammerstein").stiffened(5.0), device=light)
+    pressed = press_page(page_of(tmp_path, folder), path=HOLD)
+    assert pressed.found["device"] == "the scene's device: 0.05 kg, 0.5 N s/m, 3 ms late."
+    assert pressed.found["verdict"].startswith("Unstable")
+    assert shaking_mps(pressed) > 5.0
 
 
 def test_a_page_that_cannot_run_says_so(tmp_path: Path) -> None:
@@ -154,20 +133,3 @@ def test_a_page_that_cannot_run_says_so(tmp_path: Path) -> None:
     page.write_text(page.read_text().replace("DecompressionStream(", "MissingStream("))
     pressed = press_page(page)
     assert pressed.found["broken"].startswith("This page cannot run here: MissingStream")
-
-
-@pytest.mark.parametrize("width", [400, 1600])
-def test_nothing_sticks_out(tmp_path: Path, width: int) -> None:
-    folder = validated(emitted(tmp_path / "scene", small_model()), training()[5])
-    faults = layout_faults(page_of(tmp_path, folder).read_text(), tmp_path, width)
-    assert faults == {"out": [], "cut": []}
-
-
-@pytest.mark.parametrize("compiler", ["gcc", "clang"])
-def test_the_pages_own_c_has_no_warning(tmp_path: Path, compiler: str) -> None:
-    folder = emitted(tmp_path / "scene", small_model())
-    include = [f"-I{place}" for place in (folder, PORT_BROWSER, PORT_WIRE, SIM)]
-    command = [compiler, *flags("SP_CFLAGS"), *flags("SP_STRICT"), "-fsyntax-only", *include,
-               str(PORT_BROWSER / "sp_page.c")]  # fmt: skip
-    result = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert result.returncode == 0, result.stderr

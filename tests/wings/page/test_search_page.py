@@ -8,19 +8,14 @@ from pathlib import Path
 
 import pytest
 from codegen.stages.test_placed import placed
-from support.browser import CHROMIUM
+from support.browser import NEEDS_PAGES
 from support.driven_browser import DrivenBrowser, driven_browser
 from support.small import model_file, scene
 
 from springpot.host.emission.emission import emit
-from springpot.host.native.toolchain import missing_tools
 from springpot.host.wings.page.press_page import write_press_page
 
-pytestmark = [
-    pytest.mark.realtime,
-    pytest.mark.skipif(CHROMIUM is None, reason="no chromium on PATH"),
-    pytest.mark.skipif(bool(missing_tools("wasm32")), reason=missing_tools("wasm32") or "-"),
-]
+pytestmark = [pytest.mark.realtime, *NEEDS_PAGES]
 FIRST_MM, LAST_MM = (0.0, -10.0), (20.0, 10.0)  # of the map of `placed`
 # Colours of the canvas at a grid of points within the map, apart from the tool in its middle.
 _PIXELS = """(() => { const canvas = document.getElementById("map"), found = new Set();
@@ -49,29 +44,21 @@ def browser(tmp_path_factory: pytest.TempPathFactory) -> Iterator[DrivenBrowser]
 def opened(browser: DrivenBrowser, page: Path, chance: float, width: int = 1600) -> None:
     """chance: what the page's dice say; below a half the map lies mirrored while one searches."""
     browser.call("Page.addScriptToEvaluateOnNewDocument", source=f"Math.random = () => {chance};")
-    browser.open(page.as_uri(), width)
-    browser.until("document.body !== null && document.body.classList.contains('ready')")
+    browser.open_ready(page.as_uri(), width)
     browser.until("Number(document.body.dataset.frames) > 1")
 
 
-def text_of(browser: DrivenBrowser, name: str) -> str:
-    return str(browser.value(f"document.getElementById('{name}').textContent"))
-
-
 def point(browser: DrivenBrowser, across: float, down: float) -> tuple[float, float]:
-    left, top, width, height = browser.value(
-        "(() => { const box = document.getElementById('map').getBoundingClientRect();"
-        " return [box.left, box.top, box.width, box.height]; })()"
-    )
+    left, top, width, height = browser.box("map")
     return left + across * width, top + down * height
 
 
 def until_pressed(browser: DrivenBrowser, deep: bool) -> None:
-    browser.wait_for(lambda: ("deep" in text_of(browser, "place")) == deep, f"pressed: {deep}")
+    browser.wait_for(lambda: ("deep" in browser.text("place")) == deep, f"pressed: {deep}")
 
 
 def shown_mm(browser: DrivenBrowser) -> tuple[float, float]:
-    x, y = re.findall(r"[xy] (-?[\d.]+) mm", text_of(browser, "place"))
+    x, y = re.findall(r"[xy] (-?[\d.]+) mm", browser.text("place"))
     return float(x), float(y)
 
 
@@ -85,7 +72,7 @@ def test_keys_find_the_lump_and_the_page_says_how_far_off(
     browser.wait_for(lambda: browser.value(_PIXELS) == 1, "no colours")
     browser.value("document.getElementById('map').focus()")
     browser.press("m")
-    assert text_of(browser, "found").startswith("Press somewhere first")
+    assert browser.text("found").startswith("Press somewhere first")
     browser.press(*["ArrowRight"] * 7, *["ArrowUp"] * 3, "Enter")
     until_pressed(browser, True)
     shown = shown_mm(browser)
@@ -93,7 +80,7 @@ def test_keys_find_the_lump_and_the_page_says_how_far_off(
     browser.press(" ")
     until_pressed(browser, False)
     browser.press("m")
-    off_mm = float(text_of(browser, "found").split(" mm from")[0])
+    off_mm = float(browser.text("found").split(" mm from")[0])
     at = [
         first + last - its if chance < 0.5 else its
         for its, first, last in zip(shown, FIRST_MM, LAST_MM, strict=True)
@@ -124,20 +111,20 @@ def test_who_presses_at_nine_places_and_marks_the_stiffest_finds_it_in_trials(
         browser.mouse("mouseMoved", x, y)
         browser.mouse("mousePressed", x, y)
         time.sleep(0.9)
-        depth_mm, force_n = re.findall(r"(-?[\d.]+) (?:mm deep|N)", text_of(browser, "place"))[:2]
-        assert " mm, y" not in text_of(browser, "place")
+        depth_mm, force_n = re.findall(r"(-?[\d.]+) (?:mm deep|N)", browser.text("place"))[:2]
+        assert " mm, y" not in browser.text("place")
         browser.mouse("mouseReleased", x, y)
         until_pressed(browser, False)
         return float(force_n) / float(depth_mm)
 
     for trial in (1, 2):
-        assert text_of(browser, "found").startswith(f"Trial {trial} of 10")
+        assert browser.text("found").startswith(f"Trial {trial} of 10")
         places = [(x, y) for x in (0.3, 0.5, 0.7) for y in (0.3, 0.5, 0.7)]
         stiffest = max(places, key=lambda at: pressed_npmm(*at))
         pressed_npmm(*stiffest)
         browser.value("document.getElementById('mark').click()")
     browser.value("document.getElementById('search').click()")
-    assert text_of(browser, "found").startswith("2 of 2 found")
+    assert browser.text("found").startswith("2 of 2 found")
     rows = browser.value(_SAVED).splitlines()
     assert len(rows) == 3 and rows[0].startswith("trial,marked_x_m")
     assert [row.split(",")[-1] for row in rows[1:]] == ["10", "10"]  # presses
@@ -166,7 +153,7 @@ def test_the_pointer_chooses_and_the_wheel_presses(page: Path, browser: DrivenBr
     x, y = point(browser, 0.3, 0.7)
     browser.mouse("mouseMoved", x, y)
     browser.wait_for(lambda: shown_mm(browser)[0] < 8.0, "the tool follows")
-    assert "deep" not in text_of(browser, "place")
+    assert "deep" not in browser.text("place")
 
     def turn(ticks: int) -> None:
         for _ in range(abs(ticks)):

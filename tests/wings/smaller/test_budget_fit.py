@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from support.small import model_file, press, recording, scene, small_fit
 
-from springpot.codegen.errors import BudgetError, DataError
+from springpot.codegen.errors import BudgetError, DataError, UsageError
 from springpot.codegen.scene import Budget, Coupling, Runtime, Scene
 from springpot.host.emission.budget_fit import emit_fitting
 from springpot.host.emission.emission import emit
@@ -21,7 +21,6 @@ def tight(folder: Path) -> tuple[Scene, Path, int]:
     """A scene whose budget is two thirds of what the model takes."""
     model = model_file(folder, small_fit(trees=20).model)
     whole = emit(scene(), model, folder / "whole").footprint
-    assert whole is not None
     budget = Budget(flash_bytes=2 * whole.flash_bytes // 3)
     return dataclasses.replace(scene(), budget=budget), model, 2 * whole.flash_bytes // 3
 
@@ -34,23 +33,41 @@ def build_few(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @pytest.mark.parametrize("reductions", ["few", pytest.param("all", marks=pytest.mark.slow)])
 def test_a_reduction_that_fits_is_named_and_then_applied(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, reductions: str
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    reductions: str,
 ) -> None:
     if reductions == "few":
         build_few(monkeypatch)
     chosen, model, flash_bytes = tight(tmp_path)
-    with pytest.raises(BudgetError, match=r"\d reductions would fit: add --fit"):
+    with pytest.raises(BudgetError, match="would fit: add --fit"):
         emit_fitting(chosen, model, tmp_path / "c", False, [EVALUATION], fit=False)
+    named = [line for line in capsys.readouterr().err.splitlines() if "would fit: " in line]
+    assert 1 <= len(named) <= 3
+    for line in named:
+        assert int(line.split(" bytes of flash")[0].split()[-1]) <= flash_bytes
+        assert float(line.split("RMSE ")[1].split()[0]) > 0
+    assert not (tmp_path / "c").exists()
     fitted = emit_fitting(chosen, model, tmp_path / "c", False, [EVALUATION], fit=True)
-    assert fitted.footprint is not None
     assert fitted.footprint.flash_bytes <= flash_bytes
 
 
-def test_recordings_of_another_rate_judge_nothing(tmp_path: Path) -> None:
+@pytest.mark.parametrize(
+    ("recordings", "fit", "budget", "error", "told"),
+    [
+        ([dataclasses.replace(EVALUATION, dt_s=2e-3)], True, None, DataError, "500 Hz, the scene"),
+        ([], True, None, UsageError, "give --recording REC"),
+        ([], False, None, BudgetError, "give --recording REC"),
+        ([EVALUATION], True, Budget(flash_bytes=100), BudgetError, "no reduction of this model"),
+    ],
+)
+def test_what_cannot_be_fitted_is_refused(tmp_path, recordings, fit, budget, error, told) -> None:
     chosen, model, _ = tight(tmp_path)
-    slow = dataclasses.replace(EVALUATION, dt_s=2e-3)
-    with pytest.raises(DataError, match="sampled at 500 Hz, the scene at 1000 Hz"):
-        emit_fitting(chosen, model, tmp_path / "c", False, [slow], fit=True)
+    if budget:
+        chosen, model = dataclasses.replace(chosen, budget=budget), model_file(tmp_path)
+    with pytest.raises(error, match=told):
+        emit_fitting(chosen, model, tmp_path / "c", False, recordings, fit=fit)
 
 
 def test_what_was_accepted_for_the_model_is_accepted_for_its_reductions(

@@ -11,9 +11,7 @@ from springpot.trainer.models.predict import regressor_force
 
 
 def forest() -> Forest:
-    found = small_model().regressor
-    assert isinstance(found, Forest)
-    return found
+    return small_model().regressor
 
 
 def features() -> np.ndarray:

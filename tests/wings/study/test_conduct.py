@@ -54,18 +54,6 @@ def test_killed_at_every_step_of_a_short_study(tmp_path: Path) -> None:
         assert steps == 2 * (2 + 2 * 4) + 1  # a beginning and an end, four lines a trial, a reply
 
 
-def test_cut_at_every_byte_of_its_last_line(tmp_path: Path) -> None:
-    folder = planned(tmp_path, real_study(2))
-    assert killed_at(9, lambda: run_whole(folder, "01"), before=False)  # the second trial is done
-    file = folder.session_folder("01", 1) / JOURNAL
-    whole = file.read_bytes()
-    for size in range(whole[:-1].rindex(b"\n") + 1, len(whole)):
-        file.write_bytes(whole[:size])
-        run_whole(folder, "01")
-        require_whole(folder)
-        assert [one.attempt for one in answered(folder)] == [1, 2]
-
-
 def test_a_voided_trial_comes_again_at_the_end(tmp_path: Path) -> None:
     folder = planned(tmp_path, real_study(4))
     presenter = ScriptedPresenter(voids=(2,))
@@ -114,19 +102,12 @@ def test_adaptive_sessions_end_by_themselves(tmp_path: Path) -> None:
         key = method.rstrip("+")
         text = study_text(method, stimuli, pairs, sections={key: section})
         folder = planned(place, text)
-        assert killed_at(14, lambda folder=folder: run_left(folder), before=False)
-        run_left(folder)
+        assert killed_at(14, lambda folder=folder: run_whole(folder, "01", "left"), before=False)
+        run_whole(folder, "01", "left")
         found = answered(folder)
         assert [one.number for one in found] == list(range(1, section["trials"] + 1))
         lines = read_lines(folder.session_folder("01", 1) / JOURNAL)
         assert [line["step"] for line in lines].count("resumed") == 1
-
-
-def run_left(folder: StudyFolder) -> None:
-    """Someone who always says left."""
-
-    while (session := next_session(folder, "01")) is not None:
-        conduct(folder, "01", session, ScriptedPresenter(answer="left"))
 
 
 @pytest.mark.parametrize(

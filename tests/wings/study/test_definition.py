@@ -3,7 +3,6 @@
 from pathlib import Path
 
 import pytest
-from support.paths import ROOT
 from support.small_study import (
     HARD,
     SOFT,
@@ -93,24 +92,9 @@ def test_scenes_are_frozen_with_the_study(tmp_path: Path) -> None:
 
 def test_scenes_that_could_not_share_a_loop_are_refused(tmp_path: Path) -> None:
     text = study_text("similarity", [scene_stimulus("a"), scene_stimulus("b", HARD)], [PAIR])
+    write_scenes(tmp_path, SOFT, HARD)
+    (tmp_path / "study.toml").write_text(text)
     for runtime in (Runtime(rate_hz=2000.0), Runtime(number="float64")):
+        write_scene(tmp_path / f"{HARD}.toml", Scene(1, "hard", f"{HARD}.spm", runtime=runtime))
         with pytest.raises(UsageError, match="share one loop"):
-            planned_with(tmp_path, text, runtime)
-
-
-def planned_with(folder: Path, text: str, runtime: Runtime) -> None:
-    """Plan with a second scene of another runtime."""
-    write_scenes(folder, SOFT, HARD)
-    write_scene(folder / f"{HARD}.toml", Scene(1, "hard", f"{HARD}.spm", runtime=runtime))
-    (folder / "study.toml").write_text(text)
-    write_study(folder / "study.toml", 2, folder / "plan", lambda _done, _of: None)
-
-
-def test_the_papers_study_is_ready() -> None:
-    study = read_study(ROOT / "host" / "scenes" / "paper-study.toml")
-    assert len(study.pair) == 21
-    assert sum(pair.repeats for pair in study.pair) == 24
-    assert study.sessions == 3
-    assert len(study.question) == 5
-    assert len({tuple(pair.factors.values()) for pair in study.pair if pair.factors}) == 20
-    assert study.exclude.repeat_sd_above == study.exclude.side_difference_above == 30
+            write_study(tmp_path / "study.toml", 2, tmp_path / "plan", lambda _done, _of: None)

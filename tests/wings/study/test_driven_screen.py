@@ -5,7 +5,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 import pytest
-from support.browser import CHROMIUM
+from support.browser import NEEDS_CHROMIUM
 from support.driven_browser import DrivenBrowser, driven_browser
 
 from springpot.host.native.loop_library import COLUMN, LoopRows, empty_rows
@@ -13,10 +13,7 @@ from springpot.host.wings.pages.server import PageEvent
 from springpot.host.wings.study.session.screen import ParticipantScreen
 from springpot.host.wings.study.session.screen_state import Act, Ask, ScreenState
 
-pytestmark = [
-    pytest.mark.realtime,
-    pytest.mark.skipif(CHROMIUM is None, reason="no chromium on PATH"),
-]
+pytestmark = [pytest.mark.realtime, NEEDS_CHROMIUM]
 
 RATE = Ask("number", "How alike are they?")
 TRIAL = ScreenState(
@@ -55,9 +52,6 @@ class Seat:
 
     def sees(self, name: str, text: str) -> None:
         self.browser.until(f"document.getElementById('{name}')?.textContent === {text!r}")
-
-    def says(self, name: str) -> str:
-        return str(self.browser.value(f"document.getElementById('{name}').textContent"))
 
     @property
     def typed(self) -> str:
@@ -123,11 +117,11 @@ def test_a_number(seat: Seat) -> None:
     seat.press("Enter", "1", "x", "7", "0")
     assert seat.typed == "170"
     seat.press("Enter")
-    assert seat.says("said") == "Please type a number from 0 to 100."
+    assert seat.browser.text("said") == "Please type a number from 0 to 100."
     seat.press("Escape")
     assert not seat.answering
     seat.press("Enter", "Enter")
-    assert seat.says("said") == "Please type a number from 0 to 100."
+    assert seat.browser.text("said") == "Please type a number from 0 to 100."
     seat.press("7", "1", "Backspace", "0")
     assert seat.no_act()
     seat.press("Enter")
@@ -141,7 +135,7 @@ def test_a_choice(seat: Seat) -> None:
     seat.press("3")
     assert seat.act() == Act("slot", 2)
     seat.press("Enter", "Enter")
-    assert seat.says("said") == "Please choose one of the 2."
+    assert seat.browser.text("said") == "Please choose one of the 2."
     seat.press("3", "2", "ArrowUp", "ArrowUp", "ArrowDown")
     assert seat.browser.value("document.querySelector('[aria-selected=true]').textContent") == "2B"
     assert seat.browser.value("document.activeElement.textContent") == "2B"
@@ -154,7 +148,7 @@ def test_words(seat: Seat) -> None:
     seat.sit(*NARROW)
     seat.see(WORDS)
     seat.press("Enter")
-    assert seat.says("said").startswith("Please type something")
+    assert seat.browser.text("said").startswith("Please type something")
     seat.press(*"no 1", "Escape", *"Soft, ")
     seat.browser.call("Input.insertText", text="부드러움")
     seat.press(" ", *"2x", "Enter")

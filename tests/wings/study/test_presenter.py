@@ -4,6 +4,7 @@ import contextlib
 from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from support.small_study import planned, real_study
@@ -95,20 +96,11 @@ def test_q_stops_and_the_same_command_goes_on(tmp_path: Path, screen: Participan
     assert [trial for step, trial in steps(folder) if step == "done"] == [1, 2]
 
 
-class OneKey:
-    """A key that is pressed at every look."""
-
-    def __init__(self, key: str) -> None:
-        self.key = key
-
-    def pressed(self) -> str:
-        return self.key
-
-
 def test_r_resets_and_no_other_key_does() -> None:
     resets: list[str] = []
     for key in map(chr, range(128)):
-        experimenter = Experimenter(OneKey(key), reset=partial(resets.append, key))
+        keys = SimpleNamespace(pressed=lambda key=key: key)
+        experimenter = Experimenter(keys, reset=partial(resets.append, key))
         with contextlib.suppress(TrialVoidedError, SessionStoppedError):
             experimenter.look()
     assert resets == ["r"]

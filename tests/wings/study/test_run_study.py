@@ -45,7 +45,6 @@ class RunningStudy:
 
     def until(self, text: str) -> "RunningStudy":
         """Read what the experimenter is told, until it says that or ends."""
-        assert self.process.stderr is not None
         for line in self.process.stderr:
             self.told.append(line)
             if found := re.search(r"http://\S+", line):
@@ -58,7 +57,6 @@ class RunningStudy:
         """Exit status, and all that was printed."""
         with self.process:
             self.until("")
-            assert self.process.stdout is not None
             printed = self.process.stdout.read()
         self._limit.cancel()
         if self.participant is not None:
@@ -83,7 +81,6 @@ def require_finished(folder: StudyFolder) -> None:
     for one in responses:
         assert one.presses >= 2
         assert one.deepest_m > 1e-3
-        assert one.log is not None
         recording = read_recording(one.log)
         scenes = [libraries[name] for name in one.shown]
         assert require_same_forces(one.log.name, recording.channels, scenes) > 500

@@ -9,6 +9,7 @@ from typing import IO, Any
 
 import numpy as np
 import pytest
+from support.browser import answer_of
 
 from springpot.host.native.loop_library import COLUMN, NONE, LoopRows, empty_rows
 from springpot.host.wings.study.session.screen import ParticipantScreen
@@ -25,31 +26,15 @@ def screen() -> Iterator[ParticipantScreen]:
         yield found
 
 
-def status_of(address: str, body: bytes | None = None, **headers: str) -> int:
-    request = urllib.request.Request(address, body, headers)
-    try:
-        with urllib.request.urlopen(request, timeout=10) as answer:
-            return int(answer.status)
-    except urllib.error.HTTPError as error:
-        return error.code
-
-
-def acted(screen: ParticipantScreen, number: int, kind: str, value: Any) -> bool:
-    """Whether the screen accepts an act that answers a state."""
+def acted(screen: ParticipantScreen, number: int, kind: str, value: Any) -> bool | None:
+    """Whether the screen accepts an act that answers a state; None where it refuses to read it."""
     body = json.dumps({"state": number, "kind": kind, "value": value}).encode()
-    request = urllib.request.Request(screen.address + "act", body)
-    with urllib.request.urlopen(request, timeout=10) as answer:
-        return bool(json.loads(answer.read())["accepted"])
-
-
-def refused(screen: ParticipantScreen, number: int, kind: str, value: Any) -> bool:
-    body = json.dumps({"state": number, "kind": kind, "value": value}).encode()
-    return status_of(screen.address + "act", body) == 400
+    status, content = answer_of(screen.address + "act", body)
+    return None if status == 400 else json.loads(content)["accepted"]
 
 
 def looking(screen: ParticipantScreen) -> IO[bytes]:
-    stream: IO[bytes] = urllib.request.urlopen(screen.address + "events", timeout=10)
-    return stream
+    return urllib.request.urlopen(screen.address + "events", timeout=10)
 
 
 def next_event(stream: IO[bytes], name: str) -> Any:
@@ -68,8 +53,7 @@ def rows_at(*positions_m: float, call: int = 0) -> LoopRows:
 
 
 def test_the_page_is_whole_and_names_no_other_place(screen: ParticipantScreen) -> None:
-    with urllib.request.urlopen(screen.address, timeout=10) as answer:
-        text = answer.read().decode()
+    text = answer_of(screen.address)[1].decode()
     assert "http" not in text
     assert text.count("<script") == 1
     assert len(text) < 25_000
@@ -93,8 +77,8 @@ def test_acts_come_in_order_and_once(screen: ParticipantScreen) -> None:
     assert acted(screen, 1, "slot", 1)
     assert acted(screen, 1, "slot", 0)
     assert acted(screen, 1, "answer", "070")
-    assert not acted(screen, 1, "answer", "71")
-    assert not acted(screen, 1, "slot", 1)
+    assert acted(screen, 1, "answer", "71") is False
+    assert acted(screen, 1, "slot", 1) is False
     found = [screen.next_act(1.0) for _ in range(4 - 1)]
     assert found == [Act("slot", 1), Act("slot", 0), Act("answer", "070")]
     assert screen.next_act(0.0) is None
@@ -104,7 +88,7 @@ def test_an_act_for_another_state_is_dropped(screen: ParticipantScreen) -> None:
     screen.show(TRIAL)
     screen.show(TRIAL)
     for number in (0, 1, 3):
-        assert not acted(screen, number, "answer", "70")
+        assert acted(screen, number, "answer", "70") is False
     assert screen.next_act(0.0) is None
     assert acted(screen, 2, "answer", "70")
 
@@ -125,8 +109,8 @@ def test_only_what_a_question_asks_is_an_answer(
         screen.show(ScreenState("Trial", "Answer.", ask=ask))
         number = screen.newest()[0][0]
         for other in [*wrong, 70, None, True]:
-            assert refused(screen, number, "answer", other), other
-        assert refused(screen, number, "next", 0)
+            assert acted(screen, number, "answer", other) is None, other
+        assert acted(screen, number, "next", 0) is None
         assert acted(screen, number, "answer", typed)
         assert screen.next_act(0.0) == Act("answer", typed)
 
@@ -134,12 +118,12 @@ def test_only_what_a_question_asks_is_an_answer(
 def test_what_cannot_be_done_in_a_state_is_refused(screen: ParticipantScreen) -> None:
     screen.show(TRIAL)
     for value in (-1, 2, "0", 0.5, True, None):
-        assert refused(screen, 1, "slot", value), value
-    assert refused(screen, 1, "next", 0)
+        assert acted(screen, 1, "slot", value) is None, value
+    assert acted(screen, 1, "next", 0) is None
     screen.show(READY)
-    assert refused(screen, 2, "slot", 0)
-    assert refused(screen, 2, "answer", "70")
-    assert refused(screen, 2, "next", "x")
+    assert acted(screen, 2, "slot", 0) is None
+    assert acted(screen, 2, "answer", "70") is None
+    assert acted(screen, 2, "next", "x") is None
     assert screen.next_act(0.0) is None
 
 
@@ -152,7 +136,7 @@ def test_what_cannot_be_done_in_a_state_is_refused(screen: ParticipantScreen) ->
 )  # fmt: skip
 def test_a_body_that_is_no_act_is_refused(screen: ParticipantScreen, body: bytes) -> None:
     screen.show(READY)
-    assert status_of(screen.address + "act", body) == 400
+    assert answer_of(screen.address + "act", body)[0] == 400
     assert screen.next_act(0.0) is None
 
 

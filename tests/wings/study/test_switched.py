@@ -110,19 +110,13 @@ def test_a_scene_is_changed_above_the_surface_at_zero_force_alone(ticks: Ticks) 
         assert ticks.switch.active == 1
 
 
-def test_silence_reaches_the_watchdog_of_the_scene_that_is_felt(ticks: Ticks) -> None:
+def test_silence_latches_whichever_slot_is_chosen_until_a_reset(ticks: Ticks) -> None:
     ticks.switch.want(1)
     ticks.run(np.concatenate((AIR_M, PRESS_M[:99])))
     assert ticks.rows[-1][1] > 0.1
     ticks.idle(300)
     assert ticks.rows[-1][1] == 0.0
     assert ticks.rows[-1][2] & 32  # latched
-
-
-def test_a_latch_stays_whichever_slot_is_chosen_until_a_reset(ticks: Ticks) -> None:
-    ticks.switch.want(1)
-    ticks.run(np.concatenate((AIR_M, PRESS_M[:99])))
-    ticks.idle(300)
     for place in (2, 1, 0, 2):
         ticks.switch.want(place)
         assert not ticks.run(np.concatenate((AIR_M, PRESS_M, AIR_M))).any()

@@ -46,7 +46,6 @@ def in_node(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Forces and notes of rows of x, y, depth and velocity, (n, 4); the self-test passes."""
     node = shutil.which("node")
-    assert node is not None
     (scratch / "module.wasm").write_bytes(scene_module(folder))
     (scratch / "calls.bin").write_bytes(rows.tobytes())
     command = [node, str(SCRIPT), "module.wasm", rows.dtype.name, call, "calls.bin", "returns.bin"]

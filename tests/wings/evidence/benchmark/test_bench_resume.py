@@ -9,6 +9,7 @@ import time
 from pathlib import Path
 from unittest import mock
 
+import psutil
 import pytest
 from support.bench_folder import CANDIDATES, asked, bench_folder, command, small, write_training
 from support.in_process import spring
@@ -102,21 +103,6 @@ def test_a_killed_sweep_resumes_without_repeating(tmp_path: Path) -> None:
     assert {file: file.stat().st_mtime_ns for file in known} == known
 
 
-def alive(pid: int) -> bool:
-    try:
-        return Path(f"/proc/{pid}/stat").read_text().rsplit(")", 1)[1].split()[0] != "Z"
-    except OSError:
-        return False
-
-
-def children(pid: int) -> set[int]:
-    """All processes that this one has started, and that these have."""
-    own = {int(child) for tasks in Path(f"/proc/{pid}/task").glob("*/children")
-           for child in tasks.read_text().split()}  # fmt: skip
-    return own.union(*(children(child) for child in own))
-
-
-@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="no /proc")
 @pytest.mark.parametrize(
     "number",
     [
@@ -135,12 +121,9 @@ def test_nothing_outlives_a_sweep_that_was_killed(tmp_path: Path, number: int) -
     while sweep.poll() is None and not list(out.glob("points/*.json")):
         time.sleep(0.02)
     assert sweep.poll() is None, "the sweep ended by itself"
-    started = children(sweep.pid)
-    workers = {pid for pid in started if alive(pid)}
+    workers = psutil.Process(sweep.pid).children(recursive=True)
     assert len(workers) >= min(2, os.cpu_count() or 1)
     sweep.send_signal(number)
     assert sweep.wait(30) != 0
-    end = time.monotonic() + 30
-    while any(map(alive, workers)) and time.monotonic() < end:
-        time.sleep(0.1)
-    assert not any(map(alive, workers))
+    gone, left = psutil.wait_procs(workers, timeout=30)
+    assert all(worker.status() == psutil.STATUS_ZOMBIE for worker in left), gone

@@ -10,6 +10,7 @@ import pytest
 from click.testing import CliRunner
 from support.bench_folder import CANDIDATES, asked, small
 from support.c.cross_tools import path_with, path_without
+from wings.evidence.benchmark.test_bench import point as made
 
 from springpot.codegen.errors import BudgetError, UsageError
 from springpot.host.cli import springpot
@@ -20,12 +21,10 @@ from springpot.host.wings.evidence.benchmark.isolated import missing_for
 from springpot.host.wings.evidence.benchmark.picks import (
     PlatformBudget,
     budgets,
-    misfit,
     pareto,
     pick,
     why,
 )
-from springpot.host.wings.evidence.benchmark.point import Point
 from springpot.host.wings.evidence.benchmark.report import bench_page
 from springpot.host.wings.evidence.benchmark.run import run_bench
 from springpot.host.wings.evidence.benchmark.store import read_result
@@ -120,27 +119,11 @@ def test_a_compiler_that_comes_later_adds_only_sizes(
 
 
 def test_a_size_that_is_not_known_neither_wins_nor_loses() -> None:
-    def point(key: str, error: float, tick: float, flash: int | None) -> Point:
-        metadata: dict[str, Any] = {
-            "key": key,
-            "cv_rmse_n": error,
-            "tick_ns_hot": tick,
-            "flash_bytes": flash,
-        }
-        metadata |= {"ram_bytes": 100, "active_cells": 0, "any_rate": True}
-        metadata |= {
-            "number": "float32",
-            "why": None if flash else REMEDY,
-            "bounded": True,
-            "model": "x",
-        }
-        return Point.from_dict(metadata)
-
-    slow, fast = point("slow", 2.0, 900.0, None), point("fast", 1.0, 50.0, 9000)
-    assert pareto([slow, fast]) == {"fast"}
+    known = {"bounded": True, "model": "x"}
+    slow = made("slow", 2.0, 900.0, None, why=REMEDY, **known)
+    assert pareto([slow, made("fast", 1.0, 50.0, 9000, **known)]) == {"fast"}
     *_, board = budgets("cortex-m4f")
-    assert misfit(slow, board, 1000.0) is None
-    large = point("large", 0.5, 50.0, 300_000)
+    large = made("large", 0.5, 50.0, 300_000, **known)
     points = [slow, large]
     assert pick(points, board, 1000.0, lambda found: found) is slow
     assert "1 above 262144 bytes of flash" in why(slow, points, board, 1000.0)

@@ -1,23 +1,19 @@
 """`springpot place`: the surface is where the tool touches it, three times."""
 
 import json
-import subprocess
 from pathlib import Path
+from typing import Any
 
 import pytest
-from support.peer import CLI, Peer, peer
+from support.peer import Peer, cli, peer
 
 from springpot.host.emission.scene_file import read_scene
 
 SCENE = 'schema = 1\nname = "pad"\nmodel = "pad.spm"\n\n[device]\nsurface_mm = 3.0  # old\n'
 
 
-def placed(
-    device: Peer, *options: object, keys: str = "\n\n\n"
-) -> "subprocess.CompletedProcess[str]":
-    url = device.url.partition("&surface_mm")[0]
-    command = [*CLI, "place", "--device", url, *map(str, options)]
-    return subprocess.run(command, input=keys, capture_output=True, text=True, check=False)
+def placed(device: Peer, *options: object, keys: str = "\n\n\n") -> Any:
+    return cli("place", "--device", device.url.partition("&surface_mm")[0], *options, input=keys)
 
 
 @pytest.mark.realtime
@@ -57,7 +53,6 @@ def test_wrong_use(tmp_path: Path) -> None:
         ("sim://ecoflex-00-30", "give a device that is touched"),
         ("dhd://?surface_mm=3", "leave surface_mm out"),
     ):
-        command = [*CLI, "place", "--device", url]
-        result = subprocess.run(command, capture_output=True, text=True, check=False)
+        result = cli("place", "--device", url)
         assert result.returncode == 2
         assert words in result.stderr

@@ -51,6 +51,5 @@ def test_settles_where_n_right_in_a_row_are_as_likely_as_not(down: int, share: f
                 bool(rng.random() < 0.5 + 0.5 / (1.0 + np.exp(-steep * (level - middle))))
             )
         threshold = staircase.threshold(answers)
-        assert threshold is not None
         settled.append(0.5 + 0.5 / (1.0 + np.exp(-steep * (threshold - middle))))
     assert np.mean(settled) == pytest.approx(share, abs=0.01)

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+from support.small_study import real_stimulus, study_text
 from support.study_answers import rating_study, ratings, replies
 
 from springpot.codegen.errors import DataError, UsageError
@@ -18,40 +19,15 @@ from springpot.host.wings.study.report.figures import psychometric_figure, ratin
 from springpot.host.wings.study.report.page import write_study_report
 from springpot.host.wings.study.report.tables import write_tables
 
-REAL = """
-schema = 1
-name = "three blocks"
-method = "similarity"
-sessions = 2
-equivalence = { margin = 8 }
-[[stimulus]]
-name = "soft"
-real = "the soft block"
-simulated = "sim://ecoflex-00-10"
-[[stimulus]]
-name = "middle"
-real = "the middle block"
-simulated = "sim://ecoflex-00-50"
-[[stimulus]]
-name = "hard"
-real = "the hard block"
-simulated = "sim://dragon-skin-10"
-[[pair]]
-left = "soft"
-right = "soft"
-factors = { step = "none" }
-[[pair]]
-left = "soft"
-right = "middle"
-factors = { step = "one" }
-[[pair]]
-left = "soft"
-right = "hard"
-factors = { step = "two" }
-[[question]]
-text = "Was it <hard>?"
-choices = ["yes", "no"]
-"""
+BLOCKS = {"soft": "ecoflex-00-10", "middle": "ecoflex-00-50", "hard": "dragon-skin-10"}
+REAL = study_text(
+    "similarity",
+    [real_stimulus(name, simulated) for name, simulated in BLOCKS.items()],
+    [{"left": "soft", "right": name, "factors": {"step": name}} for name in BLOCKS],
+    sessions=2,
+    equivalence={"margin": 8},
+    sections={"question": [{"text": "Was it <hard>?", "choices": ["yes", "no"]}]},
+)
 
 
 @pytest.fixture(scope="module")
@@ -105,11 +81,11 @@ def test_bids(simulated: Path, tmp_path: Path) -> None:
     result = write_study_report(simulated, tmp_path / "report", tmp_path / "bids")
     bids = tmp_path / "bids"
     assert result["bids"]["files"] == 3 + 5 * 2 * 2
-    assert json.loads((bids / "dataset_description.json").read_text())["Name"] == "three blocks"
+    assert json.loads((bids / "dataset_description.json").read_text())["Name"] == "a small study"
     assert [row["participant_id"] for row in rows_of(bids / "participants.tsv", "\t")] == [
         f"sub-0{k}" for k in range(1, 6)
     ]
-    stem = bids / "sub-03" / "ses-2" / "beh" / "sub-03_ses-2_task-ThreeBlocks_beh"
+    stem = bids / "sub-03" / "ses-2" / "beh" / "sub-03_ses-2_task-ASmallStudy_beh"
     table = rows_of(stem.with_suffix(".tsv"), "\t")
     sidecar = json.loads(stem.with_suffix(".json").read_text())
     assert len(table) == 3
