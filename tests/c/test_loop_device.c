@@ -23,6 +23,7 @@ TEST(a_sensor_beside_the_device_is_believed_for_a_tenth_of_a_second)
     between_ticks();
     self.config.sensed = 1;
     CHECK(isnan(sensed_n(&self, START_NS))); /* it has not said anything */
+    CHECK(isnan(sensed_n(&self, 50000000)));
     sp_loop_sense(&self, 4.0);
     CHECK(sensed_n(&self, START_NS) == 4.0 && sensed_n(&self, START_NS + 99999999) == 4.0);
     CHECK(isnan(sensed_n(&self, START_NS + 100000000)));

@@ -75,12 +75,14 @@ static void call_scene(sp_loop *self, int fresh)
         }
         if (self->config.slide != NULL) {
             for (int k = 0; k < 2; k++) {
-                self->config.slide->lateral_m[k] = (double)(sp_real)self->motion.lateral_m[k];
+                self->config.slide->lateral_m[k] = self->motion.lateral_m[k];
             }
         }
         notes = self->step(self->config.state, position_m, velocity_mps, &force_n);
-        row->position_m = (double)position_m;
-        row->velocity_mps = (double)velocity_mps;
+        /* As the device said it. What the scene was given is that as sp_real: gcc 12 drops the
+         * rounding of two such numbers side by side that are made double again. */
+        row->position_m = self->motion.position_m;
+        row->velocity_mps = self->motion.velocity_mps;
     } else {
         call |= SP_CALL_IDLE;
         notes = self->idle(self->config.state, (sp_real)self->config.period_s, &force_n);
