@@ -125,12 +125,18 @@ TEST(the_end_of_a_replay_ends_it)
     sim.in_call = replay_ends;
     CHECK(session(&config, &end) == 20 && end.reason == SP_STOP_ENDED);
     CHECK(sim.writes == 23 && sim.written_n[20] == 0.0 && sim.idles == 0);
-    CHECK(is_near(end.elapsed_s, 0.01925));
-    between_ticks();
-    sim.read_gives = SP_LINK_ENDED;
-    self.reason = SP_STOP_FORCE; /* the first reason counts */
-    take(&self);
-    CHECK(self.reason == SP_STOP_FORCE);
+    CHECK(is_near(end.elapsed_s, 0.01925) && end.start_ns == self.start_ns);
+    const int gives[] = {SP_LINK_ENDED, SP_LINK_BUTTON, 0};
+    const int ends[] = {SP_STOP_ENDED, SP_STOP_BUTTON, 0};
+    for (int i = 0; i < 3; i++) {
+        for (int before = 0; before <= SP_STOP_FORCE; before += SP_STOP_FORCE) {
+            between_ticks();
+            sim.read_gives = gives[i];
+            self.reason = before; /* the first reason counts */
+            take(&self);
+            CHECK(self.reason == (before ? before : ends[i]));
+        }
+    }
 }
 
 static void latches(int call)
@@ -231,6 +237,7 @@ TEST(the_status_is_that_of_the_loop)
     self.disconnects = 7;
     self.resets = 8;
     self.ring.head = 9;
+    self.begun_ns = 10;
     self.elapsed_ns = 1500000000;
     self.latched = 11;
     self.tripped = 12;
@@ -241,6 +248,7 @@ TEST(the_status_is_that_of_the_loop)
     self.over = 17;
     self.got = 18;
     sp_loop_get_status(&self, &state);
+    CHECK(state.start_ns == 10);
     CHECK(state.ticks == 1 && state.late == 2 && state.stale == 3 && state.unused == 4);
     CHECK(state.ring_dropped == 5 && state.watchdog_trips == 6 && state.disconnects == 7);
     CHECK(state.resets == 8 && state.newest_row == 9 && is_near(state.elapsed_s, 1.5));
