@@ -1,4 +1,4 @@
-"""What a scene leaves out of its C, and why: it does not need it."""
+"""List what a scene leaves out of its C because it does not need it."""
 
 from dataclasses import dataclass
 from typing import Any

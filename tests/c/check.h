@@ -15,12 +15,21 @@ static int failed;
         }                                                                                          \
     } while (0)
 
-#define TEST(name) __attribute__((constructor)) static void name(void)
-
 #ifndef OWN_MAIN
+static int ran;
+
+#define TEST(name)                                                                                 \
+    static void name(void);                                                                        \
+    __attribute__((constructor)) static void run_##name(void)                                      \
+    {                                                                                              \
+        ran++;                                                                                     \
+        name();                                                                                    \
+    }                                                                                              \
+    static void name(void)
+
 int main(void)
 {
-    return failed;
+    return failed || ran == 0; /* no test is no success */
 }
 #endif
 

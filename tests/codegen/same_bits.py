@@ -12,8 +12,8 @@ def require_same_bits(
 ) -> tuple[np.ndarray, np.ndarray]:
     """Assert that forces, notes and the self-test agree; forces, N, and notes of the C.
 
-    find: the reference finds where the proxy is, which takes long; else it is told by the C, which
-    decides how long it takes and never what it gives.
+    find: the reference finds where the proxy is, which takes long; else the C says
+    where, which decides how long it takes and never what it gives.
     """
     position = position_m.astype(plan.dtype)
     velocity = backward_velocity(position, plan.dt_s) if velocity_mps is None else velocity_mps

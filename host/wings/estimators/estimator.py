@@ -174,8 +174,9 @@ class PositionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
                 self.zero
             ):
                 raise DataError(
-                    f"{name}: {value.name} has dt_s={value.dt_s:g} and zero={value.zero!r}: give "
-                    "them to PositionRegressor, too"
+                    f"{name}: {value.name} has dt_s={value.dt_s:g} and zero={value.zero!r}, the "
+                    f"regressor dt_s={self.dt_s_:g} and zero={zero_word(self.zero)!r}: give it the "
+                    "recordings' own, and recordings that agree"
                 )
             return value.position_m if name.startswith("X") else value.force_n
         found = given_numbers(value, name)

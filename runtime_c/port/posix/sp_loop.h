@@ -53,8 +53,8 @@ enum { SP_GOT_FIFO = 1, SP_GOT_LOCKED = 2, SP_GOT_SLACK = 4, SP_GOT_CPU = 8 };
 
 typedef struct {         /* one period; doubles throughout, so that a table of rows is a matrix */
     double time_s;       /* when the tick began, since the first deadline */
-    double position_m;   /* given to sp_step; in an idle period that of the last sp_step; in one
-                            without a call where the tool is */
+    double position_m;   /* given to sp_step as sp_real; in an idle period that of the last sp_step;
+                            in one without a call where the tool is */
     double velocity_mps; /* likewise */
     double dt_s;         /* given to sp_idle; in other periods the scene's */
     double returned_n;

@@ -102,7 +102,7 @@ def test_no_name_leaves_the_public_modules_unsaid() -> None:
 
 
 def is_plain(kind) -> bool:
-    """Whether a field's type is a number, a truth, one of some words, or a name."""
+    """Tell whether a field is a number, a truth, one of some words, or a name."""
     parts = get_args(kind)
     if hasattr(kind, "__metadata__"):
         return is_plain(parts[0])
@@ -112,7 +112,7 @@ def is_plain(kind) -> bool:
 
 
 def test_every_public_dataclass_has_a_short_line() -> None:
-    """Those that Python writes itself have few fields, none of which can be long."""
+    """Require that a repr that Python writes has few fields, and no long one."""
     long = []
     for module in (springpot, *(importlib.import_module(f"springpot.{name}") for name in PUBLIC)):
         for kind in (getattr(module, name) for name in module.__all__):

@@ -45,7 +45,7 @@ def refused_in_one_line(read: Callable[[bytes, Path], None], content: bytes, fol
 
 
 def joined(parts: list[bytes]) -> bytes:
-    """What the fuzzer sees of a file of these parts."""
+    """Return what the fuzzer sees of a file of these parts."""
     return _BETWEEN.join(parts)
 
 

@@ -151,7 +151,7 @@ def test_ramps_and_holds_are_no_cycles() -> None:
 
 
 def test_an_offset_of_the_cell_is_a_tare_and_no_surface() -> None:
-    """Where force begins: quality/test_contact.py."""
+    """Leave where force begins to quality/test_contact.py."""
     good = sine()
     in_air_n = 800 * np.maximum(good.position_m - 2e-3, 0.0) + noise(0.01)
     offset = replace(good, position_m=good.position_m - 2e-3, force_n=in_air_n + 1.0, zero="none")

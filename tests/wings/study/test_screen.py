@@ -27,7 +27,7 @@ def screen() -> Iterator[ParticipantScreen]:
 
 
 def acted(screen: ParticipantScreen, number: int, kind: str, value: Any) -> bool | None:
-    """Whether the screen accepts an act that answers a state; None where it refuses to read it."""
+    """Tell whether the screen accepts an act for a state; None if it refuses to read it."""
     body = json.dumps({"state": number, "kind": kind, "value": value}).encode()
     status, content = answer_of(screen.address + "act", body)
     return None if status == 400 else json.loads(content)["accepted"]

@@ -1,4 +1,4 @@
-"""What never leaves the object: presses under preload, and what is pulled too."""
+"""Find recordings that never leave the object: under preload, or pulled too."""
 
 from collections.abc import Iterator, Sequence
 
@@ -9,8 +9,9 @@ from springpot.trainer.recordings.quality.motion import where_of
 from springpot.trainer.recordings.quality.sign_evidence import noise_n
 from springpot.trainer.recordings.recording import Recording
 
-_NEAR, _PULLED = 0.02, 0.2  # of the travel, about position 0; of the force
-_AS_MUCH, _NOISES = 1.25, 8.0  # times the force of other presses, slower perhaps; of the noise
+NEAR, _PULLED = 0.02, 0.2  # of the travel, about position 0; of the force
+NOISES = 8.0  # of the force's
+_AS_MUCH = 1.25  # times the force of other presses, which may have been slower
 
 Loaded = tuple[Recording, float]  # and the force at its lowest position, N
 
@@ -43,17 +44,17 @@ def other_zero_findings(loaded: Sequence[Loaded], shown: Sequence[Recording]) ->
     that it pushes no more than one that is pressed from its surface. Nor does it pull, if another
     one was off it: what is pulled and pressed has no air.
     """
-    in_air = any(each.position_m.min() < -_NEAR * np.ptp(each.position_m) for each in shown)
+    in_air = any(each.position_m.min() < -NEAR * np.ptp(each.position_m) for each in shown)
     for recording, rest_n in loaded:
         if rest_n < 0.0 and not in_air:
             yield from preload_findings([(recording, rest_n)])
             continue
         lowest_m = float(recording.position_m.min())
-        near_m = lowest_m + _NEAR * float(np.ptp(recording.position_m))
+        near_m = lowest_m + NEAR * float(np.ptp(recording.position_m))
         there_n = max(
             float(each.force_n[each.position_m <= near_m].max(initial=0.0)) for each in shown
         )
-        if rest_n < 0.0 or rest_n > _AS_MUCH * there_n + _NOISES * noise_n(recording.force_n):
+        if rest_n < 0.0 or rest_n > _AS_MUCH * there_n + NOISES * noise_n(recording.force_n):
             yield warning(
                 "contact", recording.name,
                 f"never leaves the object, {rest_n:.3g} N at its lowest position, "
@@ -71,7 +72,7 @@ def _forces(loaded: Sequence[Loaded]) -> str:
 def _pulls_too(recording: Recording, rest_n: float) -> bool:
     """Whether an object is pulled below position 0 and pressed above it."""
     position_m, force_n = recording.position_m, recording.force_n
-    near = np.abs(position_m) <= _NEAR * float(np.ptp(position_m))
+    near = np.abs(position_m) <= NEAR * float(np.ptp(position_m))
     if not near.any() or position_m.min() >= 0.0 or rest_n >= 0.0:
         return False
     peak_n = float(force_n.max())

@@ -1,4 +1,4 @@
-"""Whether force begins at position 0, where the surface should be."""
+"""Check whether force begins at position 0, where the surface should be."""
 
 from collections.abc import Iterator, Sequence
 
@@ -7,6 +7,8 @@ import numpy as np
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.contact_point import ContactPoint, find_contact
 from springpot.trainer.recordings.quality.contact.preload import (
+    NEAR,
+    NOISES,
     Loaded,
     other_zero_findings,
     preload_findings,
@@ -17,9 +19,8 @@ from springpot.trainer.recordings.recording import Recording
 
 _PRELOAD = 0.05  # of the peak force, at the lowest position
 _LOWEST = 0.005  # of the travel: where a motion seldom comes, the force there is the least
-_NEAR = 0.02  # of the travel, about position 0
 _SURFACE_OFF = 0.05  # of the travel
-_FIRST, _NOISES = 5, 8.0  # samples; of the force's noise
+_FIRST = 5  # samples
 
 Met = tuple[Recording, ContactPoint]
 
@@ -93,7 +94,7 @@ def _surface_findings(met: Sequence[Met]) -> Iterator[Finding]:
 def _trigger_findings(recording: Recording, rest_n: float) -> Iterator[Finding]:
     """Yield a finding if a test begins at position 0 with a force already, and ends without."""
     begins_n = _begins_n(recording, rest_n)
-    at_zero = abs(recording.position_m[0]) <= _NEAR * float(np.ptp(recording.position_m))
+    at_zero = abs(recording.position_m[0]) <= NEAR * float(np.ptp(recording.position_m))
     if at_zero and begins_n > 0.0:
         yield warning(
             "contact", recording.name, f"begins at position 0 with {begins_n:.3g} N",
@@ -105,7 +106,7 @@ def _trigger_findings(recording: Recording, rest_n: float) -> Iterator[Finding]:
 def _begins_n(recording: Recording, rest_n: float) -> float:
     """Force above `rest_n` that a recording begins with, N; 0 within its noise."""
     begins_n = float(np.median(recording.force_n[:_FIRST])) - rest_n
-    noisy_n = _NOISES * noise_n(recording.force_n)
+    noisy_n = NOISES * noise_n(recording.force_n)
     return begins_n if begins_n > max(_PRELOAD * float(recording.force_n.max()), noisy_n) else 0.0
 
 
