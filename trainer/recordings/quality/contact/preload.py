@@ -9,7 +9,7 @@ from springpot.trainer.recordings.quality.motion import where_of
 from springpot.trainer.recordings.quality.sign_evidence import noise_n
 from springpot.trainer.recordings.recording import Recording
 
-NEAR, _PULLED = 0.02, 0.2  # of the travel, about position 0; of the force
+NEAR_ZERO, _PULLED = 0.02, 0.2  # of the travel, about position 0; of the force
 NOISES = 8.0  # of the force's
 _AS_MUCH = 1.25  # times the force of other presses, which may have been slower
 
@@ -44,13 +44,13 @@ def other_zero_findings(loaded: Sequence[Loaded], shown: Sequence[Recording]) ->
     that it pushes no more than one that is pressed from its surface. Nor does it pull, if another
     one was off it: what is pulled and pressed has no air.
     """
-    in_air = any(each.position_m.min() < -NEAR * np.ptp(each.position_m) for each in shown)
+    in_air = any(each.position_m.min() < -NEAR_ZERO * np.ptp(each.position_m) for each in shown)
     for recording, rest_n in loaded:
         if rest_n < 0.0 and not in_air:
             yield from preload_findings([(recording, rest_n)])
             continue
         lowest_m = float(recording.position_m.min())
-        near_m = lowest_m + NEAR * float(np.ptp(recording.position_m))
+        near_m = lowest_m + NEAR_ZERO * float(np.ptp(recording.position_m))
         there_n = max(
             float(each.force_n[each.position_m <= near_m].max(initial=0.0)) for each in shown
         )
@@ -72,7 +72,7 @@ def _forces(loaded: Sequence[Loaded]) -> str:
 def _pulls_too(recording: Recording, rest_n: float) -> bool:
     """Whether an object is pulled below position 0 and pressed above it."""
     position_m, force_n = recording.position_m, recording.force_n
-    near = np.abs(position_m) <= NEAR * float(np.ptp(position_m))
+    near = np.abs(position_m) <= NEAR_ZERO * float(np.ptp(position_m))
     if not near.any() or position_m.min() >= 0.0 or rest_n >= 0.0:
         return False
     peak_n = float(force_n.max())

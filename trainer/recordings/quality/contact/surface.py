@@ -7,7 +7,7 @@ import numpy as np
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.contact_point import ContactPoint, find_contact
 from springpot.trainer.recordings.quality.contact.preload import (
-    NEAR,
+    NEAR_ZERO,
     NOISES,
     Loaded,
     other_zero_findings,
@@ -94,7 +94,7 @@ def _surface_findings(met: Sequence[Met]) -> Iterator[Finding]:
 def _trigger_findings(recording: Recording, rest_n: float) -> Iterator[Finding]:
     """Yield a finding if a test begins at position 0 with a force already, and ends without."""
     begins_n = _begins_n(recording, rest_n)
-    at_zero = abs(recording.position_m[0]) <= NEAR * float(np.ptp(recording.position_m))
+    at_zero = abs(recording.position_m[0]) <= NEAR_ZERO * float(np.ptp(recording.position_m))
     if at_zero and begins_n > 0.0:
         yield warning(
             "contact", recording.name, f"begins at position 0 with {begins_n:.3g} N",
