@@ -7,6 +7,7 @@ import zipfile
 import numpy as np
 import pytest
 
+from springpot.codegen import regular_file
 from springpot.codegen.errors import DataError
 from springpot.codegen.model import packed_arrays
 from springpot.codegen.model.packed_arrays import unpacked
@@ -82,6 +83,31 @@ def test_declared_sizes_are_added_before_memory_is_taken(monkeypatch: pytest.Mon
     assert len(unpacked(body)) == 2
     monkeypatch.setattr(packed_arrays, "MAX_BYTES", 2 * len(entry) - 1)
     assert refused(body) == "declares 2 MiB, more than 2"
+
+
+def test_a_file_shrank_to_a_sixty_fourth_at_most(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(regular_file, "_ALWAYS_BYTES", 0)
+    noise = np.random.default_rng(1).bytes(4000)
+    ratios = []
+    for zeros in range(300_000, 320_000, 500):
+        entry = npy(described("|u1", f"{len(noise) + zeros},"), noise + bytes(zeros))
+        body = npz(("a.npy", entry), method=zipfile.ZIP_DEFLATED)
+        ratios.append(len(entry) / len(body))
+        if ratios[-1] <= 64:
+            assert len(unpacked(body)["a"]) == len(noise) + zeros
+        else:
+            assert refused(body).startswith("declares ")
+    assert min(ratios) < 63.9
+    assert max(ratios) > 64.1
+
+
+def test_a_stream_is_as_long_as_it_declares_even_if_its_checksum_is_right() -> None:
+    entry = npy(described("|u1", "100,"), bytes(100))
+    body = bytearray(npz(("a.npy", entry[:-10]), method=zipfile.ZIP_DEFLATED))
+    for at in (22, body.index(b"PK\1\2") + 24):  # uncompressed size, by local and central header
+        assert struct.unpack_from("<I", body, at) == (len(entry) - 10,)
+        struct.pack_into("<I", body, at, len(entry))
+    assert refused(bytes(body)) == "'a.npy' ends after 90 of 100 bytes"
 
 
 def test_a_name_stands_once() -> None:

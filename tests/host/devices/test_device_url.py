@@ -25,6 +25,7 @@ from springpot.host.devices.drivers import drivers, open_device, parse_device
 )
 def test_an_address_has_scheme_interface_place_and_settings(url: str, parts: tuple) -> None:
     assert parse_device(url) == Address(url, *parts)
+    assert repr(parse_device(url)).startswith(f"Address(url={url!r}, scheme={parts[0]!r}, ")
 
 
 def test_a_scheme_without_a_driver_is_answered_with_those_that_there_are() -> None:

@@ -8,7 +8,7 @@ import pytest
 from support.peer import peer, wait_until
 
 from springpot.codegen.errors import DeviceError, SpringpotError, UsageError
-from springpot.host.devices.device import DeviceRequirements, at_most
+from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.drivers import parse_device
 from springpot.host.recording import indentation
 from springpot.host.recording.indentation import Limits
@@ -19,11 +19,6 @@ from springpot.host.wings.devices.serial_device import SerialDevice
 from springpot.host.wings.devices.wire import Receiver, Sender
 
 NEEDS = DeviceRequirements(1000, 0.02, 12.0)
-
-
-def test_a_limit_is_named_rounded_down():
-    assert [at_most(x) for x in (0.0, 9.999, 12.3, 1234.0, 0.0123499)] == [
-        "0", "9.99", "12.3", "1230", "0.0123"]  # fmt: skip
 
 
 def test_stop_is_new_however_many_forces_the_loop_sent():

@@ -44,7 +44,10 @@ TESTS = {
     "codegen/scene.py": _SCENE,
     "host/emission/scene_file.py": _SCENE,
     "host/devices/url.py": _URL,
-    "host/devices/device.py": ("tests/host/devices/test_sample_rate.py",),
+    "host/devices/device.py": (
+        "tests/host/devices/test_sample_rate.py",
+        "tests/host/devices/test_requirements.py",
+    ),
     "trainer/recordings/recording.py": _RECORDING,
     "trainer/recordings/recording_file.py": _RECORDING,
     "trainer/recordings/recording_hdf5.py": _RECORDING,
@@ -61,7 +64,7 @@ TESTS = {
 }
 _OPTIONS = [
     "-q", "-x", "--assert=plain", "-o", "addopts=", "-p", "no:xdist", "-p", "no:cacheprovider",
-    "-m", "not slow and not realtime and not board",
+    "-m", "not long and not realtime and not board",
 ]  # fmt: skip
 # Of files that are given whole: seconds each, and none that others do not catch sooner.
 _SLOW = (

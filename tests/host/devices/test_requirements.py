@@ -1,0 +1,112 @@
+"""What a session asks of a device, and the line on a device that is too weak for it."""
+
+import dataclasses
+import math
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from support.paths import ROOT
+
+from springpot import DeviceError
+from springpot.codegen.scene import Device
+from springpot.devices import (
+    FORCE_ZERO,
+    ZERO_S,
+    DeviceRequirements,
+    OpenedDevice,
+    VirtualDevice,
+    at_most,
+    too_weak,
+)
+from springpot.host.devices.device import RECONNECT_S, requirements_of
+
+
+@given(st.floats(1e-9, 1e9))
+def test_a_limit_has_three_digits_and_is_within_what_it_limits(value: float) -> None:
+    named = float(at_most(value))
+    assert named <= value * (1 + 1e-11)
+    assert named > value * (1 - 0.0101)
+    assert named == float(f"{named:.3g}")
+    assert at_most(named) == at_most(value)
+
+
+@given(st.integers(100, 999), st.integers(-9, 6))
+def test_a_limit_of_three_digits_stays(digits: int, power: int) -> None:
+    assert float(at_most(float(f"{digits}e{power}"))) == float(f"{digits}e{power}")
+
+
+@pytest.mark.parametrize("value", [0.0, -1.0, math.nan])
+def test_where_nothing_is_given_the_limit_is_zero(value: float) -> None:
+    assert at_most(value) == "0"
+
+
+# Of every key of [device] that a driver reads: a value that is not its default.
+KEYS: dict[str, Any] = {
+    "m_per_turn": 0.02,
+    "sign": -1,
+    "force_sign": -1,
+    "zero_turns": 0.25,
+    "max_torque_nm": 1.5,
+    "nm_per_a": 0.03,
+    "effector_mass_kg": 0.4,
+    "weight_n": 0.7,
+}
+
+
+@pytest.mark.parametrize("free", [False, True])
+def test_a_driver_gets_the_keys_of_the_scene_as_they_stand(free: bool) -> None:
+    asked: dict[str, Any] = {
+        "rate_hz": 2000.0, "watchdog_s": 0.03, "max_n": 9.0, "hash": "h", "presses": True,
+        "senses": True, "examined": True, "free": free, "middle_m": (0.01, 0.02),
+    }  # fmt: skip
+    device = Device(surface_mm=3.0, mass_kg=5.0, **KEYS)
+    required = requirements_of(device, **asked)
+    assert dataclasses.asdict(required) == {**KEYS, **asked, "surface_m": pytest.approx(0.003)}
+
+
+def test_without_keys_nothing_is_scaled_turned_moved_or_held_up() -> None:
+    required = requirements_of(Device(), rate_hz=1000.0, watchdog_s=0.02, max_n=12.0)
+    assert required == DeviceRequirements(1000.0, 0.02, 12.0)
+    assert dataclasses.asdict(required) == {
+        "rate_hz": 1000.0, "watchdog_s": 0.02, "max_n": 12.0, "hash": "", "presses": False,
+        "senses": False, "examined": False, "free": False, "surface_m": 0.0, "m_per_turn": None,
+        "sign": 1, "force_sign": 1, "zero_turns": 0.0, "max_torque_nm": None, "nm_per_a": None,
+        "effector_mass_kg": None, "weight_n": 0.0, "middle_m": None,
+    }  # fmt: skip
+    assert repr(required) == "DeviceRequirements(rate_hz=1000.0, watchdog_s=0.02, max_n=12.0)"
+    with pytest.raises(dataclasses.FrozenInstanceError):
+        required.sign = -1  # type: ignore[misc]
+
+
+def test_a_device_that_is_too_weak_is_refused_with_the_key_that_limits_the_force() -> None:
+    required = DeviceRequirements(1000.0, 0.02, 12.0)
+    line = "x://: gives 5.678 N and the scene up to 12 N: set guard.max_force_n = 5.67"
+    for other in ("", ", or take another gear"):
+        error = too_weak("x://", "gives 5.678 N", required, 5.678, *([other] if other else []))
+        assert isinstance(error, DeviceError)
+        assert str(error) == line + other
+    free = too_weak("x://", "gives 0.5 N", dataclasses.replace(required, free=True), 0.5)
+    assert str(free) == "x://: gives 0.5 N and the test up to 12 N: give --max-force-n 0.5"
+
+
+def test_the_times_of_a_lost_host_and_of_a_lost_device_are_those_of_the_reference() -> None:
+    text = (ROOT / "docs/reference/sessions.md").read_text()
+    assert f"a device ends its force within {ZERO_S:g} s, or is refused" in text
+    assert f"`--reconnect-s` ({RECONNECT_S:g} s)" in text
+
+
+def test_what_a_driver_does_not_say_harms_nobody() -> None:
+    class Virtual(VirtualDevice):
+        def link(self, library: object) -> None:
+            raise NotImplementedError
+
+    assert OpenedDevice.comes_back
+    device = Virtual()
+    assert not device.comes_back
+    assert device.unreached == FORCE_ZERO
+    assert (device.rate_advice, device.failure, device.max_n) == ("", "", None)
+    assert device.rendering_board() is None
+    device.stop()
+    device.close()
