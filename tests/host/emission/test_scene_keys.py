@@ -8,10 +8,12 @@ from typing import Any
 
 import pytest
 from support.messages import refusing
+from support.small import passive_model
 
 from springpot import DataError, Scene, UsageError
 from springpot.host.emission.scene_file import (
     checked_scene,
+    default_scene,
     model_path,
     read_scene,
     scene_from_json,
@@ -20,13 +22,19 @@ from springpot.host.emission.scene_file import (
 )
 
 PLAIN = Scene(schema=1, name="x", model="x.spm")
-SECTIONS = ("runtime", "coupling", "smoothing", "guard", "device", "budget")
+SECTIONS = [
+    field.name
+    for field in dataclasses.fields(PLAIN)
+    if dataclasses.is_dataclass(getattr(PLAIN, field.name))
+]
 # section.key: default, values at the borders, values beyond them
 NUMBERS: dict[str, tuple[float | None, list[float], list[float]]] = {
     "runtime.rate_hz": (None, [10, 8000], [9.99, 8000.5]),
     "coupling.stiffness_npm": (1500.0, [1e-3, 1e7], [0.999e-3, 1.001e7]),
     "coupling.damping_nspm": (20.0, [1e-6, 1e7], [0.999e-6, 1.001e7]),
     "coupling.mass_kg": (0.05, [1e-6, 1e3], [0.999e-6, 1.001e3]),
+    "places.tip_radius_mm": (None, [1e-9, 1000], [0.0, 1000.1]),
+    "places.friction": (0.0, [0.0, 5.0], [-1e-9, 5.001]),
     "smoothing.time_constant_s": (0.0, [0.0, 1.0], [-1e-9, 1.001]),
     "guard.max_force_n": (None, [1e-9, 1e4], [0.0, 1.001e4]),
     "guard.watchdog_ms": (None, [1e-9, 1000], [0.0, 1000.1]),
@@ -60,6 +68,7 @@ WORDS: dict[str, tuple[Any, list[Any]]] = {
     "runtime.measured_step": (None, [True, False]),
     "runtime.start": ("rested", ["conditioned"]),
     "coupling.mode": ("auto", ["auto", "off", "tool", "proxy"]),
+    "places.mode": ("held", ["held", "lateral"]),
     "guard.outside": ("fallback", ["fallback", "hold", "zero"]),
     "guard.energy": ("account", ["account", "note", "off"]),
     "guard.contact": (None, ["surface", "always"]),
@@ -128,6 +137,13 @@ def test_a_scene_is_not_changed_once_it_is_checked(section: str) -> None:
     place = getattr(PLAIN, section) if section else PLAIN
     with pytest.raises(dataclasses.FrozenInstanceError):
         setattr(place, dataclasses.fields(place)[0].name, None)
+
+
+def test_a_scene_shows_what_differs_from_its_defaults() -> None:
+    assert repr(PLAIN) == "Scene(schema=1, name='x', model='x.spm')"
+    for section in SECTIONS:
+        place = getattr(PLAIN, section)
+        assert repr(place) == f"{type(place).__name__}()"
 
 
 @pytest.mark.parametrize("prefix", ["", "9a", "_a", "A", "a" * 32, "a-b", "sp_", "sp_x", "int",
@@ -229,3 +245,9 @@ def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
         model_path(PLAIN, tmp_path / "scene.toml")
     (tmp_path / "x.spm").touch()
     assert model_path(PLAIN, tmp_path / "scene.toml") == tmp_path / "x.spm"
+
+
+def test_without_a_file_every_key_has_its_default() -> None:
+    scene = default_scene(passive_model())
+    assert scene == dataclasses.replace(PLAIN, name="small", model="model.spm")
+    assert checked_scene(scene) == scene

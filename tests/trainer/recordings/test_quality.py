@@ -1,5 +1,6 @@
 """The quality report: each fault is found, said in one line, and not found where it is not."""
 
+import itertools
 import json
 from dataclasses import replace
 from math import gamma
@@ -18,6 +19,7 @@ from springpot.modelling import find_cycles, find_strokes
 from springpot.trainer.recordings.formats.importing import import_file
 from springpot.trainer.recordings.quality.finding import Finding, three_digits
 from springpot.trainer.recordings.quality.plausible import glance
+from springpot.trainer.recordings.quality.sensors.channels import channel_findings
 from springpot.trainer.recordings.recording_file import write_recording
 
 TIME_S = np.arange(4000) * 1e-3
@@ -279,6 +281,36 @@ def test_a_slow_test_is_logged_slowly(
     text = "\n".join(["time_s,position_mm,force_N", *lines]) + "\n"
     result = run_import(tmp_path, text, *options)
     assert ("samples a second" in result.stderr) == doubted
+
+
+@pytest.mark.parametrize("stamps", ["{h:02}:{m:02}:{s:02}", "2025-11-24 {h:02}:{m:02}:{s:02}"])
+def test_stamps_of_a_clock_are_no_numbers_of_samples(stamps: str, tmp_path: Path) -> None:
+    """However fast the press and however long the log: only numbers may be in another unit."""
+    for rows in (60, 9000):
+        depth_mm = 10.0 * np.sin(np.arange(rows) / 10.0) ** 2
+        lines = [
+            f"{stamps.format(h=k // 3600, m=k // 60 % 60, s=k % 60)},{x:.4f},{3 * x:.4f}"
+            for k, x in enumerate(depth_mm)
+        ]
+        text = "\n".join(["Time,position_mm,force_N", *lines]) + "\n"
+        assert "unit of time" not in run_import(tmp_path, text).stderr
+
+
+@pytest.mark.parametrize("rate_hz", [20, 50, 100, 200, 1000])
+def test_a_coarse_sensor_that_is_interpolated_loses_no_sample(rate_hz: int) -> None:
+    for own_hz, press_hz, step_m, step_n in itertools.product(
+        (7, 25, 40, 150), (0.1, 0.5, 2.0), (0.0, 1e-5, 5e-5), (0.0, 0.01, 0.05)
+    ):
+        own_s = np.arange(0.0, 20.0, 1.0 / own_hz)
+        depth_m = 5e-3 * np.sin(np.pi * press_hz * own_s) ** 2
+        read_m, read_n = (
+            np.round(exact / step) * step if step else exact
+            for exact, step in ((depth_m, step_m), (600.0 * depth_m, step_n))
+        )
+        time_s = np.arange(0.0, own_s[-1], 1.0 / rate_hz)
+        resampled = (np.interp(time_s, own_s, read) for read in (read_m, read_n))
+        found = channel_findings(Recording("a", *resampled, 1.0 / rate_hz))
+        assert [finding.line for finding in found if finding.kind == "gap"] == []
 
 
 @given(st.floats(1e-8, 1e8))

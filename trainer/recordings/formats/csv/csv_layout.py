@@ -1,7 +1,7 @@
 """Where a CSV file's header, columns, units and first row of numbers are: given, else guessed."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from springpot.codegen.errors import DataError
@@ -41,7 +41,7 @@ from springpot.trainer.recordings.formats.csv.csv_units import (
 from springpot.trainer.recordings.formats.csv.decimals import DecimalMark, decimal_mark
 from springpot.trainer.recordings.formats.file_format import FileRequest
 from springpot.trainer.recordings.formats.specimen import require_no_stress
-from springpot.trainer.recordings.formats.units import Quantity, Unit
+from springpot.trainer.recordings.formats.units import CLOCK, Quantity, Unit
 
 _LINES = 400  # of numbers, that show their mark of decimals
 _ABOVE = 50  # lines of a LabVIEW header
@@ -173,6 +173,8 @@ def _layout(
     else:
         require_no_stress(str(path), labels, stated_units, columns)
     units = column_units(path, header, chosen, columns, stated_units)
+    if clock:
+        units["time"] = replace(units["time"], origin=CLOCK)
     numbers = [
         (n, row[i]) for n, row in enumerate(rows, first + 1) for i in chosen.values() if row[i:]
     ]

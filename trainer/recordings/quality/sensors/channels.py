@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
-from springpot.trainer.recordings.formats.units import FRAME_NAME
+from springpot.trainer.recordings.formats.units import CLOCK, FRAME_NAME
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
 from springpot.trainer.recordings.quality.sensors.jumps import dead_findings, wrap_findings
 from springpot.trainer.recordings.quality.sign_evidence import noise_n
@@ -18,6 +18,7 @@ _AVERAGED_SHARE = 8  # of such a row, one part is averaged
 _NOISES = 6.0  # of that mean
 _HELD_S = 0.02
 _ALONE = 0.02  # of moves: those unlike the one before and the one after, of a ramp at its ends
+_SAME = 1e-9  # of the range: the same value, converted or interpolated twice
 _COARSE = 0.01  # quantisation step over the signal's range
 _JITTER = 0.05  # of a step
 # Beyond these a unit is doubted. Micrometres, millinewtons and 20 000 N load cells are real.
@@ -55,7 +56,7 @@ def quantisation_step(samples: Samples) -> float | None:
     values = np.unique(samples)
     steps = np.diff(values)
     span = float(values[-1] - values[0])
-    steps = steps[steps > 1e-9 * span]  # the same value, converted twice
+    steps = steps[steps > _SAME * span]
     if not len(steps):
         return None
     step = float(steps.min())
@@ -119,14 +120,15 @@ def _ratios(recording: Recording) -> Iterator[Finding]:
     long = recording.dt_s * len(recording.position_m) > _LONG_S
     numbered = not 0.0 < sampling.get("stamp_digit_s", 0.0) < 1.0 or (whole and long)
     slow = speed_mps < _QUASI_STATIC_MPS and not numbered
-    meant = slow or "resampled_hz" in recording.details
+    stored = recording.details.get("units", {})
+    clocked = stored.get("time", {}).get("from") == CLOCK
+    meant = slow or clocked or "resampled_hz" in recording.details
     for value, (low, high), what, units in (
         (_USUAL_HZ[0] if meant else recording.rate_hz, _USUAL_HZ, "samples a second", "time"),
         (speed_mps, _SPEED_MPS, "m/s of pressing", "position or time"),
         (stiffness_npm, _STIFFNESS_NPM, "N/m of stiffness", "position or force"),
     ):
         if not low <= value <= high:
-            stored = recording.details.get("units", {})
             stated = all(stored.get(one, {}).get("from") == "map" for one in units.split(" or "))
             yield warning(
                 "unit", recording.name, f"{value:.4g} {what}", f"the unit of {units} looks wrong",
@@ -200,8 +202,8 @@ def _catches_up(position_m: Samples, begin: int, end: int) -> bool:
     around = np.concatenate((steps[max(0, begin - 20) : begin], steps[end + 1 : end + 21]))
     if begin == 0 or end >= len(steps) or not len(around):
         return False
-    usual = float(np.median(around))
-    return usual > 0.0 and float(steps[end]) > 0.5 * (end - begin + 1) * usual
+    usual, least = float(np.median(around)), _SAME * float(np.ptp(position_m))
+    return usual > least and float(steps[end]) > 0.5 * (end - begin + 1) * usual
 
 
 def _quantisation(recording: Recording) -> Iterator[Finding]:
