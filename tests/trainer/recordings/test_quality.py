@@ -292,11 +292,13 @@ def test_stamps_of_a_clock_are_no_numbers_of_samples(stamps: str, tmp_path: Path
             f"{stamps.format(h=k // 3600, m=k // 60 % 60, s=k % 60)},{x:.4f},{3 * x:.4f}"
             for k, x in enumerate(depth_mm)
         ]
-        text = "\n".join(["Time,position_mm,force_N", *lines]) + "\n"
-        assert "unit of time" not in run_import(tmp_path, text).stderr
+        file = tmp_path / "a.csv"
+        file.write_text("\n".join(["Time,position_mm,force_N", *lines]) + "\n")
+        report = check_recordings(import_file(file, None, "none", None).recordings)
+        assert not any(finding.kind == "unit" for finding in report.findings)
 
 
-@pytest.mark.parametrize("rate_hz", [20, 50, 100, 200, 1000])
+@pytest.mark.parametrize("rate_hz", [20, 50, 200])
 def test_a_coarse_sensor_that_is_interpolated_loses_no_sample(rate_hz: int) -> None:
     for own_hz, press_hz, step_m, step_n in itertools.product(
         (7, 25, 40, 150), (0.1, 0.5, 2.0), (0.0, 1e-5, 5e-5), (0.0, 0.01, 0.05)
