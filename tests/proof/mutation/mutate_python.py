@@ -23,6 +23,8 @@ _MODEL = (
     "tests/codegen/model/test_hostile_models.py::test_what_would_be_refused_is_not_written",
 )
 _RECORDING = (
+    "tests/host/api/test_tables.py",
+    "tests/host/api/test_ways_in.py",
     "tests/trainer/recordings/test_recording_file.py",
     "tests/trainer/recordings/test_recording_names.py",
     "tests/trainer/recordings/test_hostile_files.py::"
@@ -43,6 +45,10 @@ _URL = ("tests/host/devices/test_device_url.py",)
 TESTS = {
     "codegen/scene.py": _SCENE,
     "host/emission/scene_file.py": _SCENE,
+    "codegen/plan/limits.py": (
+        "tests/codegen/plan/test_limits.py",
+        "tests/codegen/plan/test_plan.py",
+    ),
     "host/devices/url.py": _URL,
     "host/devices/device.py": (
         "tests/host/devices/test_sample_rate.py",

@@ -1,0 +1,118 @@
+"""Limits of a scene, of any trained range, rate and guard: numbers as in explanation/output.md."""
+
+from dataclasses import FrozenInstanceError
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, strategies as st
+
+from springpot import DataError, Guard, Scene, UsageError
+from springpot.codegen.model.model import TrainedRange
+from springpot.codegen.plan.limits import (
+    guard_config,
+    max_mps,
+    output_config,
+    silence_config,
+    watchdog_s_of,
+)
+from springpot.codegen.stages.stage import SceneTicks
+
+RATES_HZ = st.floats(10.0, 8000.0)
+RANGES = st.builds(
+    TrainedRange,
+    min_m=st.floats(-0.3, 0.0), max_m=st.floats(1e-5, 0.3), max_mps=st.floats(1e-6, 5.0),
+    min_n=st.floats(-50.0, 5.0), max_n=st.floats(1e-6, 1e4),
+)  # fmt: skip
+near = pytest.approx
+
+
+def model(trained: TrainedRange) -> Any:
+    return SimpleNamespace(trained=trained)
+
+
+def ticks(rate_hz: float, surface: bool = True) -> SceneTicks:
+    return SceneTicks(1.0 / rate_hz, np.float64, surface=surface)
+
+
+def scene(**guard: Any) -> Scene:
+    return Scene(schema=1, name="x", model="x", guard=Guard(**guard))
+
+
+@given(RANGES, RATES_HZ, st.booleans())
+def test_what_a_hand_may_do_is_believed(
+    trained: TrainedRange, rate_hz: float, surface: bool
+) -> None:
+    guard = guard_config(model(trained), 0.02, ticks(rate_hz, surface))
+    fastest_mps = max(1.0, 8.0 * trained.max_mps)
+    assert max_mps(model(trained)) == fastest_mps
+    assert guard.jump_m * rate_hz == near(fastest_mps)
+    far_m = max(0.1, 10.0 * max(-trained.min_m, trained.max_m))
+    assert (guard.min_m, guard.max_m) == (-10.0 if surface else -far_m, far_m)
+
+
+@given(RANGES, RATES_HZ, st.floats(3.0, 60.0))
+def test_a_new_place_is_believed_before_the_watchdog_latches(
+    trained: TrainedRange, rate_hz: float, watchdog_ticks: float
+) -> None:
+    """Two samples that agree at least, five at most."""
+    guard = guard_config(model(trained), watchdog_ticks / rate_hz, ticks(rate_hz))
+    assert 2 <= guard.resync_ticks <= 5
+    assert guard.resync_ticks < watchdog_ticks
+    assert guard.resync_ticks == 5 or guard.resync_ticks + 2 > watchdog_ticks - 1e-9
+
+
+@given(RATES_HZ)
+def test_a_watchdog_waits_20_ms_or_three_ticks_and_one_bad_sample_never_latches(
+    rate_hz: float,
+) -> None:
+    tick_ms = 1e3 / rate_hz
+    assert watchdog_s_of(scene(), 1.0 / rate_hz) == near(max(0.02, 3e-3 * tick_ms))
+    fewest_ms = 2.5 * tick_ms
+    stated = watchdog_s_of(scene(watchdog_ms=fewest_ms * 1.0001), 1.0 / rate_hz)
+    assert stated == near(1e-3 * fewest_ms, rel=1e-3)
+    with pytest.raises(UsageError, match="or one bad sample latches") as refused:
+        watchdog_s_of(scene(watchdog_ms=fewest_ms * 0.9999), 1.0 / rate_hz)
+    assert f"give at least {3 * tick_ms:g}," in str(refused.value)
+    assert watchdog_s_of(scene(watchdog_ms=2.5), 1e-3) == 0.0025
+    silence = silence_config(0.02, ticks(rate_hz))
+    assert silence.dt_s * silence.per_dt == near(1.0)
+    assert silence.dt_s == 1.0 / rate_hz
+    with pytest.raises(FrozenInstanceError):
+        silence.dt_s = 0.0  # type: ignore[misc]
+    assert silence.watchdog_s - 0.02 == near(0.5 / rate_hz)
+
+
+@given(RANGES, RATES_HZ, st.booleans(), st.none() | st.floats(1e-3, 1e4))
+def test_forces_that_leave(
+    trained: TrainedRange, rate_hz: float, surface: bool, stated_n: float | None
+) -> None:
+    """A fifth more than was trained, unless it is stated; what has a surface never pulls."""
+    output = output_config(model(trained), scene(max_force_n=stated_n), ticks(rate_hz, surface))
+    peak_n = trained.max_n if surface else max(trained.max_n, -trained.min_n)
+    assert output.max_n == (stated_n or near(1.2 * peak_n))
+    if surface:
+        assert output.min_n == 0.0
+    else:
+        assert output.min_n == near(max(-output.max_n, min(0.0, 1.2 * trained.min_n)))
+    for config in (output, guard_config(model(trained), 0.02, ticks(rate_hz))):
+        with pytest.raises(FrozenInstanceError):
+            config.max_n = 0.0  # type: ignore[misc]
+    # It grows to its maximum in 4 ms, by 1.5 N a millisecond at least.
+    assert output.slew_n * rate_hz == near(max(1500.0, output.max_n / 0.004))
+    # A latched force falls from its maximum to zero in 8 ms.
+    assert output.fall_n * rate_hz == near(output.max_n / 0.008)
+    # A start ramps in over 50 ms, a return after a silence over 10 ms.
+    assert output.rise == near(min(1.0, 1.0 / (0.05 * rate_hz)))
+    assert output.back == near(min(1.0, 1.0 / (0.01 * rate_hz)))
+
+
+@given(st.floats(-50.0, 0.0))
+def test_a_model_that_never_pushes_out_is_refused_with_what_turns_it_round(max_n: float) -> None:
+    of_surface = TrainedRange(0.0, 0.01, 0.1, min_n=min(max_n, -1.0), max_n=max_n)
+    without_force = TrainedRange(0.0, 0.01, 0.1, min_n=0.0, max_n=0.0)
+    for trained, surface in ((of_surface, True), (without_force, False)):
+        with pytest.raises(DataError, match=r"never push out \(.* N\): turn the sign round") as no:
+            output_config(model(trained), scene(), ticks(1000.0, surface))
+        assert f"(maximum {trained.max_n:g} N)" in str(no.value)
