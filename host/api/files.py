@@ -67,16 +67,20 @@ def import_recordings(
     """
     from springpot.host.console.in_python import errors_in_python
     from springpot.host.console.quality import warn_of_quality
+    from springpot.trainer.recordings.conditioning import on_one_surface
     from springpot.trainer.recordings.formats.column_map import parse_map
-    from springpot.trainer.recordings.formats.importing import import_file
+    from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
 
     _require_file(path, "call it for each")
     with errors_in_python():
         mapping = parse_map(columns) if columns else None
         found = import_file(Path(path), mapping, zero, resample_hz, options)
-    notice(found.guess)
-    warn_of_quality(found.recordings)
-    return found.recordings
+    recordings, surface = on_one_surface(
+        found.recordings, (options or ImportOptions()).conditioning
+    )
+    notice("\n".join(line for line in (found.guess, surface) if line))
+    warn_of_quality(recordings)
+    return recordings
 
 
 def read_model(path: File) -> Model:

@@ -1,10 +1,12 @@
 """What a user asks for on import: delays, and steps that take out what a rig adds to samples."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
 from springpot.codegen.entry_points import required_part
 from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.slides import is_slide
 
 
 @dataclass(frozen=True)
@@ -61,3 +63,39 @@ def condition(recording: Recording, options: Conditioning) -> tuple[Recording, l
     if options.accept_signs:
         recording = replace(recording, details={**recording.details, "accepted_signs": True})
     return recording, messages
+
+
+def on_one_surface(
+    recordings: Sequence[Recording], options: Conditioning
+) -> tuple[list[Recording], str]:
+    """Give recordings of one object the surface that lies in the bounds of all, and a line on it.
+
+    A rig keeps its zero from press to press, and each press shows the surface within bounds of its
+    own. If they have nothing in common each recording keeps its zero: so it was found, or the
+    object had not recovered. At another place the surface may be another: those keep theirs too.
+    """
+    found = [recording.details for recording in recordings]
+    met = options.contact_force == "auto" and all("contact_position_m" in each for each in found)
+    placed = any(each.place_m or is_slide(each) for each in recordings)
+    if not met or placed or len(recordings) < 2:
+        return list(recordings), ""
+    low_m = max(each["contact_position_m"] - each["contact_uncertainty_m"] for each in found)
+    high_m = min(each["contact_position_m"] + each["contact_uncertainty_m"] for each in found)
+    if low_m > high_m:
+        return list(recordings), (
+            "the surfaces differ by more than their bounds: each recording keeps its own as zero"
+        )
+    surface_m, doubt_m = 0.5 * (low_m + high_m), 0.5 * (high_m - low_m)
+    shared = {"contact_position_m": surface_m, "contact_uncertainty_m": doubt_m}
+    moved = [
+        replace(
+            recording,
+            position_m=recording.position_m + (each["contact_position_m"] - surface_m),
+            details={**each, **shared},
+        )
+        for recording, each in zip(recordings, found, strict=True)
+    ]
+    return moved, (
+        f"one surface for all {len(recordings)}, where their bounds meet: "
+        f"{1e3 * surface_m:.4g} +- {1e3 * doubt_m:.2g} mm"
+    )

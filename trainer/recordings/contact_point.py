@@ -12,12 +12,14 @@ from springpot.trainer.recordings.recording import Recording
 
 _LOW_SHARE = 0.05  # of the travel, taken as free of contact if its force is level
 _MIN_FREE_SHARE = 0.02
+_OWN_AIR = 20  # samples in it
 _SAME = 1e-9  # of the range: the same value, converted twice
 _LEVEL = 0.2  # of the mean slope: more at the lowest positions is no level without contact
 _RESTS, _MIDWAY = 0.02, (1 / 3, 2 / 3)  # of the way to the threshold
 _RISES = 0.35  # of the threshold, midway: a force that rises from the first move on
 _NOISES = 5.0
 _DEVIATIONS = 2.0  # of a slope, by the noise around it
+_BOUND = 3.0  # deviations, of where noise lets force pass a level
 _MIN_SHARE_OF_PEAK = 0.002
 _COUNTS = 1.5  # of the sensor: noise of less than one makes one, some samples in a row
 _HIGHER = 3.0  # times the threshold: the slope below the surface is taken up to there
@@ -39,13 +41,14 @@ class ContactPoint:
 
 @dataclass(frozen=True)
 class _Press:
-    """Where a press passes the levels, m.
+    """Where a press passes the levels, m, above base_n, its force without contact.
 
     before_m, step_m: the last sample before the first level, and how far the next one is from it.
     rest_n, midway_n: mean force before the tool moves, and midway to the first level; nan without
     a sample.
     """
 
+    base_n: float
     passes_m: list[float]
     before_m: float
     step_m: float
@@ -66,8 +69,19 @@ def find_contact(
     if travel_m == 0.0 or len(free_n) < 3:
         raise DataError(f"{recording.name}: moves too little to show where contact begins")
     base_n = float(np.median(free_n)) if tare_n is None else tare_n
+    ways = [(position_m[way], force_n[way]) for way in _ways_in(position_m)]
+    air_n = [force[way <= low_m + _LOW_SHARE * travel_m] for way, force in ways]
+    # A load cell drifts: each press counts from its own air, unless a tare is stated.
+    own = [tare_n is None and len(each) >= _OWN_AIR for each in air_n]
+    bases_n = [
+        float(np.median(each)) if is_own else base_n
+        for each, is_own in zip(air_n, own, strict=True)
+    ]
+    off_n = [each - np.median(each) for each, is_own in zip(air_n, own, strict=True) if is_own]
     # The median deviation, as a standard deviation: a few samples in contact do not raise it.
-    deviation_n = 1.4826 * float(np.median(np.abs(free_n - np.median(free_n))))
+    deviation_n = 1.4826 * float(
+        np.median(np.abs(np.concatenate(off_n or [free_n - np.median(free_n)])))
+    )
     peak_n = float(force_n.max()) - base_n
     wanted_n = threshold_n
     if threshold_n is None:
@@ -80,14 +94,13 @@ def find_contact(
             f"{recording.name}: force never passes {threshold_n:.3g} N above its {base_n:.4g} N "
             "without contact: give a lower --contact-force"
         )
-    levels_n = base_n + threshold_n * np.array([1.0, _HIGHER, _HIGHER**2])
-    presses = [_passes(position_m[way], force_n[way], levels_n) for way in _ways_in(position_m)]
+    presses = [_passes(*way, its_n, threshold_n) for way, its_n in zip(ways, bases_n, strict=True)]
     presses = [press for press in presses if press.passes_m]
     pressed = _slope_npm(position_m, force_n, low_m + _LOW_SHARE * travel_m)
     if (
         not presses
         or pressed > _LEVEL * peak_n / travel_m
-        or _rise_midway(presses, base_n, threshold_n) > _RISES
+        or _rise_midway(presses, threshold_n) > _RISES
         or min(press.passes_m[0] for press in presses) - low_m < _MIN_FREE_SHARE * travel_m
         or _meets_first(presses).before_m - low_m < _MIN_FREE_SHARE * travel_m
     ):
@@ -105,7 +118,7 @@ def find_contact(
         # A press too light for all levels, as the first of growing ones, does not show the law.
         most = max(len(press.passes_m) for press in presses)
         shown = _meets_first([press for press in presses if len(press.passes_m) == most])
-        back_m, open_m = _way_back_m(shown.passes_m)
+        back_m, open_m = _way_back_m(shown.passes_m, _BOUND * deviation_n / threshold_n)
         surface_m, doubt_m = surface_m - back_m, max(doubt_m, open_m)
     return ContactPoint(surface_m, doubt_m, base_n, threshold_n)
 
@@ -121,23 +134,24 @@ def _meets_first(presses: list[_Press]) -> _Press:
     return min(may_be, key=lambda press: (press.step_m, press.passes_m[0]))
 
 
-def _way_back_m(passes_m: list[float]) -> tuple[float, float]:
+def _way_back_m(passes_m: list[float], noise: float) -> tuple[float, float]:
     """How far above the threshold's position the surface is, m, and what that leaves open, m.
 
     passes_m: where force passes the threshold, three and nine times it. Under F ~ (x - x_0)^n the
     ways between them are in the ratio r = 3^(1/n), and x_0 is the first way over r - 1 above the
     threshold's position (Aitken). Open is the difference from the line through the first two,
-    r = 3. A law that is nearly exponential, r = 1, has no surface that could be told.
+    r = 3, with what noise, a share of the threshold, moves that by. A law that is nearly
+    exponential, r = 1, has no surface that could be told.
     """
     ways_m = np.maximum(np.diff(passes_m), 0.0)
     if not len(ways_m):
         return 0.0, 0.0
     line_m = float(ways_m[0]) / (_HIGHER - 1.0)
     if line_m == 0.0 or len(ways_m) == 1:
-        return line_m, line_m
+        return line_m, line_m * (1.0 + noise)
     ratio = min(max(float(ways_m[1] / ways_m[0]), _NEARLY_EXPONENTIAL), _HIGHER)
     back_m = float(ways_m[0]) / (max(ratio, _STEEPEST) - 1.0)
-    return back_m, max(float(ways_m[0]) / (ratio - 1.0) - line_m, line_m)
+    return back_m, max(float(ways_m[0]) / (ratio - 1.0) - line_m, line_m) + line_m * noise
 
 
 def _resolution_n(force_n: Samples) -> float:
@@ -161,24 +175,24 @@ def _slope_npm(position_m: Samples, force_n: Samples, below_m: float) -> float:
     return slope_npm - _DEVIATIONS * noise_n(force_n) / float(np.sqrt(spread))
 
 
-def _rise_midway(presses: list[_Press], base_n: float, threshold_n: float) -> float:
+def _rise_midway(presses: list[_Press], threshold_n: float) -> float:
     """Share of the threshold that force has risen midway there: 1/2 of a preload, 0 of air.
 
     A tool that rests on an object leaves no level: force rises with the way from the first move on.
     Each press counts from its own rest, for the object relaxes and recovers between them.
     """
     seen = [press for press in presses if np.isfinite(press.midway_n)]
-    whole_n = sum(base_n + threshold_n - press.rest_n for press in seen)
+    whole_n = sum(press.base_n + threshold_n - press.rest_n for press in seen)
     risen_n = sum(press.midway_n - press.rest_n for press in seen)
     return risen_n / whole_n if whole_n > 0.0 else 0.0
 
 
-def _passes(position_m: Samples, force_n: Samples, levels_n: Samples) -> _Press:
+def _passes(position_m: Samples, force_n: Samples, base_n: float, threshold_n: float) -> _Press:
     """Positions at which a press passes each level for good, up to the first that it does not."""
     found: list[float] = []
     before_m = step_m = 0.0
     rest_n = midway_n = np.nan
-    for level_n in levels_n:
+    for level_n in base_n + threshold_n * np.array([1.0, _HIGHER, _HIGHER**2]):
         above = force_n > level_n
         stays = above[:-2] & above[1:-1] & above[2:]  # a crossing by noise does not
         at = int(np.argmax(stays)) if stays.any() else 0
@@ -190,7 +204,7 @@ def _passes(position_m: Samples, force_n: Samples, levels_n: Samples) -> _Press:
             before_m, step_m = min(low_m, high_m), abs(high_m - low_m)
             rest_n, midway_n = _on_the_way(position_m[: at + 1], force_n[: at + 1])
         found.append(low_m + float(share) * (high_m - low_m))
-    return _Press(found, before_m, step_m, rest_n, midway_n)
+    return _Press(base_n, found, before_m, step_m, rest_n, midway_n)
 
 
 def _on_the_way(position_m: Samples, force_n: Samples) -> tuple[float, float]:

@@ -120,7 +120,7 @@ def import_(
     """
     from springpot.host.commands.recordings.import_files import listed, write_all
     from springpot.host.console.quality import report_quality
-    from springpot.trainer.recordings.conditioning import Conditioning
+    from springpot.trainer.recordings.conditioning import Conditioning, on_one_surface
     from springpot.trainer.recordings.formats.importing import (
         ImportOptions,
         import_file,
@@ -142,10 +142,13 @@ def import_(
     with progress_bar("import"):
         results = _read(sources, set(files), read)
     recordings = [recording for result in results.values() for recording in result.recordings]
+    recordings, surface = on_one_surface(recordings, options.conditioning)
     if rest_s is not None:
         recordings = one_session(recordings, rest_s)
     guesses = [result.guess for result in results.values()]
     _say_guesses(list(results), guesses)
+    if surface:
+        say(surface)
     report = report_quality(recordings)
     rows = _rows(write_all(out, recordings), report)
     if not as_json:

@@ -41,7 +41,8 @@ def drift_findings(recording: Recording) -> Iterator[Finding]:
     peak_n = float(np.ptp(recording.force_n))
     least_n = max(_DRIFT * peak_n, _NOISES * sensor_noise_n(recording.force_n))
     forces_n = np.array([float(np.median(recording.force_n[part])) for part in visits])
-    pushed = bool(forces_n[0] > -least_n)  # what is pulled relaxes upwards
+    tare_n = max(float(recording.details.get("tare_n", 0.0)), 0.0)  # of all visits together
+    pushed = bool(forces_n[0] + tare_n > -least_n)  # what is pulled relaxes upwards
     rises = bool(np.all(np.diff(forces_n) > -least_n / 2.0))
     falls = bool(np.all(np.diff(forces_n) < least_n / 2.0)) and forces_n[-1] < -least_n
     holds = any(_rise_n(recording.force_n[part]) > least_n / 4.0 for part in visits)

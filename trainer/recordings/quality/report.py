@@ -154,6 +154,7 @@ def check_recordings(given: Recordings) -> QualityReport:
     ]
     signs = [find_signs(recording) for recording in recordings]
     touched: list[Recording] = []
+    drifting: set[str] = set()
     rig_findings: Any = part("rig-findings")
     for recording, own_signs in zip(recordings, signs, strict=True):
         of_channels = list(channel_findings(recording))
@@ -169,9 +170,11 @@ def check_recordings(given: Recordings) -> QualityReport:
             of_rig: list[Finding] = rig_findings(recording) if rig_findings else []
             if not any(finding.kind == "hum" for finding in of_rig):
                 touched.append(recording)
+            if any(finding.kind == "drift" for finding in of_rig):
+                drifting.add(recording.name)
             findings += of_rig
     presses = presses_of(recordings)
-    findings += contact_findings(touched)
+    findings += contact_findings(touched, drifting)
     refused = any(f.severity == "refusal" for f in findings)  # a turned sign falls, too
     findings += [] if refused else [*snap_findings(presses), *scale_findings(presses)]
     findings += speed_findings(presses) if presses else []

@@ -1,6 +1,6 @@
 """Check whether force begins at position 0, where the surface should be."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 
 import numpy as np
 
@@ -25,8 +25,13 @@ _FIRST = 5  # samples
 Met = tuple[Recording, ContactPoint]
 
 
-def contact_findings(recordings: Sequence[Recording]) -> Iterator[Finding]:
-    """Yield findings where position 0 should be the surface and is not, of all together."""
+def contact_findings(
+    recordings: Sequence[Recording], drifting: Collection[str] = ()
+) -> Iterator[Finding]:
+    """Yield findings where position 0 should be the surface and is not, of all together.
+
+    drifting: recordings with a force that drifts, and so has no level without contact.
+    """
     met: list[Met] = []
     loaded: list[Loaded] = []
     for recording in recordings:
@@ -37,6 +42,8 @@ def contact_findings(recordings: Sequence[Recording]) -> Iterator[Finding]:
         except DataError:  # at its lowest position it touches the surface, or is pressed already
             lowest_m, rest_n = _at_rest(recording)
             least_n = max(_PRELOAD * float(recording.force_n.max()), noise_n(recording.force_n))
+            if recording.name in drifting:
+                continue
             if abs(rest_n) > least_n:
                 loaded.append((recording, rest_n))
             else:
@@ -51,6 +58,8 @@ def contact_findings(recordings: Sequence[Recording]) -> Iterator[Finding]:
     # An object that remembers its last press is met where that left it.
     yield from _surface_findings([item for item in met if not item[0].start_s])
     for recording, contact in met:
+        if recording.name in drifting:
+            continue
         if abs(contact.tare_n) > max(3 * contact.threshold_n, 0.02 * recording.force_n.max()):
             yield warning(
                 "tare", recording.name, f"{contact.tare_n:.3g} N without contact",
