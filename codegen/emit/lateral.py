@@ -52,6 +52,7 @@ def _account(plan: Plan) -> dict[str, str]:
     if plan.energy is not None:
         account, unit = "&state->lateral_energy", "state->lateral.unit"
         damped = "(sp_real)0"
+        silent = f"left > 0 ? {account[1:]}.along.held_n : " if plan.energy_acts else ""
         if plan.viscous_npm is not None:
             damped = "viscous_npm * ticks * sp_energy3_square(step)"
         cut = f"sp_energy_limit({account}.along, sp_energy3_way({unit}, step),"
@@ -61,8 +62,9 @@ def _account(plan: Plan) -> dict[str, str]:
             "for (uint32_t k = 0; k < 3; k++) {",
             "    step[k] = (at[k] - state->lateral.at_m[k]) / ticks;",
             "}",
-            f"sp_energy3_pay(&energy, {account}, {unit}, state->output.given_n, at, ticks,",
-            f"               {damped});",
+            f"const sp_real held_n = {silent}state->output.given_n;",
+            f"sp_energy3_pay(&energy, {account}, {unit}, state->output.given_n, held_n, at, ticks,",
+            f"               {damped}, step);",
         ]
         lines["AGAIN"] = [
             f"    sp_energy3_restart(&energy, {account}, at);",
@@ -74,8 +76,8 @@ def _account(plan: Plan) -> dict[str, str]:
             lines["SILENT"] = [SILENT_BEFORE]
             lines["WAIT"] = [
                 *SILENT_TICKS,
-                f"given_n = sp_energy3_wait(&energy, {account}, {unit}, silent, ticks, given_n,",
-                "                          &notes);",
+                f"given_n = sp_energy3_wait(&energy, {account}, {unit}, silent, ticks, held_n,",
+                "                          given_n, &notes);",
             ]
     return {name: "".join(f"{line}\n" for line in indented(its)) for name, its in lines.items()}
 

@@ -15,12 +15,15 @@ SILENT_TICKS = (
 def hold(plan: Plan) -> str:
     """C function `hold`: sp_idle, and a step whose sample is not taken."""
     acts = plan.energy is not None and plan.energy_acts
-    wait = "given_n = sp_energy_wait(&energy, &state->energy, silent, ticks, given_n, &notes);"
+    wait = (
+        "given_n = sp_energy_wait(&energy, &state->energy, silent, ticks, held_n, given_n, &notes);"
+    )
     lines = [
         "int notes = SP_NOTE_HELD;",
         *([SILENT_BEFORE] if acts else []),
         "const sp_real latched = sp_silence_passed(&silence, &state->silence, dt_s);",
-        "sp_real given_n = share * sp_output_clamp(&output, state->output.given_n, &notes);",
+        "const sp_real held_n = sp_output_clamp(&output, state->output.given_n, &notes);",
+        "sp_real given_n = share * held_n;",
         *([*SILENT_TICKS, wait] if acts else []),
         "state->output.given_n = given_n;",
         "if (state->silence.latched) {",
@@ -114,6 +117,7 @@ def step_dt(plan: Plan) -> str:
         "if (!sp_is_time(dt_s)) {",
         "    return SP_ERROR_TIME_STEP;",
         "}",
+        *(["const sp_real given_n = state->output.given_n;"] if plan.energy is not None else []),
         "const sp_real tick_s = dt_s < silence.dt_s ? dt_s : silence.dt_s;",
         "if (dt_s > silence.dt_s) {",
         "    (void)hold(state, dt_s - tick_s, (sp_real)1, force_n);",
@@ -123,7 +127,7 @@ def step_dt(plan: Plan) -> str:
         "sp_real ticks = (sp_real)left + last_s * silence.per_dt;",
         *_sample(plan, "tick_s", "way / ticks"),
         "const sp_real force = tick_dt(state, last_s, position, &notes);",
-        *_leave(plan, "tick_s * silence.per_dt"),
+        *_leave(plan, "tick_s * silence.per_dt", "given_n"),
     ]
     head = (
         "int sp_step_dt(sp_state *state, sp_real dt_s, sp_real position_m, sp_real velocity_mps,\n"
@@ -185,14 +189,22 @@ def _moved(plan: Plan, step: str) -> list[str]:
     return [f"const sp_real step = {step};", "if (left > 0) {", f"    {made_up}", "}"]
 
 
-def _leave(plan: Plan, passed: str) -> list[str]:
-    """Return what leaves after `passed` ticks; an account of energy pays for it."""
+def _leave(plan: Plan, passed: str, was_given: str = "state->output.given_n") -> list[str]:
+    """Return what leaves after `passed` ticks; an account of energy pays for it.
+
+    was_given: the force that the device has held until now.
+    """
     pays, limits = [], []
     if plan.energy is not None:
         given = "state->output.given_n"
         damped = "(sp_real)0" if plan.viscous_npm is None else "viscous_npm * step * way"
-        cut = f"sp_energy_limit(&state->energy, step, {given}, &notes);"
-        pays = [f"sp_energy_pay(&energy, &state->energy, {given}, position, ticks, {damped});"]
+        cut = f"sp_energy_limit(&state->energy, on, {given}, &notes);"
+        silent = "left > 0 ? state->energy.held_n : " if plan.energy_acts else ""
+        pays = [
+            f"const sp_real held_n = {silent}{was_given};",
+            f"const sp_real on = sp_energy_pay(&energy, &state->energy, {was_given}, held_n,",
+            f"                                 position, ticks, step, {damped});",
+        ]
         limits = [f"    {given} = {cut}" if plan.energy_acts else f"    (void){cut}"]
     return [
         *pays,

@@ -48,6 +48,6 @@ def units_left_out(
         (estimates, "velocity estimate", needless, 4 * size),
         (alpha is not None, "smoothing", "smoothing.time_constant_s is 0", 2 * size),
         # constants, state
-        (scene.guard.energy != "off", "account of energy", "guard.energy is off", (7 + 7) * size),
+        (scene.guard.energy != "off", "account of energy", "guard.energy is off", (7 + 9) * size),
     )
     return [LeftOut(what, why, saved) for kept, what, why, saved in found if not kept]

@@ -77,11 +77,11 @@ def state_members(plan: Plan) -> list[Member]:
     if plan.smooth_alpha is not None:
         members.append(Member("sp_real smoothed_n", (REAL,)))
     if plan.energy is not None:
-        members.append(Member("sp_energy_state energy", (REAL,) * 7))
+        members.append(Member("sp_energy_state energy", (REAL,) * 9))
     if plan.lateral is not None:
         members += plan.lateral.members
         if plan.energy is not None:
-            members.append(Member("sp_energy3_state lateral_energy", (REAL,) * 19))
+            members.append(Member("sp_energy3_state lateral_energy", (REAL,) * 24))
     return [*members, Member("sp_output_state output", (REAL, REAL, REAL))]
 
 

@@ -96,7 +96,7 @@ class _Loop:
             return self._output.vector(given_n), notes
         self._heard()
         step = [(x - was) / ticks for x, was in zip(at, self._motion.at, strict=True)]
-        self._pay(at, step, ticks)
+        step = self._pay(at, step, ticks)
         if self._began:
             notes |= RESYNC
             self._began, left = False, 0
@@ -111,13 +111,16 @@ class _Loop:
         given_n, more = self._output.force(self._latched, left > 0, step, length_n)
         return self._output.vector(given_n), notes | note | more
 
-    def _pay(self, at: list[Any], step: list[Any], ticks: Any) -> None:
+    def _pay(self, at: list[Any], step: list[Any], ticks: Any) -> list[Any]:
+        """Pay for the way to here; the step that the tool may go on by."""
         if self._account is None:
-            return
+            return step
         damped, viscous = self._real(0), self._plan.viscous_npm
         if viscous is not None:
             damped = viscous * ticks * squared(step, self._real)
-        self._account.pay(self._output.given, at, ticks, damped)
+        given, held = self._output.given, self._output.held(ticks)
+        on: list[Any] = self._account.pay(given, held, at, ticks, step, damped)
+        return on
 
     def _make_up(self, at: list[Any], ticks: Any, left: int) -> None:
         steps = [(x - was) / ticks for x, was in zip(at, self._motion.at, strict=True)]

@@ -32,31 +32,43 @@ class Account3(Account):
     def restart(self, x: Any) -> None:
         """Begin at x as if nothing had been pressed."""
         self._along.restart(x[2])
-        self._paid, self._looked = list(x), list(x)
+        self._paid, self._looked, self._rest = list(x), list(x), list(x)
         self._steps, self._bends = [self._real(0)] * 3, [self._real(0)] * 3
 
-    def pay(self, given: Any, x: Any, ticks: Any, damped: Any) -> None:
-        """A good sample at x, so many ticks after the last one, under the force given, N."""
+    @property
+    def held(self) -> Any:
+        """Force before the last silence, N."""
+        return self._along.held
+
+    def pay(self, given: Any, held: Any, x: Any, ticks: Any, step: Any, damped: Any) -> Any:
+        """A good sample at x, so many ticks after the last one, under forces held to given, N.
+
+        Returns the step that the tool may go on by.
+        """
         zero = self._real(0)
         moved = [at - was for at, was in zip(x, self._paid, strict=True)]
         moved = [way if abs(way) > self._config.slack_m else zero for way in moved]
         self._paid = [at if way else was for at, was, way in zip(x, self._paid, moved, strict=True)]
-        left = (self._along.left + damped) + given * self._against(moved)
+        against = self._against(moved)
+        left = (self._along.left + damped) + min(given * against, held * against)
         self._along.left = bounded(min(left, self._along.most(x[2])))
         self._along.ticks = self._along.ticks + ticks
         if self._along.ticks >= self._config.look_ticks:
             self._look(x)
+        found = [self.on(*each) for each in zip(self._rest, x, step, strict=True)]
+        self._rest = [rest for rest, _ in found]
+        return [on for _, on in found]
 
     def limit(self, step: Any, force: Any) -> tuple[Any, int]:
         """The force that the account can pay for if the tool goes on by step; notes."""
         return self._along.limit(self._against(step), force)
 
-    def wait(self, silent: Any, ticks: Any, given: Any) -> tuple[Any, int]:
+    def wait(self, silent: Any, ticks: Any, held: Any, given: Any) -> tuple[Any, int]:
         """Ticks without a good sample: the force that is left along its direction; notes."""
         along = self._along
         along.step, along.bend = self._against(self._steps), self._against(self._bends)
         along.position = self._paid[2]
-        given, note = along.wait(silent, ticks, given)
+        given, note = along.wait(silent, ticks, held, given)
         on = along.position - self._paid[2]
         self._paid = [
             bounded(was + self._real(sign) * (part * on))

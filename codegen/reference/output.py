@@ -7,7 +7,7 @@ from springpot.codegen.plan.plan import Plan
 from springpot.codegen.reference.notes import CLAMPED, ENERGY, HELD, LATCHED, LIMITED, RAMPED
 from springpot.codegen.stages.stage import bounded, flushed
 
-ENERGY_DOUBT = 1.5  # SP_ENERGY_DOUBT
+ENERGY_DOUBT, ENERGY_PLAY = 1.5, 0.6875  # SP_ENERGY_DOUBT, SP_ENERGY_PLAY
 
 
 class Output:
@@ -42,19 +42,28 @@ class Output:
 
         Force, N, and notes.
         """
-        self.given, note = share * self.given, HELD
+        held, self.given, note = self.given, share * self.given, HELD
         if self._account is not None and self._acts:
-            self.given, cut = self._account.wait(silent, self._tick - fall, self.given)
+            self.given, cut = self._account.wait(silent, self._tick - fall, held, self.given)
             note |= cut
         if latched:
             return self._fall(fall), LATCHED
         return self.given, note
 
-    def pay(self, x: Any, ticks: Any, way: Any, step: Any) -> None:
-        """Good sample at x, m, so many ticks and so far from the one before; step: in a tick, m."""
-        if self._account is not None:
-            damped = self._real(0) if self._viscous is None else self._viscous * step * way
-            self._account.pay(self.given, x, ticks, damped)
+    def pay(self, x: Any, ticks: Any, way: Any, step: Any) -> Any:
+        """Good sample at x, m, so many ticks and so far from the one before; step: in a tick, m.
+
+        Returns the step, m, that the tool may go on by.
+        """
+        if self._account is None:
+            return step
+        damped = self._real(0) if self._viscous is None else self._viscous * step * way
+        return self._account.pay(self.given, self.held(ticks), x, ticks, step, damped)
+
+    def held(self, ticks: Any) -> Any:
+        """Force that was given before the silence, N, if the sample is so many ticks late."""
+        silent = self._account is not None and self._acts and ticks > 1
+        return self._account.held if silent and self._account is not None else self.given
 
     def force(self, latched: Any, after_silence: bool, step: Any, force: Any) -> tuple[Any, int]:
         """Return what leaves of the model's force at a good sample, N, and notes."""
@@ -132,17 +141,29 @@ class Account:
         self.step: Any = zero
         self.bend: Any = zero
         self.turn: Any = zero
+        self.held: Any = zero
+        self.rest: Any = x
 
-    def pay(self, given: Any, x: Any, ticks: Any, damped: Any) -> None:
+    def pay(self, given: Any, held: Any, x: Any, ticks: Any, step: Any, damped: Any) -> Any:
         moved = x - self.position
         left = self.left + damped
         if abs(moved) > self._config.slack_m:
-            left = left + given * moved
+            left = left + min(given * moved, held * moved)
             self.position = x
         self.left = bounded(min(left, self.most(x)))
         self.ticks = self.ticks + ticks
         if self.ticks >= self._config.look_ticks:
             self._look(x)
+        self.rest, on = self.on(self.rest, x, step)
+        return on
+
+    def on(self, rest: Any, x: Any, step: Any) -> tuple[Any, Any]:
+        """sp_energy_on: where the tool is but for noise, and its step."""
+        play = self._real(ENERGY_PLAY) * self._config.slack_m
+        inwards, outwards = x - play, x + play
+        if inwards > rest or outwards < rest:
+            return (inwards if inwards > rest else outwards), step
+        return rest, self._real(0)
 
     def _look(self, x: Any) -> None:
         way = x - self.looked
@@ -169,14 +190,17 @@ class Account:
         share = to / depth if to > 0 else self._real(0)
         return share * share if share < 1 else self._real(1)
 
-    def wait(self, silent: Any, ticks: Any, given: Any) -> tuple[Any, int]:
-        note = 0
-        for i in range(1, 1 + (int(ticks + self._real(0.5)) if ticks > 0 else 0)):
-            at = silent + self._real(i)
+    def wait(self, silent: Any, ticks: Any, held: Any, given: Any) -> tuple[Any, int]:
+        note, half = 0, self._real(0.5)
+        if not silent > 0:
+            self.held = held
+        begin = int(silent + half)
+        for i in range(begin, int(silent + ticks + half) if ticks > 0 else begin):
+            at = self._real(i + 1)
             on = self.step + at * self.bend
             turned = at * (self._real(ENERGY_DOUBT) * self.turn)
-            step = on - turned if given > 0 else on + turned
-            work = given * step
+            step = on - turned if held > 0 else on + turned
+            work = held * step
             if work < 0:
                 depth = self.position - self._config.from_m
                 self.left = bounded(self.left + work)

@@ -79,7 +79,7 @@ class OutputStage:
                     self._forget()
                     self._output.free()
             step = way / model_n.dtype.type(ticks) if ticks > 1 else way
-            self._output.pay(here, model_n.dtype.type(ticks), way, step)
+            step = self._output.pay(here, model_n.dtype.type(ticks), way, step)
             force_n[i], note = self._output.force(latched, bool(ticks > 1), step, force)
             notes[i] |= note
         return force_n

@@ -16,6 +16,7 @@ typedef struct {
     sp_energy_state along; /* E; position, step and bend in a silence alone */
     sp_real paid_m[3];     /* x, y, depth up to which it is paid */
     sp_real looked_m[3];   /* where the tool was at the last look */
+    sp_real rest_m[3];     /* where it is but for its encoders' noise at rest */
     sp_real step_m[3];     /* mean way of the tool in a tick */
     sp_real bend_m[3];     /* mean change of that in a tick */
 } sp_energy3_state;
@@ -45,6 +46,7 @@ static inline void sp_energy3_restart(const sp_energy_config *config, sp_energy3
     for (uint32_t k = 0; k < 3; k++) {
         state->paid_m[k] = at[k];
         state->looked_m[k] = at[k];
+        state->rest_m[k] = at[k];
         state->step_m[k] = (sp_real)0;
         state->bend_m[k] = (sp_real)0;
     }
@@ -69,11 +71,12 @@ SP_RARE void sp_energy3_look(const sp_energy_config *config, sp_energy3_state *s
     state->along.ticks = (sp_real)0;
 }
 
-/* Under a force of given_n along unit the tool came to `at`, so many ticks after the last sample;
- * damped_j went into the device's own friction. */
+/* Under forces from held_n to given_n along unit the tool came to `at`, so many ticks after the
+ * last sample; damped_j went into the device's own friction. step: the last one, becomes that which
+ * the tool may go on by. */
 static inline void sp_energy3_pay(const sp_energy_config *config, sp_energy3_state *state,
-                                  const sp_real *unit, sp_real given_n, const sp_real *at,
-                                  sp_real ticks, sp_real damped_j)
+                                  const sp_real *unit, sp_real given_n, sp_real held_n,
+                                  const sp_real *at, sp_real ticks, sp_real damped_j, sp_real *step)
 {
     sp_real moved_m[3];
     for (uint32_t k = 0; k < 3; k++) {
@@ -81,9 +84,12 @@ static inline void sp_energy3_pay(const sp_energy_config *config, sp_energy3_sta
         const int moves = sp_abs(way_m) > config->slack_m;
         moved_m[k] = moves ? way_m : (sp_real)0;
         state->paid_m[k] = moves ? at[k] : state->paid_m[k];
+        step[k] = sp_energy_on(config, &state->rest_m[k], at[k], step[k]);
     }
-    const sp_real paid_j = given_n * sp_energy3_way(unit, moved_m);
-    const sp_real left_j = (state->along.left_j + damped_j) + paid_j;
+    const sp_real against_m = sp_energy3_way(unit, moved_m);
+    const sp_real paid_j = given_n * against_m;
+    const sp_real least_j = held_n * against_m;
+    const sp_real left_j = (state->along.left_j + damped_j) + (least_j < paid_j ? least_j : paid_j);
     const sp_real most_j = sp_energy_most(config, at[2]);
     state->along.left_j = sp_bounded(left_j < most_j ? left_j : most_j);
     state->along.ticks += ticks;
@@ -95,12 +101,12 @@ static inline void sp_energy3_pay(const sp_energy_config *config, sp_energy3_sta
 /* sp_energy_wait along the force that is held. */
 static inline sp_real sp_energy3_wait(const sp_energy_config *config, sp_energy3_state *state,
                                       const sp_real *unit, sp_real silent, sp_real ticks,
-                                      sp_real given_n, int *notes)
+                                      sp_real held_n, sp_real given_n, int *notes)
 {
     state->along.step_m = sp_energy3_way(unit, state->step_m);
     state->along.bend_m = sp_energy3_way(unit, state->bend_m);
     state->along.position_m = state->paid_m[2];
-    given_n = sp_energy_wait(config, &state->along, silent, ticks, given_n, notes);
+    given_n = sp_energy_wait(config, &state->along, silent, ticks, held_n, given_n, notes);
     const sp_real on_m = state->along.position_m - state->paid_m[2];
     state->paid_m[0] = sp_bounded(state->paid_m[0] - unit[0] * on_m);
     state->paid_m[1] = sp_bounded(state->paid_m[1] - unit[1] * on_m);

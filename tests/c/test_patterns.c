@@ -51,10 +51,11 @@ static int gets_past(uint32_t bits)
     const sp_real fast_n = sp_output_force(&output, &pressed, 0, (sp_real)1, x, &notes);
     const sp_real late_n = sp_output_force(&output, &late, 1, (sp_real)1, x, &notes);
     sp_energy_state account = {.left_j = (sp_real)1, .position_m = (sp_real)0.005};
-    sp_energy_pay(&energy, &account, (sp_real)12, first_m, (sp_real)1, next_m);
+    (void)sp_energy_pay(&energy, &account, (sp_real)12, slow_n, first_m, (sp_real)1, next_m,
+                        next_m);
     const sp_real left_j = account.left_j;
     const sp_real waited_n =
-        sp_energy_wait(&energy, &account, (sp_real)3, (sp_real)5, (sp_real)6, &notes);
+        sp_energy_wait(&energy, &account, x, (sp_real)5, (sp_real)6, (sp_real)6, &notes);
     return !(first_m >= guard.min_m && first_m <= guard.max_m) ||
            !(sp_abs(next_m - (sp_real)0.005) <= guard.jump_m) ||
            (sp_guard_velocity((sp_real)2, x) && !(sp_abs(x) <= (sp_real)2)) ||

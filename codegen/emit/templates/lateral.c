@@ -109,7 +109,8 @@ static int hold3(sp_state *state, sp_real dt_s, sp_real share, sp_real *force_n)
 {
     int notes = SP_NOTE_HELD;
 @SILENT@    const sp_real latched = sp_silence_passed(&silence, &state->silence, dt_s);
-    sp_real given_n = share * sp_output_clamp(&output, state->output.given_n, &notes);
+    const sp_real held_n = sp_output_clamp(&output, state->output.given_n, &notes);
+    sp_real given_n = share * held_n;
 @WAIT@    state->output.given_n = given_n;
     if (state->silence.latched) {
         notes = 0;

@@ -90,7 +90,7 @@ def test_forces_that_leave(
 ) -> None:
     """A fifth more than was trained, unless it is stated; what has a surface never pulls."""
     output = output_config(model(trained), scene(max_force_n=stated_n), ticks(rate_hz, surface))
-    peak_n = trained.max_n if surface else max(trained.max_n, -trained.min_n)
+    peak_n = trained.max_n if surface else max(abs(trained.max_n), abs(trained.min_n))
     assert output.max_n == (stated_n or near(1.2 * peak_n))
     if surface:
         assert output.min_n == 0.0

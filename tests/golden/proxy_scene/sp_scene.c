@@ -1,4 +1,4 @@
-/* springpot 0.1.0 3b3b52311b083b6a620e6e5befe4b0c9bb5e45f8004a3f0e5bbed55a4bb7c929 */
+/* springpot 0.1.0 af163d14afc859d1e5fe78f14e3908d6025e7a4366c81c1b2abd91ba1a9a15f1 */
 #include <stddef.h>
 #include <string.h>
 
@@ -103,11 +103,12 @@ static int hold(sp_state *state, sp_real dt_s, sp_real share, sp_real *force_n)
     int notes = SP_NOTE_HELD;
     const sp_real silent = state->silence.silent_s * silence.per_dt;
     const sp_real latched = sp_silence_passed(&silence, &state->silence, dt_s);
-    sp_real given_n = share * sp_output_clamp(&output, state->output.given_n, &notes);
+    const sp_real held_n = sp_output_clamp(&output, state->output.given_n, &notes);
+    sp_real given_n = share * held_n;
     const sp_real passed = dt_s * silence.per_dt;
     const sp_real most = passed < SP_SILENCE_MOST ? passed : SP_SILENCE_MOST;
     const sp_real ticks = most - latched;
-    given_n = sp_energy_wait(&energy, &state->energy, silent, ticks, given_n, &notes);
+    given_n = sp_energy_wait(&energy, &state->energy, silent, ticks, held_n, given_n, &notes);
     state->output.given_n = given_n;
     if (state->silence.latched) {
         notes = 0;
@@ -167,12 +168,14 @@ int sp_step(sp_state *state, sp_real position_m, sp_real velocity_mps, sp_real *
         make_up(state, position, step, ticks, left);
     }
     const sp_real force = tick(state, position, &notes);
-    sp_energy_pay(&energy, &state->energy, state->output.given_n, position, ticks, (sp_real)0);
+    const sp_real held_n = left > 0 ? state->energy.held_n : state->output.given_n;
+    const sp_real on = sp_energy_pay(&energy, &state->energy, state->output.given_n, held_n,
+                                     position, ticks, step, (sp_real)0);
     if (state->silence.latched) {
         (void)sp_output_fall(&output, &state->output, (sp_real)1, &notes);
     } else {
         (void)sp_output_force(&output, &state->output, left > 0, (sp_real)1, force, &notes);
-        state->output.given_n = sp_energy_limit(&state->energy, step, state->output.given_n, &notes);
+        state->output.given_n = sp_energy_limit(&state->energy, on, state->output.given_n, &notes);
     }
     *force_n = state->output.given_n;
     return notes;
@@ -231,5 +234,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"3b3b52311b083b6a620e6e5befe4b0c9bb5e45f8004a3f0e5bbed55a4bb7c929\", \"scene\": \"proxy\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [2.3093100251531682e-07, 0.011998460459983215], \"speed_mps\": 0.18366538639667027, \"force_n\": [-7.121525591458066e-15, 9.129659751043853]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"af163d14afc859d1e5fe78f14e3908d6025e7a4366c81c1b2abd91ba1a9a15f1\", \"scene\": \"proxy\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [2.3093100251531682e-07, 0.011998460459983215], \"speed_mps\": 0.18366538639667027, \"force_n\": [-7.121525591458066e-15, 9.129659751043853]}}";
 }

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 3b3b52311b083b6a620e6e5befe4b0c9bb5e45f8004a3f0e5bbed55a4bb7c929 */
+/* springpot 0.1.0 af163d14afc859d1e5fe78f14e3908d6025e7a4366c81c1b2abd91ba1a9a15f1 */
 #ifndef SP_SCENE_H
 #define SP_SCENE_H
 
@@ -28,7 +28,7 @@
 #define SP_MAX_FORCE_N 10.955592f
 #define SP_TRAINED_DEPTH_M 0.011998461f
 #define SP_WATCHDOG_S 0.02f
-#define SP_STATE_BYTES 136
+#define SP_STATE_BYTES 144
 
 /* proxy: what one tick hands to the next. */
 struct sp_state {
@@ -46,6 +46,6 @@ struct sp_state {
 };
 
 /* Fails where a header of another number type or version was included first. */
-typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 136 ? 1 : -1];
+typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 144 ? 1 : -1];
 
 #endif

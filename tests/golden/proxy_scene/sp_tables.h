@@ -1,4 +1,4 @@
-/* springpot 0.1.0 3b3b52311b083b6a620e6e5befe4b0c9bb5e45f8004a3f0e5bbed55a4bb7c929 */
+/* springpot 0.1.0 af163d14afc859d1e5fe78f14e3908d6025e7a4366c81c1b2abd91ba1a9a15f1 */
 #ifndef SP_TABLES_H
 #define SP_TABLES_H
 

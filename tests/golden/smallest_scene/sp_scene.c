@@ -1,4 +1,4 @@
-/* springpot 0.1.0 700e9b2b31dda6a5d16dcd8faa43808568c807b7b975ee91f955924c7119569e */
+/* springpot 0.1.0 b5e9119d1855d110254c7187a3194cd7fbc4472705b0a681ccc403415f1380fa */
 #include <stddef.h>
 #include <string.h>
 
@@ -83,11 +83,12 @@ static int hold(sp_state *state, sp_real dt_s, sp_real share, sp_real *force_n)
     int notes = SP_NOTE_HELD;
     const sp_real silent = state->silence.silent_s * silence.per_dt;
     const sp_real latched = sp_silence_passed(&silence, &state->silence, dt_s);
-    sp_real given_n = share * sp_output_clamp(&output, state->output.given_n, &notes);
+    const sp_real held_n = sp_output_clamp(&output, state->output.given_n, &notes);
+    sp_real given_n = share * held_n;
     const sp_real passed = dt_s * silence.per_dt;
     const sp_real most = passed < SP_SILENCE_MOST ? passed : SP_SILENCE_MOST;
     const sp_real ticks = most - latched;
-    given_n = sp_energy_wait(&energy, &state->energy, silent, ticks, given_n, &notes);
+    given_n = sp_energy_wait(&energy, &state->energy, silent, ticks, held_n, given_n, &notes);
     state->output.given_n = given_n;
     if (state->silence.latched) {
         notes = 0;
@@ -143,12 +144,14 @@ int sp_step(sp_state *state, sp_real position_m, sp_real velocity_mps, sp_real *
         make_up(state, position, step, left);
     }
     const sp_real force = tick(state, position, &notes);
-    sp_energy_pay(&energy, &state->energy, state->output.given_n, position, ticks, (sp_real)0);
+    const sp_real held_n = left > 0 ? state->energy.held_n : state->output.given_n;
+    const sp_real on = sp_energy_pay(&energy, &state->energy, state->output.given_n, held_n,
+                                     position, ticks, step, (sp_real)0);
     if (state->silence.latched) {
         (void)sp_output_fall(&output, &state->output, (sp_real)1, &notes);
     } else {
         (void)sp_output_force(&output, &state->output, left > 0, (sp_real)1, force, &notes);
-        state->output.given_n = sp_energy_limit(&state->energy, step, state->output.given_n, &notes);
+        state->output.given_n = sp_energy_limit(&state->energy, on, state->output.given_n, &notes);
     }
     *force_n = state->output.given_n;
     return notes;
@@ -208,5 +211,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"700e9b2b31dda6a5d16dcd8faa43808568c807b7b975ee91f955924c7119569e\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"b5e9119d1855d110254c7187a3194cd7fbc4472705b0a681ccc403415f1380fa\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }

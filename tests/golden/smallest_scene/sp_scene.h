@@ -1,4 +1,4 @@
-/* springpot 0.1.0 700e9b2b31dda6a5d16dcd8faa43808568c807b7b975ee91f955924c7119569e */
+/* springpot 0.1.0 b5e9119d1855d110254c7187a3194cd7fbc4472705b0a681ccc403415f1380fa */
 #ifndef SP_SCENE_H
 #define SP_SCENE_H
 
@@ -27,7 +27,7 @@
 #define SP_MAX_FORCE_N 12.0f
 #define SP_TRAINED_DEPTH_M 0.01f
 #define SP_WATCHDOG_S 0.02f
-#define SP_STATE_BYTES 212
+#define SP_STATE_BYTES 220
 
 /* smallest: what one tick hands to the next. */
 struct sp_state {
@@ -43,6 +43,6 @@ struct sp_state {
 };
 
 /* Fails where a header of another number type or version was included first. */
-typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 212 ? 1 : -1];
+typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 220 ? 1 : -1];
 
 #endif

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 700e9b2b31dda6a5d16dcd8faa43808568c807b7b975ee91f955924c7119569e */
+/* springpot 0.1.0 b5e9119d1855d110254c7187a3194cd7fbc4472705b0a681ccc403415f1380fa */
 #ifndef SP_TABLES_H
 #define SP_TABLES_H
 
