@@ -1,11 +1,19 @@
-"""Input files: only regular ones. Pipes and devices may never end, or never begin."""
+"""Files that are given: by no empty path; only regular ones, for pipes may never end or begin."""
 
 import stat
+from os import PathLike
 from pathlib import Path
 
-from springpot.codegen.errors import DataError
+from springpot.codegen.errors import DataError, UsageError
 
 _ALWAYS_BYTES = 1 << 26
+
+
+def given_path(path: str | PathLike[str]) -> Path:
+    """Return the path that a person gave. Raises UsageError for "", which Path takes for "."."""
+    if path == "":
+        raise UsageError('an empty path: give a file or folder; "." is the current folder')
+    return Path(path)
 
 
 def max_unpacked_bytes(file_bytes: int, ratio: int) -> int:

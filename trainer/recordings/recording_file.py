@@ -8,7 +8,7 @@ from pathlib import Path
 
 from springpot.codegen.atomic_write import written_aside
 from springpot.codegen.errors import DataError, UsageError
-from springpot.codegen.regular_file import require_regular
+from springpot.codegen.regular_file import given_path, require_regular
 from springpot.trainer.recordings.journal_reader import (
     JOURNAL_SUFFIX,
     is_being_recorded,
@@ -42,7 +42,7 @@ def given_recordings(given: Recordings) -> list[Recording]:
         if isinstance(one, Recording):
             found.append(one)
         elif isinstance(one, str | PathLike):
-            found += read_recordings([Path(one)])
+            found += read_recordings([given_path(one)])
         else:
             raise _no_recording(one)
     return found
