@@ -19,13 +19,23 @@ def require_finite(raw: RawChannels) -> None:
     for channel, samples in {**channels, **raw.beside}.items():
         bad = np.flatnonzero(~np.isfinite(samples))
         if len(bad):
-            good = np.flatnonzero(np.isfinite(samples))
-            inside = len(good) and len(good) <= good[-1] - good[0]
-            mend = _mend(int(np.diff(good).max())) if inside else "cut those rows in the source"
             raise DataError(
-                f"{at(raw, bad[0])}: {channel} is not a finite number ({count(bad, 'such row')}): "
-                f"{mend}"
+                f"{at(raw, bad[0])}: {channel} is empty or not a finite number "
+                f"({count(bad, 'such row')}): {_mend_rows(np.isfinite(samples))}"
             )
+
+
+def _mend_rows(finite: NDArray[np.bool_]) -> str:
+    """What to do about the rows that are not finite."""
+    cut = "cut those rows in the source"
+    if not finite.any():
+        return "no row has a number there: choose another column"
+    steps = np.diff(np.flatnonzero(finite))
+    if not len(steps) or steps.max() == 1:  # all at the ends
+        return cut
+    if steps.min() == steps.max():  # a channel that is sampled once in so many rows
+        return f"{cut}: the other rows are evenly sampled"
+    return _mend(int(steps.max()))
 
 
 def _mend(steps: int) -> str:
