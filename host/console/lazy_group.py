@@ -107,9 +107,10 @@ def _refuse_empty(ctx: click.Context, args: list[str]) -> None:
     A shell variable that is not set makes one, as in `springpot import "$FOLDER"`.
     """
     for number, word in enumerate(args):
-        before = args[number - 1] if number else ""
-        option = before if before.startswith("--") else f"argument {number}"
-        if word.startswith("--") and word.endswith("="):
-            word, option = "", word[:-1]
-        if not word:
-            ctx.fail(f"{args[0]}: {option} is empty (a variable that is not set?): give a value")
+        option, equals, value = word.partition("=") if word.startswith("--") else ("", "", word)
+        if value or (option and not equals):
+            continue
+        if not option:
+            before = args[number - 1] if number else ""
+            option = before if before.startswith("--") else f"argument {number}"
+        ctx.fail(f"{args[0]}: {option} is empty (a variable that is not set?): give a value")

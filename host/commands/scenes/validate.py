@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from springpot.codegen.plurals import number_of
 from springpot.host.console.options import PATH, accept_edited_option, recordings_given
 from springpot.host.console.output import json_option, print_result, progress_bar
 
@@ -31,7 +32,7 @@ def validate_(
     from springpot.trainer.recordings.recording_file import read_recordings
 
     found = read_recordings(map(Path, recordings))
-    with progress_bar(f"{len(found)} recordings"):
+    with progress_bar(f"{number_of(len(found), 'recording')}"):
         validation = validate(folder, found, device=url, accept_edited=accept_edited)
     if len(validation.felt) < len(
         found

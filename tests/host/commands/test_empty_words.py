@@ -1,4 +1,4 @@
-"""An empty word, as of a shell variable that is not set, is refused: no command takes it for "."."""
+"""An empty word, as of a shell variable that is not set, is refused and not taken for "."."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path

@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
-from springpot import DataError, Recording
+from springpot import DataError, Recording, check_recordings
 from springpot.trainer.recordings.formats.column_map import parse_map
 from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
+from springpot.trainer.recordings.formats.uneven_tail import tail_note
 
 GOOD = "time_s,position_m,force_N\n0.000,0,0\n0.001,0.1,1\n0.002,0.2,2\n0.003,0.3,3\n0.004,0.4,4\n"
 COMMA, HEAD = GOOD.replace(",", ";").replace(".", ","), "time_s;position_m;force_N\n"
@@ -274,6 +275,16 @@ def test_a_slower_channel_is_imported_without_its_blank_rows(
     assert f"row 3: force is empty or not a finite number ({many} such rows): cut" in message
     found = load(tmp_path, "\n".join([lines[0], *lines[1::every]]))
     assert found.dt_s == pytest.approx(every * 0.01)
+
+
+@pytest.mark.parametrize("many", [1, 2, 3])
+def test_rows_at_an_end_out_of_step_are_counted_in_words(tmp_path: Path, many: int) -> None:
+    time_s = np.arange(400) * 0.01
+    time_s[-many:] += 0.004 * np.arange(1, many + 1)
+    found = load(tmp_path, rows(time_s))
+    counted = f"{many} row{'s' * (many > 1)} from row {402 - many} on"
+    assert counted in tail_note(found)
+    assert any(counted in finding.text for finding in check_recordings(found).findings)
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -5,6 +5,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from springpot.codegen.errors import DataError
+from springpot.codegen.plurals import number_of
 from springpot.trainer.recordings.formats.raw_channels import RawChannels
 
 GAP_STEPS = 1.5  # a step longer than this many usual steps may be a gap
@@ -21,7 +22,7 @@ def require_finite(raw: RawChannels) -> None:
         if len(bad):
             raise DataError(
                 f"{at(raw, bad[0])}: {channel} is empty or not a finite number "
-                f"({count(bad, 'such row')}): {_mend_rows(np.isfinite(samples))}"
+                f"({number_of(len(bad), 'such row')}): {_mend_rows(np.isfinite(samples))}"
             )
 
 
@@ -69,18 +70,13 @@ def require_no_gaps(raw: RawChannels) -> None:
         longest = round(float(steps_s[bad].max()) / median_s)
         raise DataError(
             f"{at(raw, bad[0] + 1)}: gap of {steps_s[bad[0]]:.6g} s where steps are "
-            f"{median_s:.6g} s ({count(bad, 'gap')}): {_mend(longest)}"
+            f"{median_s:.6g} s ({number_of(len(bad), 'gap')}): {_mend(longest)}"
         )
 
 
 def rounding_s(raw: RawChannels) -> float:
     """Return what the last bits of a double can add to a difference of two time stamps."""
     return 4.0 * float(np.spacing(np.abs(raw.time_s[[0, -1]]).max()))
-
-
-def count(found: NDArray[np.intp], what: str) -> str:
-    """Write how many rows are found, "1 gap" or "2 gaps"."""
-    return f"{len(found)} {what}" + ("" if len(found) == 1 else "s")
 
 
 def at(raw: RawChannels, sample: int | np.intp) -> str:

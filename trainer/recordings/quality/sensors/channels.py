@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
+from springpot.codegen.plurals import number_of
 from springpot.trainer.recordings.formats.units import CLOCK, FRAME_NAME
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
 from springpot.trainer.recordings.quality.sensors.jumps import dead_findings, wrap_findings
@@ -189,8 +190,8 @@ def _held(recording: Recording) -> Iterator[Finding]:
         begin, end = max(inner, key=lambda run: run[1] - run[0])
         yield warning(
             "gap", recording.name,
-            f"both channels stand still {len(inner)} times, longest {(end - begin)} samples at "
-            f"{begin * recording.dt_s:.3f} s",
+            f"both channels stand still {number_of(len(inner), 'time')}, longest {end - begin} "
+            f"samples at {begin * recording.dt_s:.3f} s",
             "lost samples were filled by the last one",
             "cut there, or record again with less load on the computer",
         )  # fmt: skip
@@ -232,11 +233,12 @@ def _clock(recording: Recording) -> Iterator[Finding]:
         )  # fmt: skip
     tail = sampling.get("tail")
     if tail:
+        rows = number_of(tail["rows"], "row")
         yield warning(
             "jitter", recording.name,
-            f"the last {tail['rows']} rows, from row {tail['from_row']} on, were out of step",
-            "they were interpolated onto the steps before them",
-            "cut them off in the source to do without",
+            f"the end, {rows} from row {tail['from_row']} on, is out of step",
+            "it was interpolated onto the steps before it",
+            "cut it off in the source to do without",
         )  # fmt: skip
 
 
