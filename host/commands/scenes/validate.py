@@ -55,11 +55,16 @@ def _between_samples(validation: Validation) -> str:
 
 
 def _parts(validation: Validation) -> str:
-    """The model's own error, and what coupling, guard and limits make of it."""
+    """The model's own error, and what coupling, guard and limits make of it.
+
+    Neither is a part of the scene's error: the two may make up for each other.
+    """
     alone_n, added_n = validation.model_rmse_n, validation.rendering_n
     if alone_n is None or added_n is None:
         return "not known"
-    words = f"{alone_n:.4g} N alone; coupling, guard and limits add {added_n:.4g} N (RMS)"
+    words = f"{alone_n:.4g} N; coupling, guard and limits change its force by {added_n:.4g} N (RMS)"
+    if validation.felt or validation.slides:
+        words += ", logs of sessions and slides left out"
     coupling = validation.manifest.get("coupling", {})
     if added_n > alone_n and coupling.get("mode", "off") != "off":
         felt = 1e-3 * coupling["felt_stiffness_npm"]
@@ -108,7 +113,7 @@ def validation_rows(validation: Validation) -> dict[str, str]:
     if len(felt) < len(validation.predicted_n):
         rows |= {
             "RMSE": f"{found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak",
-            "of which the model": _parts(validation),
+            "RMSE, the model alone": _parts(validation),
             **ratio_rows(error_ratios(found, validation.floor)),
             "slope error": slope_words(slope_keys(validation.slopes)),
             **({"by place": by_place} if by_place else {}),
