@@ -48,7 +48,8 @@ class Validation(Faces):
     of what coupling, guard and limits add to it; None for logs and slides alone, which neither
     counts. edited: files of the folder that are not as emitted, and were accepted. seen: how many
     recordings the model was trained on, None where it does not say. places: error of each, if
-    recordings have any. slides: of each recording that slides.
+    recordings have any. slides: of each recording that slides. clamped_low: ticks at the lower
+    limit of the force, min_n, N; other clamped ones are at the upper limit.
 
     >>> found = validate("c", recordings)
     >>> found.accuracy.rmse_n < 0.2
@@ -71,6 +72,8 @@ class Validation(Faces):
     places: tuple[PlaceError, ...] = ()
     slides: tuple[SlideError, ...] = ()
     ramped: tuple[int, ...] = ()
+    clamped_low: int = 0
+    min_n: float = 0.0
 
     def __repr__(self) -> str:
         found = self.accuracy
@@ -97,6 +100,8 @@ class Validation(Faces):
             "rendering_n": self.rendering_n,
             "mismatches": self.mismatches,
             "notes": self.notes,
+            "clamped_low": self.clamped_low,
+            "min_n": self.min_n,
             "tick_ns": shown_fields(self.ticks),
             "hash": self.manifest["hash"],
             "edited": list(self.edited),
@@ -210,4 +215,6 @@ def _validated(
         places=place_errors(pressed, pressed_n, ramped),
         slides=found.slides,
         ramped=found.ramped,
+        clamped_low=found.clamped_low,
+        min_n=float(plan.output.min_n),
     )

@@ -129,9 +129,10 @@ def validation_rows(validation: Validation) -> dict[str, str]:
         felt_too = ", and so does what was felt"
         means = felt_too if validation.mismatches else ": what was felt is what the model says"
         differ = f"{validation.mismatches} of {found.samples} ticks differ{means}"
+    told_notes = notes_in_words(validation.notes, validation.clamped_low, validation.min_n)
     return rows | {
         "C against reference": differ,
-        "ticks with notes": notes_in_words(validation.notes) + _deepest(validation),
+        "ticks with notes": told_notes + _deepest(validation),
         "tick, hot": f"{ticks.hot_median / 1e3:.3g} us",
         "tick, paced, cold": f"{ticks.p50 / 1e3:.3g} us, 99 % below {ticks.p99 / 1e3:.3g} us",
     }
