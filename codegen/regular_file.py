@@ -34,11 +34,11 @@ def require_regular(path: Path) -> None:
         )
 
 
-def read_bounded(path: Path, max_bytes: int) -> bytes:
-    """Content of a regular file. Raises DataError where it is larger than that."""
+def read_bounded(path: Path, max_bytes: int, what: str) -> bytes:
+    """Content of a regular file. Raises DataError where it is larger: it is not a `what`."""
     require_regular(path)
     with path.open("rb") as file:
         content = file.read(max_bytes + 1)
     if len(content) > max_bytes:
-        raise DataError(f"{path}: larger than {max_bytes >> 10} KiB: not such a file")
+        raise DataError(f"{path}: larger than {max_bytes >> 10} KiB: not a {what}")
     return content

@@ -223,8 +223,10 @@ def validate(
     >>> validate("c", recordings).mismatches  # C and its reference: the same bits
     0
     """
+    from springpot.host.emission.emission import require_emission
     from springpot.host.validation.validation import validate as validate_folder
 
+    require_emission(given_path(folder))
     return validate_folder(given_path(folder), _some(recordings), paced_s, device, accept_edited)
 
 

@@ -27,10 +27,12 @@ def validate_(
     folder: Path, recordings: tuple[str, ...], url: str | None, accept_edited: bool, as_json: bool
 ) -> None:
     """Replay recordings (files or folders) through the C of an emitted FOLDER."""
+    from springpot.host.emission.emission import require_emission
     from springpot.host.validation.store import store_validation
     from springpot.host.validation.validation import fail_on_mismatch, validate
     from springpot.trainer.recordings.recording_file import read_recordings
 
+    require_emission(folder)  # first: where both are given the wrong way round, it says so
     found = read_recordings(map(Path, recordings))
     with progress_bar(f"{number_of(len(found), 'recording')}"):
         validation = validate(folder, found, device=url, accept_edited=accept_edited)
