@@ -141,7 +141,8 @@ def clamped_low(
     """
     falls = np.diff(force_n, prepend=force_n[:1]) < 0.0
     low = (force_n <= min_n) | (falls & ((notes & notes_of.LIMITED) != 0))
-    return low & ((notes & notes_of.CLAMPED) != 0)
+    found: NDArray[np.bool_] = low & ((notes & notes_of.CLAMPED) != 0)
+    return found
 
 
 def notes_in_words(counts: Mapping[str, int], low: int = 0, min_n: float = 0.0) -> str:

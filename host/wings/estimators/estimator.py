@@ -190,6 +190,9 @@ def _require_list(values: Sequences, name: str) -> None:
         raise DataError(f"{name} is one recording: give a list of them")
     if hasattr(values, "columns"):
         raise DataError(f"{name} is a table: make it one by Recording.from_frame, in a list")
+    if not hasattr(values, "__len__"):
+        kind = type(values).__name__
+        raise DataError(f"{name} is a {kind}: give a list of sequences of shape (n,)")
 
 
 def _require_sequences(values: Sequences, name: str) -> None:
