@@ -19,8 +19,8 @@ FITS = {"sklearn", "scipy", "joblib"}
 ROOMS = {
     "runtime_c": ["paths"],
     "codegen": ["errors", "entry_points", "short_repr", "plurals", "arrays", "progress",
-                "regular_file", "atomic_write", "scene", "literals", "model", "forest", "stages", "coupling",
-                "plan", "reference", "emit"],
+                "regular_file", "atomic_write", "scene", "literals", "model", "forest", "stages",
+                "coupling", "plan", "reference", "emit"],
     "trainer": ["paper", "faces", "recordings", "features", "models", "kinds", "selection"],
     "host": ["console", "metrics", "stiffness", "native", "simulation",
              "stability", "emission", "devices", "session", "recording", "validation",
