@@ -1,11 +1,19 @@
-"""Input files: only regular ones. Pipes and devices may never end, or never begin."""
+"""Files that are given: by no empty path; only regular ones, for pipes may never end or begin."""
 
 import stat
+from os import PathLike
 from pathlib import Path
 
-from springpot.codegen.errors import DataError
+from springpot.codegen.errors import DataError, UsageError
 
 _ALWAYS_BYTES = 1 << 26
+
+
+def given_path(path: str | PathLike[str]) -> Path:
+    """Return the path that a person gave. Raises UsageError for "", which Path takes for "."."""
+    if path == "":
+        raise UsageError('an empty path: give a file or folder; "." is the current folder')
+    return Path(path)
 
 
 def max_unpacked_bytes(file_bytes: int, ratio: int) -> int:
@@ -26,11 +34,11 @@ def require_regular(path: Path) -> None:
         )
 
 
-def read_bounded(path: Path, max_bytes: int) -> bytes:
-    """Content of a regular file. Raises DataError where it is larger than that."""
+def read_bounded(path: Path, max_bytes: int, what: str) -> bytes:
+    """Content of a regular file. Raises DataError where it is larger: it is not a `what`."""
     require_regular(path)
     with path.open("rb") as file:
         content = file.read(max_bytes + 1)
     if len(content) > max_bytes:
-        raise DataError(f"{path}: larger than {max_bytes >> 10} KiB: not such a file")
+        raise DataError(f"{path}: larger than {max_bytes >> 10} KiB: not a {what}")
     return content

@@ -7,6 +7,7 @@ import numpy as np
 
 from springpot.codegen.coupling.linear_loop import HAND_MODELS, Hand, LinearLoop
 from springpot.codegen.coupling.loop_device import LoopDevice
+from springpot.codegen.plurals import number_of
 from springpot.codegen.scene import Coupling
 
 # The loop must be stable with an object stiffer than this model by so much.
@@ -61,7 +62,7 @@ def choose_coupling(
         (hand, more) for hand in HAND_MODELS for more in (0, 1) if more == 0 or hand.name != "light"
     ]
     limits = [loop(off, hand, more).max_stiffness_npm() for hand, more in bare]
-    late = f"{device.delay_samples} samples late"
+    late = f"{number_of(device.delay_samples, 'sample')} late"
     found = f"the object's {_npmm(stiffness_npm)} at {1 / dt_s:g} Hz, {late}"
     if min(limits) > STIFFNESS_MARGIN_OFF * stiffness_npm:
         why = f"off: auto: {found}, are below the bare loop's limit of {_npmm(min(limits))}"

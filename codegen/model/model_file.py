@@ -37,6 +37,7 @@ from springpot.codegen.regular_file import read_bounded
 MODEL_SCHEMA = 5
 MODEL_MAGIC = b"springpot-model"
 MODEL_SUFFIX = ".spm"
+_WHAT = "springpot model: `springpot train --out FILE.spm` makes one"
 _MAX_HEADER_BYTES = 4 << 20  # JSON becomes a hundred times as much memory
 # The only types that a file can name; a kind of one's own adds its own with `register_part`.
 _PARTS: dict[str, type[Any]] = {
@@ -104,14 +105,12 @@ def read_model(path: Path) -> Model:
     Raises DataError if it is damaged, of another schema, or no model that can be rendered.
     """
     try:
-        first_line, _, body = read_bounded(path, MAX_BYTES).partition(b"\n")
+        first_line, _, body = read_bounded(path, MAX_BYTES, _WHAT).partition(b"\n")
     except OSError as error:
-        raise DataError(f"{path}: cannot be read ({error.strerror})") from None
+        raise DataError(f"{path}: cannot be read ({error.strerror}): give a {_WHAT}") from None
     words = first_line.split(b" ")
     if len(words) != 3 or words[0] != MODEL_MAGIC or not re.fullmatch(rb"[0-9]{1,9}", words[1]):
-        raise DataError(
-            f"{path}: not a springpot model: `springpot train --out FILE.spm` makes one"
-        )
+        raise DataError(f"{path}: not a {_WHAT}")
     if int(words[1]) != MODEL_SCHEMA:
         raise DataError(
             f"{path}: model schema {int(words[1])}, this springpot reads {MODEL_SCHEMA}: upgrade "

@@ -1,12 +1,12 @@
 """Files from Python: recordings, models and scenes; paths are strings or Paths."""
 
 from os import PathLike
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model import model_file
 from springpot.codegen.model.model import Model
+from springpot.codegen.regular_file import given_path
 from springpot.codegen.scene import Scene
 from springpot.trainer.recordings import recording_file
 from springpot.trainer.recordings.formats.importing import ImportOptions
@@ -32,7 +32,7 @@ def read_recordings(*paths: File) -> list[Recording]:
     for path in paths:
         _require_file(path, "read_recordings(*paths) takes several")
     with errors_in_python():
-        return recording_file.read_recordings(map(Path, paths))
+        return recording_file.read_recordings(map(given_path, paths))
 
 
 def write_recording(path: File, recording: Recording) -> None:
@@ -42,7 +42,7 @@ def write_recording(path: File, recording: Recording) -> None:
     >>> read_recordings("press.h5")[0].name == press.name
     True
     """
-    recording_file.write_recording(Path(path), recording)
+    recording_file.write_recording(given_path(path), recording)
 
 
 def import_recordings(
@@ -74,7 +74,7 @@ def import_recordings(
     _require_file(path, "call it for each")
     with errors_in_python():
         mapping = parse_map(columns) if columns else None
-        found = import_file(Path(path), mapping, zero, resample_hz, options)
+        found = import_file(given_path(path), mapping, zero, resample_hz, options)
     recordings, surface = on_one_surface(
         found.recordings, (options or ImportOptions()).conditioning
     )
@@ -89,7 +89,7 @@ def read_model(path: File) -> Model:
     >>> read_model("model.spm").kind
     'hammerstein'
     """
-    return model_file.read_model(Path(path))
+    return model_file.read_model(given_path(path))
 
 
 def write_model(path: File, model: "Model | Fit") -> str:
@@ -98,7 +98,7 @@ def write_model(path: File, model: "Model | Fit") -> str:
     >>> write_model("model.spm", model) == write_model("again.spm", model)
     True
     """
-    return model_file.write_model(Path(path), given_model(model))
+    return model_file.write_model(given_path(path), given_model(model))
 
 
 def given_model(given: "Model | Fit | File") -> Model:
@@ -124,7 +124,7 @@ def read_scene(path: File) -> Scene:
     """
     from springpot.host.emission import scene_file
 
-    return scene_file.read_scene(Path(path))
+    return scene_file.read_scene(given_path(path))
 
 
 def write_scene(path: File, scene: Scene) -> None:
@@ -139,7 +139,7 @@ def write_scene(path: File, scene: Scene) -> None:
     """
     from springpot.host.emission import scene_file
 
-    scene_file.write_scene(Path(path), scene)
+    scene_file.write_scene(given_path(path), scene)
 
 
 def _require_file(path: object, several: str) -> None:

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from springpot.codegen.arrays import given_numbers
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import UsageError
+from springpot.codegen.regular_file import given_path
 from springpot.files import File
 from springpot.trainer.models.limited import stiffest_words
 from springpot.trainer.recordings.recording import Recording
@@ -34,7 +35,7 @@ def load(folder: File, *, accept_edited: bool = False) -> "LoadedScene":
     >>> force_n.shape == notes.shape == press.position_m.shape
     True
     """
-    return LoadedScene(Path(folder), accept_edited)
+    return LoadedScene(given_path(folder), accept_edited)
 
 
 class LoadedScene:

@@ -14,6 +14,7 @@ from pydantic import TypeAdapter, ValidationError
 from springpot.codegen.arrays import Samples, given_numbers
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.model import Model
+from springpot.codegen.regular_file import given_path
 from springpot.codegen.scene import Scene
 from springpot.files import File, given_model, read_recordings, write_model
 from springpot.trainer.models.fit import Engine, Fit, FitOptions
@@ -54,9 +55,10 @@ def record(
     from springpot.host.recording.protocols import load_protocol
     from springpot.host.recording.session import open_press_device, record_session
 
+    out = given_path(folder)
     profiles = load_protocol(str(protocol), seed)
     device = open_press_device(url, seed, object_name, Limits(max_force_n, max_depth_m))
-    presses = record_session(device, url, str(protocol), profiles, Path(folder))
+    presses = record_session(device, url, str(protocol), profiles, out)
     return read_recordings(*(press.file for press in presses))
 
 
@@ -195,7 +197,7 @@ def emit(
     with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
         file = Path(scratch) / "model.spm"
         write_model(file, chosen)
-        emission = emit_folder(stated, file, Path(folder), accept_unsafe, single=single)
+        emission = emit_folder(stated, file, given_path(folder), accept_unsafe, single=single)
     for line in emission.notices:
         if line.startswith(_WARNING):
             warnings.warn(line.removeprefix(_WARNING), UserWarning, stacklevel=2)
@@ -221,9 +223,11 @@ def validate(
     >>> validate("c", recordings).mismatches  # C and its reference: the same bits
     0
     """
+    from springpot.host.emission.emission import require_emission
     from springpot.host.validation.validation import validate as validate_folder
 
-    return validate_folder(Path(folder), _some(recordings), paced_s, device, accept_edited)
+    require_emission(given_path(folder))
+    return validate_folder(given_path(folder), _some(recordings), paced_s, device, accept_edited)
 
 
 def stability(
@@ -271,8 +275,8 @@ def _resolved(scene: Scene | File | None, model: Model | Fit | File | None) -> t
         folder = Path()
         stated = None if scene is None else scene_file.checked_scene(scene)
     else:
-        folder = Path(scene).parent
-        stated = scene_file.read_scene(Path(scene))
+        folder = given_path(scene).parent
+        stated = scene_file.read_scene(given_path(scene))
     if model is None:
         assert stated is not None
         model = folder / stated.model

@@ -73,7 +73,9 @@ class LazyGroup(click.Group):
     def resolve_command(
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
-        """Resolve as click does; a name that is unknown is answered with the nearest one."""
+        """Resolve as click does; refuse empty words, and name the nearest of an unknown command."""
+        if not ctx.resilient_parsing:
+            _refuse_empty(ctx, args)
         near = difflib.get_close_matches(args[0], self._lazy, 1)
         if near and args[0] not in self._lazy and not ctx.resilient_parsing:
             ctx.fail(f"No such command {args[0]!r} (did you mean {near[0]}?)")
@@ -97,3 +99,18 @@ class LazyGroup(click.Group):
             (name, one.line() if isinstance(one, LazyCommand) else one.get_short_help_str(80))
             for name, one in self._lazy.items()
         ]
+
+
+def _refuse_empty(ctx: click.Context, args: list[str]) -> None:
+    """Fail where a word is empty: no command means anything by it, and "" as a path is ".".
+
+    A shell variable that is not set makes one, as in `springpot import "$FOLDER"`.
+    """
+    for number, word in enumerate(args):
+        option, equals, value = word.partition("=") if word.startswith("--") else ("", "", word)
+        if value or (option and not equals):
+            continue
+        if not option:
+            before = args[number - 1] if number else ""
+            option = before if before.startswith("--") else f"argument {number}"
+        ctx.fail(f"{args[0]}: {option} is empty (a variable that is not set?): give a value")

@@ -19,19 +19,22 @@ _NO_SUCH_KEY = "unexpected_keyword_argument"
 def toml_as_json(path: Path, max_bytes: int, what: str) -> str:
     """The file's content as JSON. Raises UsageError for what is none; what: "scene file"."""
     try:
-        return json.dumps(tomllib.loads(read_bounded(path, max_bytes).decode()))
+        return json.dumps(tomllib.loads(read_bounded(path, max_bytes, what).decode()))
     except OSError as error:
         raise UsageError(f"{path}: cannot be read ({error.strerror}): give a {what}") from None
     except DataError as error:
-        raise UsageError(str(error)) from None
+        raise UsageError(f"{error}, which is text: {_meant(path, 'give its TOML')}") from None
     except UnicodeDecodeError:
-        raise UsageError(
-            f"{path}: not a {what}, which is text"
-            + (": it is a model, give --model or write a scene that names it"
-               if path.suffix == MODEL_SUFFIX else ": save it as UTF-8")
-        ) from None  # fmt: skip
+        meant = _meant(path, "save it as UTF-8")
+        raise UsageError(f"{path}: not a {what}, which is text: {meant}") from None
     except (ValueError, TypeError, RecursionError) as error:
         raise UsageError(f"{path}: not a {what}: {str(error).splitlines()[0]}") from None
+
+
+def _meant(path: Path, else_do: str) -> str:
+    """What to do with a file that is no text."""
+    model = "it is a model, give --model or write a scene that names it"
+    return model if path.suffix == MODEL_SUFFIX else else_do
 
 
 def checked_keys(

@@ -8,6 +8,7 @@ from pathlib import Path
 from springpot.codegen.entry_points import required_part
 from springpot.codegen.errors import BudgetError, UsageError
 from springpot.codegen.model.model_file import read_model, write_model
+from springpot.codegen.plurals import number_of
 from springpot.codegen.scene import Scene
 from springpot.host.console.output import say
 from springpot.host.emission.emission import emit
@@ -51,7 +52,8 @@ def emit_fitting(
         if not fit:
             for reduction in found:
                 say(f"would fit: {reduction.line()}")
-            raise BudgetError(f"{error}; {len(found)} reductions would fit: add --fit") from None
+            would = number_of(len(found), "reduction")
+            raise BudgetError(f"{error}; {would} would fit: add --fit") from None
     say(f"fitted: {found[0].line()}")
     with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
         reduced = Path(scratch) / "model.spm"

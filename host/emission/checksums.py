@@ -97,7 +97,7 @@ def _edited(folder: Path) -> tuple[str, ...]:
 def _known(folder: Path) -> dict[str, str]:
     """Name -> digest; nothing where the list is missing or no list."""
     try:
-        known = json.loads(read_bounded(folder / CHECKSUMS, _MAX_BYTES))
+        known = json.loads(read_bounded(folder / CHECKSUMS, _MAX_BYTES, "list of checksums"))
     except (OSError, ValueError, DataError):
         return {}
     fits = isinstance(known, dict) and all(name.isprintable() for name in known)
@@ -107,6 +107,6 @@ def _known(folder: Path) -> dict[str, str]:
 def _digest(file: Path) -> str:
     """SHA-256 of a file; nothing where there is none to be read."""
     try:
-        return hashlib.sha256(read_bounded(file, _MAX_BYTES)).hexdigest()
+        return hashlib.sha256(read_bounded(file, _MAX_BYTES, "file of an emission")).hexdigest()
     except (OSError, ValueError, DataError):
         return ""

@@ -12,7 +12,7 @@ from springpot.codegen.emit.files import emit_files
 from springpot.codegen.entry_points import required_part
 from springpot.codegen.errors import BudgetError, DataError, MismatchError
 from springpot.codegen.model.model import Model
-from springpot.codegen.model.model_file import read_model
+from springpot.codegen.model.model_file import MODEL_SUFFIX, read_model
 from springpot.codegen.plan.force_facts import force_facts
 from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.plan.plan import Plan
@@ -85,8 +85,14 @@ class Emitted:
 
 def require_emission(folder: Path) -> None:
     """Raise DataError where the folder is none of `emit`."""
-    if not (folder / SCENE_COPY).exists():
-        raise DataError(f"{folder}: not an emitted folder: `springpot emit --out` makes one")
+    if (folder / SCENE_COPY).exists():
+        return
+    if folder.suffix == MODEL_SUFFIX:
+        raise DataError(
+            f"{folder}: a model, not an emitted folder: "
+            f"`springpot emit --model {folder} --out FOLDER` makes one"
+        )
+    raise DataError(f"{folder}: not an emitted folder: `springpot emit --out` makes one")
 
 
 def read_emission(folder: Path, accept_edited: bool = False) -> Emitted:

@@ -5,6 +5,7 @@ from dataclasses import replace
 from springpot.codegen.errors import SpringpotError
 from springpot.codegen.plan.make_plan import FELT_SHARE, SERVED_HZ, make_plan
 from springpot.codegen.plan.plan import Plan
+from springpot.codegen.plurals import number_of
 
 
 def felt_notices(plan: Plan) -> list[str]:
@@ -40,7 +41,7 @@ def _why(plan: Plan) -> str:
     if plan.scene.coupling.mode != "auto":
         return "the scene states that coupling"
     late = plan.loop_device.delay_samples
-    behind = f", {late} samples late," if late else ""
+    behind = f", {number_of(late, 'sample')} late," if late else ""
     return f"a loop at {1.0 / plan.dt_s:g} Hz{behind} holds no stiffer one"
 
 

@@ -10,6 +10,7 @@ import numpy as np
 from springpot.codegen.arrays import Reals
 from springpot.codegen.emit.glue import ABI_VERSION
 from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.plurals import number_of
 from springpot.host.native.c_library import CLibrary, declarations
 from springpot.host.native.compiler import shared_library
 from springpot.runtime_c.paths import INCLUDE
@@ -181,7 +182,10 @@ class SceneState:
         """A batch: forces, shape (n,), N, and all notes. Inputs are rounded to the scene's type."""
         position = np.ascontiguousarray(position_m, dtype=self._library.dtype)
         if velocity_mps is not None and len(velocity_mps) != len(position):
-            raise UsageError(f"{len(position)} positions and {len(velocity_mps)} velocities")
+            raise UsageError(
+                f"velocity_mps: {len(velocity_mps)} for {number_of(len(position), 'position')}: "
+                "give one for each"
+            )
         force = np.empty_like(position)
         array = self._loaded.array
         velocity = self._loaded.ffi.NULL

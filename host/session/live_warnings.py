@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.reference.notes import CLAMPED, ENERGY, HELD, LATCHED, LIMITED, OUTSIDE
 from springpot.host.native.loop_library import COLUMN, NONE, LoopRows, empty_rows
-from springpot.host.session.outcome import NOTE_WORDS
+from springpot.host.session.outcome import LOWER, NOTE_WORDS, UPPER, clamped_low
 
 WINDOW_S = 0.05  # rows are looked at together
 CALM_S = 0.5  # without the condition: it is over
@@ -64,6 +64,7 @@ class LiveWarnings:
         self._min_n, self._fast_mps = float(plan.output.min_n), FASTER * trained.max_mps
         self._ticks = max(1, round(WINDOW_S / plan.dt_s))
         self._before = max(1, round(_SPEED_S / plan.dt_s))  # ticks
+        self._last_n = np.zeros(1)
         self._recent_m = np.full(self._before, np.nan)
         self._waiting = empty_rows(0)
         self._events: list[dict[str, Any]] = []
@@ -74,7 +75,8 @@ class LiveWarnings:
             "beside": _Condition("beside the places that were recorded"),
             "fast": _Condition("faster than four times the recorded speed", "m/s", 1.0,
                                self._fast_mps),
-            "clamped": _Condition(NOTE_WORDS[CLAMPED]),
+            "clamped": _Condition(UPPER),
+            "pulls": _Condition(LOWER),
             "limited": _Condition(NOTE_WORDS[LIMITED]),
             "energy": _Condition(NOTE_WORDS[ENERGY], share=ENERGY_SHARE),
             "held": _Condition(NOTE_WORDS[HELD], share=HELD_SHARE),
@@ -118,14 +120,18 @@ class LiveWarnings:
         inside = position_m > 0.0 if self._contact else np.isfinite(position_m)
         fast = called & inside & (speed_mps > self._fast_mps) & (self._fast_mps > 0.0)
         latched = (notes & LATCHED) > 0
+        joined = np.concatenate((self._last_n, force_n))
+        low = clamped_low(np.append(0, notes), joined, self._min_n)[1:]
+        self._last_n = force_n[-1:]
         outside = (notes & OUTSIDE) > 0
         beside = outside & (position_m <= self._deepest_m) & self._slides
         return {
             "deep": (outside & ~beside, position_m),
             "beside": (beside, position_m),
             "fast": (fast, speed_mps),
-            # At the lower limit an object does not pull: nothing to be told.
-            "clamped": (((notes & CLAMPED) > 0) & (force_n > self._min_n), force_n),
+            "clamped": (((notes & CLAMPED) > 0) & ~low, force_n),
+            # At 0 an object ends to push and does not pull: nothing to be told.
+            "pulls": (low & (self._min_n < 0.0), force_n),
             "limited": ((notes & LIMITED) > 0, force_n),
             "energy": ((notes & ENERGY) > 0, force_n),
             "held": (((notes & HELD) > 0) & ~latched, force_n),

@@ -5,9 +5,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.codegen.errors import DeviceError, SpringpotError
-from springpot.codegen.reference import notes
+from springpot.codegen.reference import notes as notes_of
 from springpot.host.native.loop_library import (
     COLUMN,
     GOT_CPU,
@@ -30,8 +31,9 @@ _WORDS = {
     "limited": "force held back: faster than a touch",
     "energy": "force cut to what the hand has paid for",
 }
-NOTE_NAMES: dict[int, str] = {getattr(notes, name.upper()): name for name in _WORDS}
+NOTE_NAMES: dict[int, str] = {getattr(notes_of, name.upper()): name for name in _WORDS}
 NOTE_WORDS = {bit: _WORDS[name] for bit, name in NOTE_NAMES.items()}
+UPPER, LOWER = "force kept at its upper limit", "force kept at its lower limit"
 
 
 def why_stopped(
@@ -129,9 +131,35 @@ def spread_us(seconds: Any) -> dict[str, float]:
     return {name: round(1e6 * float(np.percentile(seconds, q)), 3) for name, q in shares.items()}
 
 
-def notes_in_words(counts: Mapping[str, int]) -> str:
-    """What the C noted; counts: of the ticks with each note, by its name."""
+def clamped_low(
+    notes: NDArray[np.integer[Any]], force_n: NDArray[np.floating[Any]], min_n: float
+) -> NDArray[np.bool_]:
+    """Whether each tick was clamped at the lower limit of a scene, not at the upper one, (n,).
+
+    force_n: that left, N. min_n: the lower limit, N. A force that is on its way to a limit, for it
+    may change by so much a tick, is between them: it falls to the lower one.
+    """
+    falls = np.diff(force_n, prepend=force_n[:1]) < 0.0
+    low = (force_n <= min_n) | (falls & ((notes & notes_of.LIMITED) != 0))
+    found: NDArray[np.bool_] = low & ((notes & notes_of.CLAMPED) != 0)
+    return found
+
+
+def notes_in_words(counts: Mapping[str, int], low: int = 0, min_n: float = 0.0) -> str:
+    """What the C noted; counts: of the ticks with each note, by its name.
+
+    low: of those clamped, how many at the lower limit, min_n, N.
+    """
+    all_words = {**_WORDS, "clamped": _clamped_words(counts.get("clamped", 0), low, min_n)}
     told = [
-        f"{name} {counts[name]} ({words})" for name, words in _WORDS.items() if counts.get(name)
+        f"{name} {counts[name]} ({words})" for name, words in all_words.items() if counts.get(name)
     ]
     return ", ".join(told) or "none"
+
+
+def _clamped_words(count: int, low: int, min_n: float) -> str:
+    """At which limit; at 0, where an object ends to push and does not pull, nothing is amiss."""
+    lower = f"{LOWER} of {min_n:.3g} N" if min_n else "at 0 N: the object does not pull"
+    if low == count:
+        return lower
+    return f"{low} {lower}; {count - low} {UPPER}" if low else UPPER

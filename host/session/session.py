@@ -13,6 +13,7 @@ from typing import Any, Self
 
 from springpot.codegen.errors import DeviceError, SpringpotError
 from springpot.codegen.plan.plan import Plan
+from springpot.codegen.regular_file import given_path
 from springpot.host.devices.device import RECONNECT_S, requirements_of
 from springpot.host.devices.drivers import driver_of
 from springpot.host.emission.emission import read_emission
@@ -67,9 +68,9 @@ class Session:
         viewer: RowTaker | None = None,
         alarm: Alarm = lambda _line, _begins: None,
     ) -> None:
-        emitted = read_emission(Path(folder), accept_edited)
+        emitted = read_emission(given_path(folder), accept_edited)
         plan, self._hash, self._edited = emitted.plan, emitted.hash, list(emitted.edited)
-        self._scene = SceneLibrary(Path(folder))
+        self._scene = SceneLibrary(given_path(folder))
         # A place that is given is held, whatever the device could do.
         self._slides = plan.lateral is not None and place_m is None and driver_of(url).slides
         settings = LoopSettings(
@@ -90,7 +91,7 @@ class Session:
             middle_m=_middle_m(plan) if self._slides else None,
         )
         self._zero: Zero = "none" if plan.contact else "first"
-        self._file = None if log is None else Path(log)
+        self._file = None if log is None else given_path(log)
         self._log: SessionLog | None = None
         self._warnings = LiveWarnings(plan, alarm)
         self._warned: list[dict[str, Any]] = []

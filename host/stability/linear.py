@@ -14,6 +14,7 @@ from springpot.codegen.coupling.linear_loop import DESIGN_HAND, HAND_MODELS, Han
 from springpot.codegen.errors import UnsafeError
 from springpot.codegen.plan.make_plan import SERVED_HZ, make_plan
 from springpot.codegen.plan.plan import Plan
+from springpot.codegen.plurals import number_of
 
 
 def scene_loop(plan: Plan, hand: Hand, more_delay: int = 0) -> LinearLoop:
@@ -87,8 +88,8 @@ def _what_is_stable(plan: Plan) -> str:
     found, loop = choice.coupling, LinearLoop(plan.dt_s, choice.coupling, DESIGN_HAND, device)
     if not is_stable(plan, loop):
         return (
-            f"no coupling is stable at {1 / plan.dt_s:g} Hz with {device.delay_samples} samples "
-            f"of delay: {_what_holds_it(plan)}"
+            f"no coupling is stable at {1 / plan.dt_s:g} Hz with "
+            f"{number_of(device.delay_samples, 'sample')} of delay: {_what_holds_it(plan)}"
         )
     return (
         f'this would be stable: coupling.mode = "{found.mode}", stiffness_npm = '

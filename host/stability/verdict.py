@@ -6,6 +6,7 @@ import numpy as np
 
 from springpot.codegen.coupling.linear_loop import HAND_MODELS
 from springpot.codegen.plan.plan import Plan
+from springpot.codegen.plurals import number_of
 from springpot.codegen.reference.notes import ENERGY
 from springpot.host.stability.closed_loop import MORE_DELAY, Outcome
 from springpot.host.stability.judgement import QUIET_MPS, Grade, device_advice, judge
@@ -134,7 +135,7 @@ def _between(plan: Plan) -> str:
     parts = {
         "smoothing": plan.smooth_alpha is not None,
         "coupling": plan.couple is not None,
-        f"delay of {delay} samples": delay > 0,
+        f"delay of {number_of(delay, 'sample')}": delay > 0,
     }
     return " and ".join(name for name, there in parts.items() if there) or "limits"
 

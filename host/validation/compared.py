@@ -18,7 +18,7 @@ from springpot.host.metrics import start_up_ramp
 from springpot.host.native.loop_library import NONE, SILENT, UNSENT
 from springpot.host.native.replay import Replay, motions_of
 from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.session.outcome import NOTE_NAMES
+from springpot.host.session.outcome import NOTE_NAMES, clamped_low
 from springpot.host.validation.parts import SlideError, slide_error
 from springpot.host.validation.ticks import at_samples, samples_of
 from springpot.trainer.recordings.notices import caution
@@ -31,13 +31,15 @@ class Compared:
     """Hold what the C returned along recordings, in their order.
 
     force_n: along the depth, (n,), N. ramped: samples of each in the start-up ramp. logs: numbers
-    of those that are logs of sessions of the scene. mismatches: ticks of other bits.
+    of those that are logs of sessions of the scene. clamped_low: ticks that were clamped at
+    the lower limit. mismatches: ticks of other bits.
     """
 
     force_n: tuple[Samples, ...]
     ramped: tuple[int, ...]
     logs: frozenset[int]
     notes: dict[str, int]
+    clamped_low: int
     mismatches: int
     slides: tuple[SlideError, ...]
 
@@ -57,6 +59,7 @@ def compared_all(
     predicted: dict[int, Samples] = {}
     ramps = [0] * len(recordings)
     logs: set[int] = set()
+    low = 0
     slides: dict[int, SlideError] = {}
     mismatches = 0
     counts = dict.fromkeys(NOTE_NAMES.values(), 0)
@@ -85,6 +88,7 @@ def compared_all(
                 force, others = board.compared(replay, position, velocity)
                 differs += others
         mismatches += differs
+        low += int(clamped_low(notes, force, float(plan.output.min_n)).sum())
         for bit, name in NOTE_NAMES.items():
             counts[name] += int(np.sum(notes & bit != 0))
         for k, start in zip(motion.recordings, motion.starts, strict=True):
@@ -92,7 +96,7 @@ def compared_all(
             predicted[k] = at_samples(force[its].astype(np.float64), recordings[k], plan.dt_s)
     return Compared(
         tuple(predicted[k] for k in range(len(recordings))), tuple(ramps), frozenset(logs),
-        counts, mismatches, tuple(slides[k] for k in sorted(slides)),
+        counts, low, mismatches, tuple(slides[k] for k in sorted(slides)),
     )  # fmt: skip
 
 

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.errors import DataError
 from springpot.codegen.plan.plan import Plan
+from springpot.codegen.plurals import number_of
 from springpot.host.metrics import accuracy
 from springpot.trainer.models.folds import geometric_mean
 from springpot.trainer.recordings.quality.places import site_words, sites_of
@@ -126,7 +127,8 @@ def slide_line(errors: Sequence[SlideError]) -> str:
     if not errors:
         return ""
     worst = max(errors, key=lambda error: error.rmse_percent_of_peak)
-    line = f"{len(errors)} slides: along the depth {worst.rmse_percent_of_peak:.3g} % of peak"
+    line = f"{number_of(len(errors), 'slide')}: along the depth "
+    line += f"{worst.rmse_percent_of_peak:.3g} % of peak"
     line += f" ({worst.name})" if len(errors) == 1 else f" at worst ({worst.name})"
     sideways = [e for e in errors if e.lateral_rms_n]
     if sideways:

@@ -87,6 +87,7 @@ def read_validation(folder: Path) -> Stored:
     target = folder / _FOLDER
     try:
         metadata = json.loads((target / _METADATA).read_text())
+        metadata["result"]["clamped_low"]  # which an older validation lacks
         with np.load(target / _SERIES, allow_pickle=False) as stored:
             series = tuple(
                 Series(

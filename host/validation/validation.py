@@ -43,11 +43,13 @@ class Validation(Faces):
     """Result over all `recordings`; predicted_n: forces of the C, one array a recording.
 
     mismatches: ticks where C and reference, or a board and the C, differ in force or notes, bit for
-    bit. floor: of the recordings, logs of sessions apart. model_rmse_n: error of the model itself;
-    rendering_n: RMS of what coupling, guard and limits add to it; None for logs alone. edited:
-    files of the folder that are not as emitted, and were accepted. seen: how many recordings the
-    model was trained on, None where it does not say. places: error of each, if recordings have any.
-    slides: of each recording that slides.
+    bit. floor: of the recordings, logs of sessions apart. ramped: samples of each recording in the
+    start-up ramp, which no error counts. model_rmse_n: error of the model itself; rendering_n: RMS
+    of what coupling, guard and limits add to it; None for logs and slides alone, which neither
+    counts. edited: files of the folder that are not as emitted, and were accepted. seen: how many
+    recordings the model was trained on, None where it does not say. places: error of each, if
+    recordings have any. slides: of each recording that slides. clamped_low: ticks at the lower
+    limit of the force, min_n, N; other clamped ones are at the upper limit.
 
     >>> found = validate("c", recordings)
     >>> found.accuracy.rmse_n < 0.2
@@ -69,6 +71,9 @@ class Validation(Faces):
     seen: int | None = None
     places: tuple[PlaceError, ...] = ()
     slides: tuple[SlideError, ...] = ()
+    ramped: tuple[int, ...] = ()
+    clamped_low: int = 0
+    min_n: float = 0.0
 
     def __repr__(self) -> str:
         found = self.accuracy
@@ -95,6 +100,8 @@ class Validation(Faces):
             "rendering_n": self.rendering_n,
             "mismatches": self.mismatches,
             "notes": self.notes,
+            "clamped_low": self.clamped_low,
+            "min_n": self.min_n,
             "tick_ns": shown_fields(self.ticks),
             "hash": self.manifest["hash"],
             "edited": list(self.edited),
@@ -154,15 +161,15 @@ def _with_parts(
     """The error in its parts: of the model, and of what renders it; logs and slides apart."""
     model = replace(model, dt_s=plan.dt_s)  # of a scene with a rate of its own, which is as exact
     errors, added = [], []
-    pairs = zip(recordings, found.predicted_n, strict=True)
+    three = zip(recordings, found.predicted_n, found.ramped, strict=True)
     judged = set(presses_of([r for r in recordings if not is_log_of(r, found.manifest["hash"])]))
-    objects = [pair for pair in pairs if pair[0] in judged]
-    alone = limited_each_n(model, [at_ticks(recording, plan.dt_s) for recording, _ in objects])
-    for (recording, force_n), ticks_n in zip(objects, alone, strict=True):
+    objects = [of_one for of_one in three if of_one[0] in judged]
+    alone = limited_each_n(model, [at_ticks(recording, plan.dt_s) for recording, _, _ in objects])
+    for (recording, force_n, ramp), ticks_n in zip(objects, alone, strict=True):
         alone_n = at_samples(ticks_n, recording, plan.dt_s)
-        errors.append(alone_n - recording.force_n)
-        added.append(force_n - alone_n)
-    if not errors:
+        errors.append((alone_n - recording.force_n)[ramp:])
+        added.append((force_n - alone_n)[ramp:])
+    if not sum(map(len, errors)):
         return found
     return replace(
         found,
@@ -207,4 +214,7 @@ def _validated(
         slopes=slope_errors(pressed, pressed_n, ramped),
         places=place_errors(pressed, pressed_n, ramped),
         slides=found.slides,
+        ramped=found.ramped,
+        clamped_low=found.clamped_low,
+        min_n=float(plan.output.min_n),
     )

@@ -18,9 +18,9 @@ FITS = {"sklearn", "scipy", "joblib"}
 # Folders and files of a floor, lowest first. Lazy imports, and those for checkers, count too.
 ROOMS = {
     "runtime_c": ["paths"],
-    "codegen": ["errors", "entry_points", "short_repr", "arrays", "progress", "regular_file",
-                "atomic_write", "scene", "literals", "model", "forest", "stages", "coupling",
-                "plan", "reference", "emit"],
+    "codegen": ["errors", "entry_points", "short_repr", "plurals", "arrays", "progress",
+                "regular_file", "atomic_write", "scene", "literals", "model", "forest", "stages",
+                "coupling", "plan", "reference", "emit"],
     "trainer": ["paper", "faces", "recordings", "features", "models", "kinds", "selection"],
     "host": ["console", "metrics", "stiffness", "native", "simulation",
              "stability", "emission", "devices", "session", "recording", "validation",

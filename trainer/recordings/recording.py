@@ -10,6 +10,7 @@ import numpy as np
 from springpot.codegen.arrays import Samples, kept_numbers
 from springpot.codegen.entry_points import required_part
 from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.plurals import number_of
 from springpot.trainer.faces import Faces
 from springpot.trainer.recordings.recording_name import require_recording_name
 
@@ -108,7 +109,7 @@ class Recording(Faces):
             if len(bad):
                 raise DataError(
                     f"{self.name}: {channel} is not finite at row {bad[0]} "
-                    f"({len(bad)} rows in all): cut or repair those rows in the source"
+                    f"({number_of(len(bad), 'row')} in all): cut or repair those rows in the source"
                 )
         # Without the outermost hundredths: a spike is held, not refused.
         low_m, high_m = np.quantile(self.position_m, (0.01, 0.99), method="nearest").tolist()

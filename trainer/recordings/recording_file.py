@@ -8,7 +8,7 @@ from pathlib import Path
 
 from springpot.codegen.atomic_write import written_aside
 from springpot.codegen.errors import DataError, UsageError
-from springpot.codegen.regular_file import require_regular
+from springpot.codegen.regular_file import given_path, require_regular
 from springpot.trainer.recordings.journal_reader import (
     JOURNAL_SUFFIX,
     is_being_recorded,
@@ -23,6 +23,7 @@ from springpot.trainer.recordings.recording_process import read_unsealed
 # Behind the HDF5 file stand these bytes and its SHA-256: the library itself can crash or hang on a
 # flipped byte. HDF5 readers ignore them; a program that edits the file cuts them off.
 _CHECKSUM = b"springpot sha256"
+_GIVE = "give a recording; `springpot import` makes them"
 _CHECKSUM_BYTES = len(_CHECKSUM) + hashlib.sha256().digest_size
 
 
@@ -42,7 +43,7 @@ def given_recordings(given: Recordings) -> list[Recording]:
         if isinstance(one, Recording):
             found.append(one)
         elif isinstance(one, str | PathLike):
-            found += read_recordings([Path(one)])
+            found += read_recordings([given_path(one)])
         else:
             raise _no_recording(one)
     return found
@@ -85,12 +86,18 @@ def read_recording(path: Path) -> Recording:
     if not path.exists() and path.suffix == RECORDING_SUFFIX and journal_of(path).exists():
         return _recovered(journal_of(path))
     # Only a file as springpot wrote it is shown to the HDF5 library here.
-    return read_hdf5(path) if _is_sealed(path) else read_unsealed(path)
+    if _is_sealed(path):
+        return read_hdf5(path)
+    from springpot.codegen.model.model_file import MODEL_SUFFIX
+
+    if path.suffix == MODEL_SUFFIX:
+        raise DataError(f"{path}: a model, not a recording: {_GIVE}")
+    return read_unsealed(path)
 
 
 def _recovered(journal: Path) -> Recording:
     if not journal.exists():
-        raise DataError(f"{journal}: no such file")
+        raise DataError(f"{journal}: no such file: {_GIVE}")
     if is_being_recorded(journal):
         raise DataError(f"{journal}: still being recorded: wait until that ends")
     found = read_journal(journal)
@@ -108,9 +115,9 @@ def _is_sealed(path: Path) -> bool:
         require_regular(path)
         return _verify_checksum(path)
     except FileNotFoundError:
-        raise DataError(f"{path}: no such file") from None
+        raise DataError(f"{path}: no such file: {_GIVE}") from None
     except OSError as error:
-        raise DataError(f"{path}: cannot be read ({error.strerror})") from None
+        raise DataError(f"{path}: cannot be read ({error.strerror}): {_GIVE}") from None
 
 
 def has_checksum(path: Path) -> bool:

@@ -7,6 +7,7 @@ import click
 
 from springpot.codegen.entry_points import part, required_part
 from springpot.codegen.errors import UsageError
+from springpot.codegen.plurals import number_of
 from springpot.host.console.options import NOT_NEGATIVE, PATH, PERCENT, POSITIVE, SEED, FiniteRange
 from springpot.host.console.output import (
     json_option,
@@ -130,7 +131,7 @@ def train(
         planning = required_part("next-presses", "--next")
         planning.require_surface(next_file, training)
     said = {finding.text for finding in report.findings}
-    with progress_bar(f"fitting {kind} on {len(training)} recordings"):
+    with progress_bar(f"fitting {kind} on {number_of(len(training), 'recording')}"):
         fit = fit_model(kind, out.stem.split(".")[0], training, options, testing)
     for line in fit.warnings:
         if line not in said:

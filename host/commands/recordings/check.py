@@ -106,6 +106,12 @@ def _row(figures: dict[str, Any]) -> list[str]:
     cycles = figures["cycles"]
     if cycles is None:
         return [*row, "-", "-", "-"]
-    loss = cycles["loss"]
-    quoted = f"{loss['angle_rad']:.3f} +- {loss['angle_uncertainty_rad']:.2g}" if loss else "-"
-    return [*row, f"{cycles['frequency_hz']:.3g}", f"{cycles['stiffness_npm'] * 1e-3:.4g}", quoted]
+    stiffness = f"{cycles['stiffness_npm'] * 1e-3:.4g}"
+    return [*row, f"{cycles['frequency_hz']:.3g}", stiffness, _quoted_loss(cycles["loss"])]
+
+
+def _quoted_loss(loss: dict[str, float] | None) -> str:
+    """Write a loss angle with its uncertainty; "-" where that is larger: nothing was measured."""
+    if loss is None or loss["angle_uncertainty_rad"] > abs(loss["angle_rad"]):
+        return "-"
+    return f"{loss['angle_rad']:.3f} +- {loss['angle_uncertainty_rad']:.2g}"

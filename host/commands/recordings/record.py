@@ -12,6 +12,7 @@ import click
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from springpot.codegen.entry_points import required_part
+from springpot.codegen.plurals import number_of
 from springpot.host.console.options import PATH, POSITIVE
 from springpot.host.console.output import (
     json_option,
@@ -130,4 +131,5 @@ def _print(qualities: Sequence[PressQuality]) -> None:
     )
     print_table(columns, rows, numbers=True, width=100)
     folders = Counter(quality.file.parent for quality in qualities)
-    click.echo(", ".join(f"{count} recordings in {folder}" for folder, count in folders.items()))
+    made = (f"{number_of(many, 'recording')} in {folder}" for folder, many in folders.items())
+    click.echo(", ".join(made))

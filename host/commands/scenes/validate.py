@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
+from springpot.codegen.plurals import number_of
 from springpot.host.console.options import PATH, accept_edited_option, recordings_given
 from springpot.host.console.output import json_option, print_result, progress_bar
 
@@ -26,12 +27,14 @@ def validate_(
     folder: Path, recordings: tuple[str, ...], url: str | None, accept_edited: bool, as_json: bool
 ) -> None:
     """Replay recordings (files or folders) through the C of an emitted FOLDER."""
+    from springpot.host.emission.emission import require_emission
     from springpot.host.validation.store import store_validation
     from springpot.host.validation.validation import fail_on_mismatch, validate
     from springpot.trainer.recordings.recording_file import read_recordings
 
+    require_emission(folder)  # first: where both are given the wrong way round, it says so
     found = read_recordings(map(Path, recordings))
-    with progress_bar(f"{len(found)} recordings"):
+    with progress_bar(f"{number_of(len(found), 'recording')}"):
         validation = validate(folder, found, device=url, accept_edited=accept_edited)
     if len(validation.felt) < len(
         found
@@ -54,11 +57,16 @@ def _between_samples(validation: Validation) -> str:
 
 
 def _parts(validation: Validation) -> str:
-    """The model's own error, and what coupling, guard and limits make of it."""
+    """The model's own error, and what coupling, guard and limits make of it.
+
+    Neither is a part of the scene's error: the two may make up for each other.
+    """
     alone_n, added_n = validation.model_rmse_n, validation.rendering_n
     if alone_n is None or added_n is None:
         return "not known"
-    words = f"{alone_n:.4g} N alone; coupling, guard and limits add {added_n:.4g} N (RMS)"
+    words = f"{alone_n:.4g} N; coupling, guard and limits change its force by {added_n:.4g} N (RMS)"
+    if validation.felt or validation.slides:
+        words += ", logs of sessions and slides left out"
     coupling = validation.manifest.get("coupling", {})
     if added_n > alone_n and coupling.get("mode", "off") != "off":
         felt = 1e-3 * coupling["felt_stiffness_npm"]
@@ -107,7 +115,7 @@ def validation_rows(validation: Validation) -> dict[str, str]:
     if len(felt) < len(validation.predicted_n):
         rows |= {
             "RMSE": f"{found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak",
-            "of which the model": _parts(validation),
+            "RMSE, the model alone": _parts(validation),
             **ratio_rows(error_ratios(found, validation.floor)),
             "slope error": slope_words(slope_keys(validation.slopes)),
             **({"by place": by_place} if by_place else {}),
@@ -123,9 +131,10 @@ def validation_rows(validation: Validation) -> dict[str, str]:
         felt_too = ", and so does what was felt"
         means = felt_too if validation.mismatches else ": what was felt is what the model says"
         differ = f"{validation.mismatches} of {found.samples} ticks differ{means}"
+    told_notes = notes_in_words(validation.notes, validation.clamped_low, validation.min_n)
     return rows | {
         "C against reference": differ,
-        "ticks with notes": notes_in_words(validation.notes) + _deepest(validation),
+        "ticks with notes": told_notes + _deepest(validation),
         "tick, hot": f"{ticks.hot_median / 1e3:.3g} us",
         "tick, paced, cold": f"{ticks.p50 / 1e3:.3g} us, 99 % below {ticks.p99 / 1e3:.3g} us",
     }

@@ -92,6 +92,8 @@ class PositionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
             raise UsageError(f"kind {self.kind!r}: use one of {', '.join(kind_names())}")
         _require_list(X, "X")
         _require_list(y, "y")
+        _require_sequences(X, "X")
+        _require_sequences(y, "y")
         self.dt_s_ = self._step_s([*X, *y])
         positions, forces = self._sequences(X, "X"), self._sequences(y, "y")
         if len(positions) != len(forces):
@@ -179,13 +181,7 @@ class PositionRegressor(RegressorMixin, BaseEstimator):  # type: ignore[misc]
                     "recordings' own, and recordings that agree"
                 )
             return value.position_m if name.startswith("X") else value.force_n
-        found = given_numbers(value, name)
-        if found.ndim != 1:
-            raise DataError(
-                f"{name} has shape {found.shape}: {name[0]} is a list of sequences, one a "
-                "recording, each of shape (n,)"
-            )
-        return found
+        return _given_sequence(value, name)
 
 
 def _require_list(values: Sequences, name: str) -> None:
@@ -194,6 +190,27 @@ def _require_list(values: Sequences, name: str) -> None:
         raise DataError(f"{name} is one recording: give a list of them")
     if hasattr(values, "columns"):
         raise DataError(f"{name} is a table: make it one by Recording.from_frame, in a list")
+    if not hasattr(values, "__len__"):
+        kind = type(values).__name__
+        raise DataError(f"{name} is a {kind}: give a list of sequences of shape (n,)")
+
+
+def _require_sequences(values: Sequences, name: str) -> None:
+    """Raise DataError for arrays of another shape, before anything is said of their time."""
+    for i, value in enumerate(values):
+        if not isinstance(value, Recording):
+            _given_sequence(value, f"{name}[{i}]")
+
+
+def _given_sequence(value: ArrayLike, name: str) -> Samples:
+    found = given_numbers(value, name)
+    if found.ndim != 1:
+        one = f": for one recording, [{name[0]}]" if found.ndim == 0 else ""
+        raise DataError(
+            f"{name} has shape {found.shape}: {name[0]} is a list of sequences, one a "
+            f"recording, each of shape (n,){one}"
+        )
+    return found
 
 
 class _Forces(list[Samples]):
@@ -205,8 +222,9 @@ class _Forces(list[Samples]):
 
     def __array__(self, dtype: Any = None, copy: bool | None = None) -> Any:
         raise UsageError(
-            "forces of recordings are no table of outputs: leave scoring out (R2 over all samples) "
-            "or give scoring=springpot.neg_rmse_n; numpy.stack makes a table of one length"
+            "predict gives a list, one array of forces a recording, and no table: take one, "
+            "predict(X)[0], or numpy.stack if all are of one length; in cross_val_score and the "
+            "like, leave scoring out (R2 over all samples) or give scoring=springpot.neg_rmse_n"
         )
 
 

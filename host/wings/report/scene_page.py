@@ -82,7 +82,7 @@ def write_report(folder: Path) -> Path:
             *code_findings(result, manifest),
         ],
         "mean_error_n": mean_error_n,
-        "notes": notes_in_words(result["notes"]),
+        "notes": notes_in_words(result["notes"], result["clamped_low"], result["min_n"]),
         "over_floor": floor_words(result),
         "slopes": slope_words(result),
         "jnd_words": JND_WORDS,

@@ -18,8 +18,10 @@ from springpot.codegen.reference.notes import (
     RAMPED,
     RESYNC,
 )
+from springpot.codegen.reference.output import Output
 from springpot.emission import make_plan
 from springpot.host.session.live_warnings import LINE_S, MAX_EVENTS, LiveWarnings
+from springpot.host.session.outcome import LOWER, UPPER, clamped_low, notes_in_words
 from springpot.loop import COLUMN, NONE, NOTE_WORDS, empty_rows
 from springpot.trainer.recordings.recording_file import read_recording, write_recording
 
@@ -69,7 +71,7 @@ def test_each_note_is_told_in_the_words_of_the_page(bit, ticks):
     rows = rows_of(2000)
     rows[1010 : 1010 + ticks, COLUMN["notes"]] = bit
     said, events = watched(rows)
-    words = DEEP if bit == OUTSIDE else NOTE_WORDS[bit]
+    words = {OUTSIDE: DEEP, CLAMPED: UPPER}.get(bit, NOTE_WORDS[bit])
     assert events == [{"time_s": 1.01, "what": words, "count": ticks}]
     assert said[0][2]
     # The watchdog's line is the supervisor's: only the bell is heard.
@@ -99,6 +101,35 @@ def test_what_belongs_to_a_session_is_no_warning():
     rows[700:900, COLUMN["call"]] = NONE
     rows[1000, COLUMN["notes"]] = -1  # an error, no notes
     assert watched(rows) == ([], [])
+
+
+@pytest.mark.parametrize("min_n", [0.0, -1.5])
+def test_warnings_and_words_name_the_limit_at_which_the_force_was_kept(min_n):
+    """Against the reference, of which the force before its limits is known here."""
+    rng = np.random.default_rng(7)
+    of_type = PLAN.dtype
+    limits = replace(PLAN.output, min_n=of_type(min_n), max_n=of_type(2.0), slew_n=of_type(0.3))
+    plan = replace(PLAN, output=limits, energy=None)
+    output = Output(plan)
+    output.free()
+    asked_n = np.repeat(rng.uniform(-4.0, 5.0, 40), rng.integers(40, 200, 40))
+    gone = [output.force(False, False, of_type(0), of_type(each)) for each in asked_n]
+    force_n = np.array([float(each) for each, _ in gone])
+    notes = np.array([each for _, each in gone])
+    assert np.any(notes & LIMITED)
+    low = clamped_low(notes, force_n, min_n)
+    np.testing.assert_array_equal(low, asked_n < min_n)
+    rows = rows_of(len(notes))
+    rows[:, COLUMN["returned_n"]], rows[:, COLUMN["notes"]] = force_n, notes
+    warnings = LiveWarnings(plan, lambda *_: None)
+    warnings.append(rows)
+    events = warnings.finish()
+    told = {what: sum(e["count"] for e in events if e["what"] == what) for what in (UPPER, LOWER)}
+    clamped = int(np.sum(notes & CLAMPED > 0))
+    assert told == {UPPER: int(np.sum(asked_n > 2.0)), LOWER: int(low.sum()) if min_n else 0}
+    words = notes_in_words({"clamped": clamped}, int(low.sum()), min_n)
+    lower = f"{LOWER} of -1.5 N" if min_n else "at 0 N: the object does not pull"
+    assert words == f"clamped {clamped} ({low.sum()} {lower}; {told[UPPER]} {UPPER})"
 
 
 def test_a_fast_press_is_told_and_a_glitch_or_free_air_is_not():

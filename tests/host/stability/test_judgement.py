@@ -8,6 +8,7 @@ from typing import Any, cast
 
 import numpy as np
 import pytest
+from support.paths import ROOT
 from support.small import model_file
 
 from springpot import Coupling, Device, Guard, Scene, Stability
@@ -20,7 +21,14 @@ from springpot.emission import make_plan
 from springpot.host.emission.emission import _activity
 from springpot.host.simulation.hand_loop import Scenario, Trace
 from springpot.host.simulation.scenarios import Case
-from springpot.host.stability.judgement import Grade, device_advice, judge, judged_cases
+from springpot.host.stability.judgement import (
+    FAITHFUL_PERCENT,
+    QUIET_MPS,
+    Grade,
+    device_advice,
+    judge,
+    judged_cases,
+)
 from springpot.host.stability.losses import Losses
 from springpot.host.stability.verdict import map_words, why_unbounded
 from springpot.host.stability.vibration import Vibration
@@ -95,6 +103,21 @@ def test_a_person_reads_a_screen_the_gravest_first() -> None:
     assert "stays wrong" in rows[names[2]]
     assert rows["cases"].startswith("6 of 8 are good")
     assert "Not bounded: deep (firm, delay 1)." in rows["verdict"]
+
+
+def test_the_grades_of_the_how_to_page_are_those_that_are_given() -> None:
+    """Fidelity is graded where no sample is lost and nothing is made stiffer, from 10 % on."""
+    page = (ROOT / "docs/how-to/stability.md").read_text("utf-8")
+    assert f"fidelity error above {FAITHFUL_PERCENT:g} %" in page
+    assert f"above {1e3 * QUIET_MPS:g} mm/s on a hold" in page
+    words = [line.split("|")[1].strip() for line in page.splitlines() if line.startswith("| ")]
+    assert {*words[1:]} - {"---"} == {grade.word for grade in Grade}
+    for case in WHOLE + LOSING:
+        make = losing if case in LOSING else outcome
+        found = judge(make(case, fidelity_percent=FAITHFUL_PERCENT + 0.1))
+        graded = case not in ("stiff", *LOSING)
+        assert (found.grade == Grade.LOOK) == graded
+        assert (found.grade == Grade.GOOD) == (not graded and not found.ends)
 
 
 def test_an_unstable_loop_is_not_called_quiet() -> None:

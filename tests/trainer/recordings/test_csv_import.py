@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings, strategies as st
 
-from springpot import DataError, Recording
+from springpot import DataError, Recording, check_recordings
 from springpot.trainer.recordings.formats.column_map import parse_map
 from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
+from springpot.trainer.recordings.formats.uneven_tail import tail_note
 
 GOOD = "time_s,position_m,force_N\n0.000,0,0\n0.001,0.1,1\n0.002,0.2,2\n0.003,0.3,3\n0.004,0.4,4\n"
 COMMA, HEAD = GOOD.replace(",", ";").replace(".", ","), "time_s;position_m;force_N\n"
@@ -142,7 +143,10 @@ def test_a_mark_above_numbers_of_its_own_is_a_header(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (GOOD.replace("0.1,1\n", "nan,1\n"), "row 3: position is not a finite number"),
+        (
+            GOOD.replace("0.1,1\n", "nan,1\n"),
+            "row 3: position is empty or not a finite number (1 such row)",
+        ),
         (
             GOOD.replace("0.001", "\n\n0.001").replace("0.003,", "0.002,"),
             "row 7: time stands still",
@@ -151,7 +155,7 @@ def test_a_mark_above_numbers_of_its_own_is_a_header(tmp_path: Path) -> None:
             GOOD.replace(",", ";").replace("0.2;2", "0,2;2"),
             "row 4, column 2: '0,2' is not a",
         ),
-        (GOOD.replace("0.1,1\n", ",1\n"), "row 3, column 2: the cell is empty"),
+        (GOOD.replace("0.1,1\n", ",1\n"), "row 3: position is empty or not a finite"),
         (GOOD.replace("0.1,1\n", "0.1,1_0\n"), "row 3, column 3: '1_0' is not a number"),
         (GOOD.replace("0.003,", "0.0015,"), "row 5: time goes back from 0.002 s to 0.0015 s"),
         (GOOD.replace("0.002,0.2,2\n", ""), "row 4: gap of 0.002 s"),
@@ -237,11 +241,13 @@ def test_what_is_missing_can_be_mended_as_the_message_says(tmp_path: Path, seed:
     lines = rows(np.arange(100) * 0.01).splitlines()
     for first in (0, begin, 100 - many):
         bad = range(first + 1, first + many + 1)
+        cell = "nan" if seed % 2 else ""
         text = [
-            f"{line.rpartition(',')[0]},nan" if k in bad else line for k, line in enumerate(lines)
+            f"{line.rpartition(',')[0]},{cell}" if k in bad else line
+            for k, line in enumerate(lines)
         ]
         message = refusal(tmp_path, "\n".join(text))
-        assert f"row {first + 2}: force is not a finite number ({many} such row" in message
+        assert f"row {first + 2}: force is empty or not a finite number ({many} such row" in message
         whole = [line for k, line in enumerate(lines) if k not in bad]
         if first != begin:
             assert message.endswith("cut those rows in the source")
@@ -252,6 +258,33 @@ def test_what_is_missing_can_be_mended_as_the_message_says(tmp_path: Path, seed:
         assert message.endswith(refusal(tmp_path, "\n".join(whole)).rpartition("): ")[2])
         for part in (whole[: begin + 1], [whole[0], *whole[begin + 1 :]]):
             load(tmp_path, "\n".join(part))
+
+
+@pytest.mark.parametrize("cell", ["", " ", "nan"])
+@pytest.mark.parametrize("every", [2, 3, 5])
+def test_a_slower_channel_is_imported_without_its_blank_rows(
+    tmp_path: Path, cell: str, every: int
+) -> None:
+    lines = rows(np.arange(100) * 0.01).splitlines()
+    blank = [
+        f"{line.rpartition(',')[0]},{cell}" if k % every else line
+        for k, line in enumerate(lines[1:])
+    ]
+    message = refusal(tmp_path, "\n".join([lines[0], *blank]))
+    many = sum(k % every > 0 for k in range(100))
+    assert f"row 3: force is empty or not a finite number ({many} such rows): cut" in message
+    found = load(tmp_path, "\n".join([lines[0], *lines[1::every]]))
+    assert found.dt_s == pytest.approx(every * 0.01)
+
+
+@pytest.mark.parametrize("many", [1, 2, 3])
+def test_rows_at_an_end_out_of_step_are_counted_in_words(tmp_path: Path, many: int) -> None:
+    time_s = np.arange(400) * 0.01
+    time_s[-many:] += 0.004 * np.arange(1, many + 1)
+    found = load(tmp_path, rows(time_s))
+    counted = f"{many} row{'s' * (many > 1)} from row {402 - many} on"
+    assert counted in tail_note(found)
+    assert any(counted in finding.text for finding in check_recordings(found).findings)
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -2,6 +2,7 @@
 
 import itertools
 import json
+import re
 from dataclasses import replace
 from math import gamma
 from pathlib import Path
@@ -182,6 +183,30 @@ def test_a_guessed_unit_that_looks_wrong_is_refused_a_stated_one_warned_of(tmp_p
     stated = run_import(tmp_path, rows(5.0), "--map", "position=position_m:m", "--json")
     assert "warning: a: 10 m of travel: its unit looks wrong" in stated.stderr
     assert "unit" in [finding["kind"] for finding in json.loads(stated.stdout)["findings"]]
+
+
+@pytest.mark.parametrize(
+    ("channel", "wrong", "count"),
+    [("position", "m", 1e3), ("position", "m", 1e6), ("force", "kN", 1e3), ("force", "N", 1e6),
+     ("time", "s", 1e3), ("time", "ms", 1e-6)],
+)  # fmt: skip
+def test_a_wrong_header_is_overridden_as_the_refusal_says(
+    tmp_path: Path, channel: str, wrong: str, count: float
+) -> None:
+    """Numbers that count smaller or larger units than the header says."""
+    column = {"time": 0, "position": 1, "force": 2}[channel]
+    lines = [line.split(",") for line in rows(2e-3, 40.0).splitlines()]
+    lines[0][column] = f"{channel}_{wrong}"
+    for line in lines[1:]:
+        line[column] = repr(float(line[column]) * count)
+    result = run_import(tmp_path, "\n".join(",".join(line) for line in lines))
+    assert result.returncode == 3
+    told = re.findall(rf"--map ({channel}=COL:\S+?)(?:;|$)", result.stderr.strip())
+    assert told[-1] == f"{channel}=COL:{wrong}"
+    assert "if the header is wrong" in result.stderr
+    again = run_import(tmp_path, "\n".join(",".join(line) for line in lines), "--map",
+                       told[0].replace("COL", f"{column + 1}"))  # fmt: skip
+    assert again.returncode == 0, again.stderr
 
 
 def test_micrometres_and_millinewtons_are_real(tmp_path: Path) -> None:

@@ -4,6 +4,7 @@ import pickle
 import warnings
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -85,8 +86,28 @@ def test_time_between_samples_is_asked_for_or_the_recordings() -> None:
         small("springpot").fit(slow, Y[:2])
 
 
+@pytest.mark.parametrize("dt_s", [None, 1e-3])
+@pytest.mark.parametrize(
+    ("bad_x", "bad_y", "name"),
+    [(X[0], Y[0], "X"), (X[:2], Y[0], "y"), ([X[0][:, None]], Y[:1], "X"), (0.0, Y, "X")],
+)
+def test_other_shapes_are_refused_before_their_time_is_asked_for(
+    bad_x: Any, bad_y: Any, name: str, dt_s: float | None
+) -> None:
+    """A warning would be an error here."""
+    with pytest.raises(DataError, match=rf"^{name}(\[0\])? "):
+        PositionRegressor("springpot", dt_s=dt_s).fit(bad_x, bad_y)
+
+
+def test_the_list_of_predict_says_how_its_arrays_are_taken() -> None:
+    forces = small("springpot").fit(X[:2], Y[:2]).predict(X[:1])
+    with pytest.raises(UsageError, match=r"take one, predict\(X\)\[0\], or numpy\.stack"):
+        np.asarray(forces)
+    np.testing.assert_array_equal(np.stack(forces)[0], forces[0])
+
+
 def test_what_is_no_recording_is_refused() -> None:
-    with pytest.raises(DataError, match=r"X\[0\] has shape \(\): X is a list of sequences"):
+    with pytest.raises(DataError, match=r"X\[0\] has shape \(\): .*for one recording, \[X\]"):
         small().fit(X[0], Y[0])
     alone = training()[0]
     with pytest.raises(DataError, match="X is one recording: give a list of them"):

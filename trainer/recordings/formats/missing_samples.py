@@ -5,6 +5,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from springpot.codegen.errors import DataError
+from springpot.codegen.plurals import number_of
 from springpot.trainer.recordings.formats.raw_channels import RawChannels
 
 GAP_STEPS = 1.5  # a step longer than this many usual steps may be a gap
@@ -19,13 +20,23 @@ def require_finite(raw: RawChannels) -> None:
     for channel, samples in {**channels, **raw.beside}.items():
         bad = np.flatnonzero(~np.isfinite(samples))
         if len(bad):
-            good = np.flatnonzero(np.isfinite(samples))
-            inside = len(good) and len(good) <= good[-1] - good[0]
-            mend = _mend(int(np.diff(good).max())) if inside else "cut those rows in the source"
             raise DataError(
-                f"{at(raw, bad[0])}: {channel} is not a finite number ({count(bad, 'such row')}): "
-                f"{mend}"
+                f"{at(raw, bad[0])}: {channel} is empty or not a finite number "
+                f"({number_of(len(bad), 'such row')}): {_mend_rows(np.isfinite(samples))}"
             )
+
+
+def _mend_rows(finite: NDArray[np.bool_]) -> str:
+    """What to do about the rows that are not finite."""
+    cut = "cut those rows in the source"
+    if not finite.any():
+        return "no row has a number there: choose another column"
+    steps = np.diff(np.flatnonzero(finite))
+    if not len(steps) or steps.max() == 1:  # all at the ends
+        return cut
+    if steps.min() == steps.max():  # a channel that is sampled once in so many rows
+        return f"{cut}: the other rows are evenly sampled"
+    return _mend(int(steps.max()))
 
 
 def _mend(steps: int) -> str:
@@ -59,18 +70,13 @@ def require_no_gaps(raw: RawChannels) -> None:
         longest = round(float(steps_s[bad].max()) / median_s)
         raise DataError(
             f"{at(raw, bad[0] + 1)}: gap of {steps_s[bad[0]]:.6g} s where steps are "
-            f"{median_s:.6g} s ({count(bad, 'gap')}): {_mend(longest)}"
+            f"{median_s:.6g} s ({number_of(len(bad), 'gap')}): {_mend(longest)}"
         )
 
 
 def rounding_s(raw: RawChannels) -> float:
     """Return what the last bits of a double can add to a difference of two time stamps."""
     return 4.0 * float(np.spacing(np.abs(raw.time_s[[0, -1]]).max()))
-
-
-def count(found: NDArray[np.intp], what: str) -> str:
-    """Write how many rows are found, "1 gap" or "2 gaps"."""
-    return f"{len(found)} {what}" + ("" if len(found) == 1 else "s")
 
 
 def at(raw: RawChannels, sample: int | np.intp) -> str:

@@ -7,11 +7,11 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
+from springpot.codegen.plurals import number_of
 from springpot.trainer.recordings.formats.missing_samples import (
     GAP_STEPS,
     RUN,
     at,
-    count,
     require_finite,
     require_no_gaps,
     rounding_s,
@@ -135,9 +135,10 @@ def _check_order(raw: RawChannels) -> None:
         before_s, here_s = raw.time_s[bad[0]], raw.time_s[bad[0] + 1]
         what = "stands still at" if here_s == before_s else f"goes back from {before_s:.9g} s to"
         raise DataError(
-            f"{at(raw, bad[0] + 1)}: time {what} {here_s:.9g} s ({count(bad, 'such row')}): "
-            "correct the time stamps in the source, cut it there or, where every row is one "
-            f"step, state the rate in place of the column: {rate}"
+            f"{at(raw, bad[0] + 1)}: time {what} {here_s:.9g} s "
+            f"({number_of(len(bad), 'such row')}): correct the time stamps in the source, cut "
+            f"it there or, where every row is one step, state the rate in place of the "
+            f"column: {rate}"
         )
 
 
@@ -157,7 +158,7 @@ def _check_even(raw: RawChannels) -> None:
             what = "the time step" if span == 1 else f"the mean of the last {span} time steps"
             raise DataError(
                 f"{at(raw, bad[0] + span)}: {what} is {steps_s[bad[0]]:.6g} s where "
-                f"{usual_s:.6g} s is usual ({count(bad, 'such row')}): {remedy}"
+                f"{usual_s:.6g} s is usual ({number_of(len(bad), 'such row')}): {remedy}"
             )
 
 
@@ -184,7 +185,7 @@ def _grid(raw: RawChannels, rate_hz: float) -> Samples:
     count = int(span_s * rate_hz + 1e-6) + 1
     if count < MIN_ROWS:
         raise DataError(
-            f"{raw.source}: {span_s:.6g} s at {rate_hz:g} Hz leave {count} samples: "
+            f"{raw.source}: {span_s:.6g} s at {rate_hz:g} Hz leave {number_of(count, 'sample')}: "
             f"give a higher {_option(raw)}"
         )
     grid_s: Samples = raw.time_s[0] + np.arange(count) / rate_hz

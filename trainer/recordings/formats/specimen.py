@@ -84,7 +84,7 @@ class Specimen:
             to_si = OF_SPECIMEN[quantity].get(unit.casefold() or "1")
             if to_si is not None:
                 _require_engineering(label)
-                unit = f"{factor * to_si * size!r}{_SI[quantity]}"
+                unit = f"{factor * to_si * size:.15g}{_SI[quantity]}"
                 found[quantity] = Column(label or column.header_or_number, unit)
             elif named and not column.unit:
                 raise UsageError(

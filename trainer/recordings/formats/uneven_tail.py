@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.arrays import Samples
+from springpot.codegen.plurals import number_of
 from springpot.trainer.recordings.recording import Recording
 
 # So much of a file may be out of step if it is its end.
@@ -55,7 +56,7 @@ def tail_note(recording: Recording) -> str:
     if not tail:
         return ""
     return (
-        f"the last {tail['rows']} rows, from row {tail['from_row']} on, are not in step with the "
-        f"rows before: interpolated onto their {recording.rate_hz:.6g} Hz, and the last "
+        f"the end, {number_of(tail['rows'], 'row')} from row {tail['from_row']} on, is not in step "
+        f"with the rows before: interpolated onto their {recording.rate_hz:.6g} Hz, and the last "
         f"{tail['left_out_s']:.3g} s left out"
     )

@@ -17,7 +17,7 @@ from springpot.trainer.recordings.quality.finding import Finding, warning
 from springpot.trainer.recordings.recording import Recording
 
 _MIN_POINTS = 5
-_STEADY = 3  # cycles
+STEADY = 3  # cycles
 _MIN_SPAN = 4.0
 # A table, since `check` runs where scipy is not installed.
 _STUDENT = (12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262, 2.228)
@@ -41,7 +41,7 @@ class Skew:
 
 def estimate_skew(cycles: Sequence[Cycles]) -> Skew | None:
     """Estimate from cyclic recordings of several frequencies; None where delay looks like loss."""
-    cycles = [found for found in cycles if found.count >= _STEADY]
+    cycles = [found for found in cycles if found.count >= STEADY]
     frequencies = np.array([c.frequency_hz for c in cycles])
     if len(cycles) < _MIN_POINTS or frequencies.max() < _MIN_SPAN * frequencies.min():
         return None

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from itertools import combinations
 from math import dist
 
+from springpot.codegen.plurals import number_of
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
 from springpot.trainer.recordings.quality.repeats import Repeats
 from springpot.trainer.recordings.recording import Recording
@@ -40,7 +41,8 @@ def place_findings(
     without = [press.name for press in presses_of(recordings) if press.place_m is None]
     if without:
         yield refusal(
-            "places", without[0], f"{len(without)} recordings have no place, others have one",
+            "places", without[0],
+            f"{number_of(len(without), 'recording')} without a place, others have one",
             "a map needs the place of each press",
             "give it on import, --place X,Y, or leave those recordings out",
         )  # fmt: skip

@@ -12,6 +12,7 @@ from springpot.codegen.errors import DataError
 from springpot.codegen.progress import counted
 from springpot.trainer.faces import Faces
 from springpot.trainer.recordings.quality.alignment import (
+    STEADY,
     Skew,
     estimate_skew,
     filter_delay_s,
@@ -221,12 +222,12 @@ def _figures(recording: Recording, cycles: Cycles | None, skew: Skew | None) -> 
 
 
 def _loss(recording: Recording, cycles: Cycles, skew: Skew | None) -> dict[str, float] | None:
-    """Loss angle and energy with the alignment's uncertainty, or nothing.
+    """Loss angle and energy with the alignment's uncertainty, or nothing: of steady cycles only.
 
     Taken off is the skew that is stated. Estimated skew gives the uncertainty: without an
     estimate it is not known, and a loss without it would be read as the material's.
     """
-    if skew is None:
+    if skew is None or cycles.count < STEADY:
         return None
     stated_s = recording.force_delay_s - recording.position_delay_s
     doubt_s = abs(skew.delay_s - stated_s) + skew.uncertainty_s

@@ -234,3 +234,18 @@ def test_a_stress_is_no_force_unless_somebody_says_so(
     stated = re.sub(rf"({said[1]}=\d)[^,]*", rf"\1:{said[2]}", chosen)
     (found,) = import_file(file, parse_map(stated), "none", None).recordings
     assert len(found.force_n) == len(FORCE_N)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_sizes_as_people_write_them_have_no_digits_of_rounding(seed: int, tmp_path: Path) -> None:
+    """18 mm2 times 1000 Pa is 0.018 N, and not 0.018000000000000002 N."""
+    draw = np.random.default_rng(seed)
+    (tmp_path / "press.csv").write_text(table("Time (s),Strain (%),Stress (kPa)", (1.0, 2e-4, 1.0)))
+    for _ in range(10):
+        area, height = (f"{draw.integers(1, 999) / 10:g}" for _ in range(2))
+        specimen = Specimen(size_in_si(f"{area}mm2", 2), size_in_si(f"{height}mm", 1))
+        done = import_file(
+            tmp_path / "press.csv", None, "none", None, ImportOptions(specimen=specimen)
+        )
+        for number in re.findall(r"\d+\.\d+", done.guess.rpartition("press.csv")[2]):
+            assert len(number.replace(".", "").lstrip("0")) <= 6, done.guess

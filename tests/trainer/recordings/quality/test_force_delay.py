@@ -8,6 +8,7 @@ import pytest
 
 import springpot
 from springpot import Recording, check_recordings
+from springpot.console import check_parts
 from springpot.modelling import Finding, find_cycles
 from springpot.trainer.recordings.quality.alignment import estimate_skew, low_pass_delay_s
 
@@ -47,6 +48,26 @@ def test_skew_is_estimated_with_its_uncertainty(skew_ms: int) -> None:
     assert alone.figures["skew_s"] is None
     assert alone.recordings[0]["cycles"]["loss"] is None
     assert report.recordings[0]["cycles"]["loss"] is not None
+
+
+def test_loss_is_quoted_of_three_cycles_and_printed_where_it_is_measured() -> None:
+    """Beside five recordings that tell the delay, a press of one cycle still has no loss."""
+    known = [sine(f"{hz}", hz, 0.06) for hz in (0.75, 1.0, 2.0, 3.0, 5.0)]
+    for cycles in (1, 2, 3, 4):
+        whole, samples = sine("short"), cycles * 1000
+        short = replace(
+            whole, position_m=whole.position_m[:samples], force_n=whole.force_n[:samples]
+        )
+        report = check_recordings([*known, short])
+        its = report.recordings[-1]["cycles"]
+        assert its["count"] == cycles
+        assert (its["loss"] is not None) == (cycles >= 3)
+        _, rows = next(part for part in check_parts(report) if not isinstance(part, str))
+        for row, figures in zip(rows, report.recordings, strict=True):
+            loss = figures["cycles"]["loss"]
+            measured = loss and abs(loss["angle_rad"]) >= loss["angle_uncertainty_rad"]
+            assert (row[-1] != "-") == bool(measured)
+        assert {row[-1] == "-" for row in rows} == {True, False}
 
 
 def test_a_filter_is_warned_of_with_its_delay() -> None:

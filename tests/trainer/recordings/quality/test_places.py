@@ -95,4 +95,4 @@ def test_check_finds_near_sites_repeats_that_disagree_and_missing_places() -> No
     (differing,) = places_found(*grid, press("again", (0.0, 0.0), stiffness=250.0))
     assert "p00 and again differ" in differing
     (missing,) = places_found(*grid, press("lost", None))
-    assert missing.startswith("refusal: lost: 1 recordings have no place")
+    assert missing.startswith("refusal: lost: 1 recording without a place")

@@ -1,5 +1,6 @@
 """The cells of one column as numbers, read one by one where a row must be named."""
 
+import math
 from collections.abc import Iterable
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
@@ -24,7 +25,8 @@ def column_numbers(
 ) -> list[float]:
     """Numbers of a column, each row with its line: stamps of a clock as s, no thousands' marks.
 
-    Raises DataError for the first cell that is none.
+    An empty cell is NaN: what is missing is told of all rows at once, by `require_finite`.
+    Raises DataError for the first cell that holds something else.
     """
     found = [row[index].strip() for _, row in rows]
     where = f"{path}, row {{}}, column {index + 1}"
@@ -39,13 +41,13 @@ def column_numbers(
             ) from None
     found = without_groups(found, layout.decimal, layout.stated)
     for (line, _), cell in zip(rows, found, strict=True):
-        if not is_number(cell, layout.decimal):
+        if cell and not is_number(cell, layout.decimal):
             raise _no_number(where.format(line), cell, layout.decimal)
-    return [float(_plain(cell, layout.decimal)) for cell in found]
+    return [float(_plain(cell, layout.decimal)) if cell else math.nan for cell in found]
 
 
 def _no_number(where: str, cell: str, decimal: DecimalMark) -> DataError:
-    what = f"{cell!r} is not a number" if cell else "the cell is empty"
+    what = f"{cell!r} is not a number"
     if is_grouped(cell, decimal):
         (number,) = without_groups([cell], decimal, stated=True)
         return DataError(
@@ -54,7 +56,7 @@ def _no_number(where: str, cell: str, decimal: DecimalMark) -> DataError:
             "with one mark of decimals"
         )
     if decimal == "comma":
-        what += " with a decimal comma, as the others are" if cell else ""
+        what += " with a decimal comma, as the others are"
     elif is_number(cell.replace(",", ".")):
         what += " (decimal comma? write a point)"
     return DataError(f"{where}: {what}: correct it in the source")

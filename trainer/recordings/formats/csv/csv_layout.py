@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from springpot.codegen.errors import DataError
+from springpot.codegen.plurals import number_of
 from springpot.trainer.recordings.formats.column_map import (
     MAP_EXAMPLE,
     Column,
@@ -140,7 +141,7 @@ def _layout_by_numbers(path: Path, head: Sequence[str], request: FileRequest, be
                 return _layout(path, head, delimiter, header, chosen, columns, request)
     numbers = ", ".join(str(i + 1) for i in chosen.values())
     raise DataError(
-        f"{path}: no row has numbers in columns {numbers} (first {len(head)} rows read): "
+        f"{path}: no row has numbers in columns {numbers} ({number_of(len(head), 'row')} read): "
         f"correct --map {MAP_EXAMPLE}"
     )
 

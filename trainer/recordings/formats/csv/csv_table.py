@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
+from springpot.codegen.plurals import number_of
 from springpot.trainer.recordings.formats.column_map import split_unit
 from springpot.trainer.recordings.formats.csv.csv_cells import column_numbers, last_digit
 from springpot.trainer.recordings.formats.csv.csv_layout import Layout
@@ -75,8 +76,8 @@ class CsvTable:
                         continue
                     if not shortest <= len(row) <= width:
                         raise DataError(
-                            f"{self.path}, row {line}: {len(row)} cells, the rows above have "
-                            f"{width}: correct or cut that row in the source"
+                            f"{self.path}, row {line}: {number_of(len(row), 'cell')}, the rows "
+                            f"above have {width}: correct or cut that row in the source"
                         )
                     yield line, row
             except csv.Error as error:
@@ -111,8 +112,8 @@ class CsvTable:
             return found + ", which agrees"
         line = next(islice(self.rows(), int(off[0]), None))[0]
         return (
-            f"{found}, which differs in {len(off)} rows from row {line} on: there it says "
-            f"{stamps_s[off[0]]:g} s after the first row, the count {off[0] / rate_hz:g} s"
+            f"{found}, which differs in {number_of(len(off), 'row')} from row {line} on: there "
+            f"it says {stamps_s[off[0]]:g} s after the first row, the count {off[0] / rate_hz:g} s"
         )
 
     def printed_digit_s(self) -> float:

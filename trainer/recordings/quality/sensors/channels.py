@@ -1,12 +1,14 @@
 """Checks of each channel by itself: constant, clipped, held, coarse; its unit and its clock."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
-from springpot.trainer.recordings.formats.units import CLOCK, FRAME_NAME
+from springpot.codegen.plurals import number_of
+from springpot.trainer.recordings.formats.units import CLOCK, FRAME_NAME, parts_of
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
 from springpot.trainer.recordings.quality.sensors.jumps import dead_findings, wrap_findings
 from springpot.trainer.recordings.quality.sign_evidence import noise_n
@@ -22,6 +24,7 @@ _SAME = 1e-9  # of the range: the same value, converted or interpolated twice
 _COARSE = 0.01  # quantisation step over the signal's range
 _JITTER = 0.05  # of a step
 # Beyond these a unit is doubted. Micrometres, millinewtons and 20 000 N load cells are real.
+_CHECK_RIG = "check it against the rig"
 _TRAVEL_M = (1e-6, 1.0)
 _FORCE_N = (1e-5, 2e4)
 _RATE_HZ = (0.05, 1e6)
@@ -100,11 +103,27 @@ def _units(recording: Recording) -> Iterator[Finding]:
         guessed = bool(metadata) and metadata.get("from") not in ("map", "device")
         unit = metadata.get("unit", "")
         so_what = "its unit looks wrong" + (f" ({unit!r} was read off the file)" if guessed else "")
-        of_frame = metadata.get("from") == FRAME_NAME
-        stated = f"{channel}='COL:{unit}'" if of_frame else f"--map {channel}=COL:{unit}"
-        to_do = f"state it if it is right: {stated}" if guessed else "check it against the rig"
+        to_do = _true_unit(channel, value, low, high, metadata) if guessed else _CHECK_RIG
         make = refusal if guessed else warning
         yield make("unit", recording.name, f"{value:.4g} {what}", so_what, to_do)
+
+
+def _true_unit(
+    channel: str, value: float, low: float, high: float, metadata: Mapping[str, Any]
+) -> str:
+    """How to state a unit that was read off a file: another if the header is wrong, or itself."""
+    unit = str(metadata.get("unit", ""))
+    form = "{}='COL:{}'" if metadata.get("from") == FRAME_NAME else "--map {}=COL:{}"
+    right = f"state it if it is right: {form.format(channel, unit)}"
+    # A unit of time that is longer makes a lower rate.
+    by_time = -1 if channel == "time" else 1
+    factors = (by for by in (1e-3, 1e3, 1e-6, 1e6) if low <= by**by_time * value <= high)
+    factor = next(factors, None)
+    if factor is None or unit == CLOCK:
+        return right
+    before, symbol = parts_of(unit)
+    other = form.format(channel, f"{before * factor:g}{symbol}")
+    return f"if the header is wrong, state what its numbers count: {other}; {right}"
 
 
 def _ratios(recording: Recording) -> Iterator[Finding]:
@@ -189,8 +208,8 @@ def _held(recording: Recording) -> Iterator[Finding]:
         begin, end = max(inner, key=lambda run: run[1] - run[0])
         yield warning(
             "gap", recording.name,
-            f"both channels stand still {len(inner)} times, longest {(end - begin)} samples at "
-            f"{begin * recording.dt_s:.3f} s",
+            f"both channels stand still {number_of(len(inner), 'time')}, longest {end - begin} "
+            f"samples at {begin * recording.dt_s:.3f} s",
             "lost samples were filled by the last one",
             "cut there, or record again with less load on the computer",
         )  # fmt: skip
@@ -232,11 +251,12 @@ def _clock(recording: Recording) -> Iterator[Finding]:
         )  # fmt: skip
     tail = sampling.get("tail")
     if tail:
+        rows = number_of(tail["rows"], "row")
         yield warning(
             "jitter", recording.name,
-            f"the last {tail['rows']} rows, from row {tail['from_row']} on, were out of step",
-            "they were interpolated onto the steps before them",
-            "cut them off in the source to do without",
+            f"the end, {rows} from row {tail['from_row']} on, is out of step",
+            "it was interpolated onto the steps before it",
+            "cut it off in the source to do without",
         )  # fmt: skip
 
 

@@ -9,6 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from springpot.codegen.arrays import Samples
+from springpot.codegen.plurals import number_of
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
 from springpot.trainer.recordings.recording import Recording
 
@@ -41,8 +42,9 @@ def wrap_findings(recording: Recording) -> Iterator[Finding]:
         if len(jumps) >= _FEWEST_JUMPS and len(wraps) > _MOST_JUMPS * len(jumps):
             yield refusal(
                 "wrap", recording.name,
-                f"{channel} jumps {len(wraps)} times by {scale * float(np.ptp(samples)):.3g} "
-                f"{unit} against its own motion, first at {(wraps[0] + 1) * recording.dt_s:.3f} s",
+                f"{channel} jumps {number_of(len(wraps), 'time')} by "
+                f"{scale * float(np.ptp(samples)):.3g} {unit} against its own motion, first at "
+                f"{(wraps[0] + 1) * recording.dt_s:.3f} s",
                 "a counter or a converter wraps there, and no object is pressed so",
                 "unwrap it in the source, as numpy.unwrap does",
             )  # fmt: skip
@@ -97,7 +99,7 @@ def dead_findings(recording: Recording) -> Iterator[Finding]:
             yield warning(
                 "dead", recording.name,
                 f"{channel} jumps to {scale * samples[begin]:.4g} {unit} and stays there, {times} "
-                f"{end - begin} samples from {begin * recording.dt_s:.4g} s on",
+                f"{number_of(end - begin, 'sample')} from {begin * recording.dt_s:.4g} s on",
                 "the sensor or its logger gave nothing, and a model would learn that value",
                 "cut the recording there and import the parts, or record again",
             )  # fmt: skip

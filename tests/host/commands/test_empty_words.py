@@ -1,0 +1,70 @@
+"""An empty word, as of a shell variable that is not set, is refused and not taken for "."."""
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any
+
+import click
+import pytest
+from support.in_process import spring
+from support.small import passive_model, training
+
+import springpot
+from springpot.host.cli import springpot as command_line
+
+
+def commands(group: click.Group, above: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+    for name in group.list_commands(click.Context(group)):
+        command = group.get_command(click.Context(group), name)
+        if isinstance(command, click.Group):
+            yield from commands(command, (*above, name))
+            continue
+        for one in command.params if command else ():
+            if isinstance(one, click.Argument):
+                yield (*above, name, "")
+            elif isinstance(one, click.Option) and not one.is_flag:
+                yield (*above, name, one.opts[0], "")
+                yield (*above, name, f"{one.opts[0]}=")
+
+
+def test_no_command_takes_an_empty_word(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    given = list(commands(command_line))
+    assert ("import", "") in given
+    assert ("study", "run", "--out=") in given or ("study", "plan", "--out=") in given
+    for words in given:
+        done = spring(*words)
+        assert done.returncode == 2, words
+        assert "is empty" in done.stderr, done.stderr
+        assert done.stderr.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+CALLS: list[Callable[[], Any]] = [
+    lambda: springpot.read_recordings(""),
+    lambda: springpot.import_recordings(""),
+    lambda: springpot.write_recording("", training()[0]),
+    lambda: springpot.read_model(""),
+    lambda: springpot.read_scene(""),
+    lambda: springpot.check_recordings(""),
+    lambda: springpot.train(""),
+    lambda: springpot.train([""]),
+    lambda: springpot.emit("", model=passive_model()),
+    lambda: springpot.emit("c", model=""),
+    lambda: springpot.emit("c", scene=""),
+    lambda: springpot.validate("", training()),
+    lambda: springpot.record("sim://ecoflex-00-30", "paper", ""),
+    lambda: springpot.load(""),
+    lambda: springpot.Session("", "sim://ecoflex-00-30"),
+]
+
+
+@pytest.mark.parametrize("call", CALLS)
+def test_no_call_takes_an_empty_path(
+    call: Callable[[], Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    springpot.write_recording("press.h5", training()[0])  # what "." would find
+    with pytest.raises(springpot.UsageError, match="an empty path"):
+        call()
+    assert [file.name for file in tmp_path.iterdir()] == ["press.h5"]
