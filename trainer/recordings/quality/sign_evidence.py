@@ -12,7 +12,8 @@ _LEVEL = 0.05  # of the travel: at the greatest force all along
 _MIN_SAMPLES = 8  # of a slope
 _ONE_SIDED = 0.05  # of the larger end's force: a smaller one of the other sign is noise
 _NOTHING = 0.05  # of the greatest force
-_FIRST = 5  # samples
+_FIRST = 5  # samples, while the tool has not gone farther than
+_SET_OFF = 0.01  # of the travel
 _CLEAR, _STRONG = 1.25, 2.0  # ratio of the ends: some evidence, and twice as much
 _NOISES = 3.0  # standard deviations
 _DELAY = 0.5  # of a sample: channels that are read one after the other
@@ -47,11 +48,21 @@ def deeper_from_zero(x: Samples, f: Samples) -> int:
     side = 1 if x.max() > -x.min() else -1
     away, force = side * x, side * f
     far_n = float(np.median(force[away >= away.max() - _END * span]))
-    begins = (
-        abs(float(x[0])) <= _END * span and abs(float(np.median(f[:_FIRST]))) < _NOTHING * far_n
-    )
+    begins = abs(float(x[0])) <= _END * span and abs(first_n(x, force)) < _NOTHING * far_n
     alone = away.min() >= -_END * span and far_n > -float(force.min())
     return 2 * side if begins and alone else 0
+
+
+def first_n(x: Samples, f: Samples) -> float:
+    """Force where a recording begins: the median of the first samples, before the tool sets off.
+
+    A slow logger has one of them.
+
+    >>> first_n(np.linspace(0.0, 8e-3, 21), np.linspace(0.1, 20.0, 21))
+    0.1
+    """
+    gone = np.abs(x[:_FIRST] - x[0]) > _SET_OFF * float(np.ptp(x))
+    return float(np.median(f[: int(np.argmax(gone)) if gone.any() else _FIRST]))
 
 
 def begins_at_no_force(x: Samples, f: Samples) -> bool:
