@@ -9,6 +9,7 @@ from springpot.codegen.arrays import Samples
 from springpot.trainer.recordings.formats.units import CLOCK, FRAME_NAME
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
 from springpot.trainer.recordings.quality.sensors.jumps import dead_findings, wrap_findings
+from springpot.trainer.recordings.quality.sensors.lost_rows import lost_findings
 from springpot.trainer.recordings.quality.sign_evidence import noise_n
 from springpot.trainer.recordings.recording import Recording
 
@@ -43,6 +44,7 @@ def channel_findings(recording: Recording) -> Iterator[Finding]:
     yield from wrap_findings(recording)
     yield from dead_findings(recording)
     yield from _held(recording)
+    yield from lost_findings(recording)
     yield from _quantisation(recording)
     yield from _clock(recording)
 
