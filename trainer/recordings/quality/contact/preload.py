@@ -34,12 +34,14 @@ def preload_findings(loaded: Sequence[Loaded]) -> Iterator[Finding]:
             "record with force zeroed in the air",
         )  # fmt: skip
     if pressed:
+        # What was tared on purpose has its zero of force, and import takes no other beside it.
+        tared = any("tare_n" in recording.details for recording, _ in pressed)
+        or_zero = ", or, if position 0 means nothing, import with --zero first or min"
         yield warning(
             "contact", where_of([recording for recording, _ in pressed]),
             f"never leaves the object, {_forces(pressed)} at its lowest position",
             "the model pushes there too, and has no surface",
-            "record from above the object, or, if position 0 means nothing, import with --zero "
-            "first or min",
+            "record from above the object" + ("" if tared else or_zero),
         )  # fmt: skip
 
 
