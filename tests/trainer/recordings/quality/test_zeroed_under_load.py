@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from support.files.recording_files import PressedObject
 
-from springpot import Recording
+from springpot import Recording, check_recordings
 from springpot.trainer.recordings.quality.contact.surface import contact_findings
 from springpot.trainer.recordings.quality.contact.zeroed_under_load import find_air_level
 
@@ -61,6 +61,20 @@ def test_its_remedy_leaves_no_such_line(seed: int) -> None:
     tared = replace(recording, force_n=recording.force_n - float(stated[1]))
     assert find_air_level(tared) is None
     assert not [found for found in contact_findings([tared]) if found.kind == "tare"]
+
+
+def test_a_coarse_sensor_in_the_air_is_not_called_clipped_alone() -> None:
+    """Its air is one value, as a sensor's limit is: both are named, each with its remedy."""
+    named = 0
+    for seed in range(20):
+        recording, _ = left_object(seed)
+        step_n = 0.02 * float(np.ptp(recording.force_n))
+        coarse = replace(recording, force_n=np.round(recording.force_n / step_n) * step_n)
+        for found in check_recordings([coarse]).findings:
+            if found.kind == "clipping":
+                assert f"--tare={coarse.force_n.min():.6g}" in found.to_do
+                named += 1
+    assert named >= 10
 
 
 def bonded(draw: np.random.Generator, position_m: np.ndarray) -> np.ndarray:

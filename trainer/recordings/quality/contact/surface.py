@@ -58,7 +58,7 @@ def contact_findings(
                 yield from _trigger_findings(recording, rest_n)
                 doubt_m = _doubt_m(recording, lowest_m, rest_n)
                 met.append((recording, ContactPoint(lowest_m, doubt_m, rest_n, np.inf)))
-    yield from zeroed_findings(in_air)
+    yield from zeroed_findings(in_air, len(recordings))
     shown = [item for item, contact in met if not _is_off(item, contact)]
     rested = [item for item in met if _rests_on(*item, loaded)]
     met = [item for item in met if item not in rested]

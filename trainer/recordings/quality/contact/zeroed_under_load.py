@@ -64,9 +64,9 @@ def find_air_level(recording: Recording) -> AirLevel | None:
     return AirLevel(level_n, float(places_m.min()), float(places_m.max()))
 
 
-def zeroed_findings(found: Sequence[tuple[Recording, AirLevel]]) -> Iterator[Finding]:
-    """Yield a finding for each level: one for all recordings that have the same."""
-    left = list(found)
+def zeroed_findings(found: Sequence[tuple[Recording, AirLevel]], count: int) -> Iterator[Finding]:
+    """Yield a finding for each level: one for all recordings, of `count`, that have the same."""
+    left, others = list(found), ", and the others too if they were zeroed there"
     while left:
         recording, air = left[0]
         near_n = _BAND * float(recording.force_n.max())
@@ -82,7 +82,7 @@ def zeroed_findings(found: Sequence[tuple[Recording, AirLevel]]) -> Iterator[Fin
             f"force is level at {level} N, out and in again, from {low_mm} to {high_mm} mm",
             "the tool is off the object there, and force was zeroed under load, or not at all: the "
             "model would pull",
-            f"import with --tare={level}",
+            f"import with --tare={level}" + ("" if len(same) == count else others),
         )  # fmt: skip
 
 
