@@ -279,7 +279,7 @@ def test_columns_that_are_exchanged_are_not_called_a_mirror_image(tmp_path: Path
     file, header = tmp_path / "swapped.csv", "time_s,position_mm,force_N"
     np.savetxt(file, np.transpose(rows), delimiter=",", header=header, comments="", fmt="%.6f")
     (read,) = import_file(file, None, "none", None).recordings
-    (said,) = (item for item in check_recordings([read]).findings if item.kind == "softening")
+    (said,) = (item for item in check_recordings([read]).findings if item.kind == "exchanged")
     remedy = said.to_do.partition("import with ")[2]
     run_import(file, *shlex.split(remedy), "--out", tmp_path / "r")
     (mended,) = read_recordings([tmp_path / "r"])

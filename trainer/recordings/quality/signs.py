@@ -189,7 +189,7 @@ def _softening(recording: Recording, signs: Signs) -> Finding:
     what = "the slope of force falls as position grows"
     if looks_exchanged(recording.position_m, recording.force_n):
         return warning(
-            "softening", recording.name, f"{what}, and position rests while force goes out and in",
+            "exchanged", recording.name, f"{what}, and position rests while force goes out and in",
             "columns of position and force that are exchanged do so",
             f"if they are, import with --map {shlex.quote(_exchanged(recording))}",
         )  # fmt: skip

@@ -19,7 +19,7 @@ from springpot.trainer.recordings.recording import Recording
 _BELOW, _NOISES = 0.03, 8.0  # of the peak force and of the noise: below 0 by as much
 _BAND, _BAND_NOISES = 0.01, 4.0  # of the range of force, and of its noise: one level
 _TRAVEL, _SAMPLES = 0.02, 0.01  # that level runs have, of all
-_WAY_IN = 0.005  # of the travel, at that level: what brakes the tool pushes there
+_WAY_IN = 0.005  # of the travel, at that level
 _ALIKE = 1.0  # of the noise: means at the ends and in the middle
 _ENDS = 3.0  # of the noise in the middle: farther off, an end is not level
 _FEWEST = 9  # samples of a run
@@ -57,10 +57,11 @@ def find_air_level(recording: Recording) -> AirLevel | None:
     ]
     if not runs or sum(end - begin for begin, end in runs) < _SAMPLES * len(force_n):
         return None
-    places_m = np.concatenate([position_m[begin:end] for begin, end in runs])
+    rows = np.concatenate([np.arange(begin, end) for begin, end in runs])
+    places_m, forces_n = position_m[rows], force_n[rows]
     if np.ptp(places_m) < _TRAVEL * travel_m:
         return None
-    level_n = float(np.median(np.concatenate([force_n[begin:end] for begin, end in runs])))
+    level_n = float(np.median(forces_n))
     return AirLevel(level_n, float(places_m.min()), float(places_m.max()))
 
 
@@ -89,9 +90,10 @@ def zeroed_findings(found: Sequence[tuple[Recording, AirLevel]], count: int) -> 
 def _level_run(
     position_m: Samples, force_n: Samples, begin: int, end: int
 ) -> tuple[int, int] | None:
-    """Trim a run to where force is level within its noise; None where it is not, or only goes out.
+    """Trim a run to where force is level within its noise; None where it is not, or goes out only.
 
-    Trimmed are the ends, which rise or fall from the level already.
+    Trimmed are the ends, which rise or fall from the level already. On the way in, what brakes the
+    tool or gives way pushes beyond the noise soon.
     """
     if end - begin < _FEWEST:
         return None
@@ -105,8 +107,8 @@ def _level_run(
     begin, end = begin + int(near[0]), begin + int(near[-1]) + 1
     third = (end - begin) // 3
     lowest = begin + int(np.argmin(position_m[begin:end]))
-    way_in_m = float(position_m[lowest:end].max() - position_m[lowest])
-    if third < _FEWEST // 3 or way_in_m < _WAY_IN * float(np.ptp(position_m)):
+    way_in = float(position_m[lowest:end].max() - position_m[lowest]) / float(np.ptp(position_m))
+    if third < _FEWEST // 3 or way_in < max(_WAY_IN, 2.0 * _ENDS * noise / float(np.ptp(force_n))):
         return None
     bounds = [begin, begin + third, end - third, end]
     means_n = [float(np.mean(force_n[a:b])) for a, b in pairwise(bounds)]
