@@ -1,17 +1,22 @@
 """What a rig adds to the force: a load cell that drifts, and a hum."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot import Recording
+from springpot import DataError, Recording
 from springpot.basics import Samples
-from springpot.modelling import Finding, sensor_noise_n, warning
+from springpot.modelling import Finding, find_contact, sensor_noise_n, warning
 
 _LOWEST = 0.01  # of the travel: as low as the tool ever is
 _DRIFT = 0.03  # of the peak force
 _NOISES = 8.0
+_EVEN, _ENDED = (
+    0.35,
+    0.1,
+)  # of a fall: in the second half of the time, less is no line; none is left
 _HUM_HZ = 20.0  # hands and presses are slower
 _ABOVE_MOTION = 5.0  # times the highest frequency of the motion
 _MOTION = 1e-4  # of the spectrum's greatest power: where motion ends
@@ -32,8 +37,9 @@ def drift_findings(recording: Recording) -> Iterator[Finding]:
     """Yield a finding if force changes from visit to visit of the lowest position.
 
     An object that is pressed relaxes: where the tool is back, force is less than it was, and not
-    below 0. So a rise is the load cell's, and so is a fall below 0, but of an object that holds the
-    tool: its pull lets go while the tool rests there.
+    below 0. So a rise is the load cell's, and so is a fall below 0 in the air that goes on evenly.
+    Where the tool begins on the object, force may have been zeroed under load and relax, ever more
+    slowly. The pull of what holds the tool lets go while the tool rests there.
     """
     visits = list(_visits(recording))
     if len(visits) < 3:
@@ -47,13 +53,47 @@ def drift_findings(recording: Recording) -> Iterator[Finding]:
     falls = bool(np.all(np.diff(forces_n) < least_n / 2.0)) and forces_n[-1] < -least_n
     holds = any(_rise_n(recording.force_n[part]) > least_n / 4.0 for part in visits)
     moved_n = float(forces_n[-1] - forces_n[0])
-    if pushed and ((moved_n > least_n and rises) or (moved_n < -least_n and falls and not holds)):
+    fell = moved_n < -least_n and falls and not holds
+    goes_on = _second_half(visits, forces_n)
+    if fell and goes_on < _ENDED:
+        return  # the force without contact, or that of an object which has relaxed: no line
+    if not pushed or not (fell or (moved_n > least_n and rises)):
+        return
+    where, ends = recording.name, f"from {forces_n[0]:.3g} to {forces_n[-1]:.3g} N"
+    untared = "tare before each press, or take the line off before the import"
+    if fell and (goes_on < _EVEN or not _begins_off(recording, visits[1].start)):
         yield warning(
-            "drift", recording.name,
-            f"force at the lowest position drifts from {forces_n[0]:.3g} to {forces_n[-1]:.3g} N",
-            "no object does that, the load cell does, and the model would have it as slow memory",
-            "tare before each press, or take the line off before the import",
+            "drift", where, f"force at the lowest position falls {ends}",
+            "the load cell does that, and so does an object that relaxes after force was zeroed "
+            "under load: the model would have it as slow memory, or pull",
+            "if force was zeroed under load, import with --tare=-PRELOAD_N, the force that was "
+            f"taken off; if the load cell drifts, {untared}",
         )  # fmt: skip
+    else:
+        yield warning(
+            "drift", where, f"force at the lowest position drifts {ends}",
+            "no object does that, the load cell does, and the model would have it as slow memory",
+            untared,
+        )  # fmt: skip
+
+
+def _second_half(visits: Sequence[slice], forces_n: Samples) -> float:
+    """Share of the change of force that the second half of the time has: 1/2 of a line."""
+    times = np.array([0.5 * (part.start + part.stop) for part in visits])
+    half_n = float(np.interp(0.5 * (times[0] + times[-1]), times, forces_n))
+    changed_n = float(forces_n[-1] - forces_n[0])
+    return float(forces_n[-1] - half_n) / changed_n if changed_n else 0.0
+
+
+def _begins_off(recording: Recording, end: int) -> bool:
+    """Whether the tool is off the object before its first press, the deepest of up to `end`."""
+    deepest = int(np.argmax(recording.position_m[:end])) + 1
+    position_m, force_n = recording.position_m[:deepest], recording.force_n[:deepest]
+    try:
+        find_contact(replace(recording, position_m=position_m, force_n=force_n, channels={}))
+    except DataError:
+        return False
+    return True
 
 
 def hum_of(recording: Recording) -> tuple[float, float] | None:

@@ -282,8 +282,8 @@ def test_an_object_that_is_pulled_too_keeps_its_zero() -> None:
     position_m = 4e-3 * np.sin(2.0 * np.pi * TIME_S)
     item = Recording("a", position_m, 5e3 * position_m + 2.0 * np.cos(2 * np.pi * TIME_S), 1e-3)
     found = findings(item)["contact"]
-    assert "is pulled too" in found.what
-    assert "--zero first" not in found.line
+    assert "is bonded to the tool and pulls" in found.so_what
+    assert "--zero" not in found.line
 
 
 @pytest.mark.parametrize(

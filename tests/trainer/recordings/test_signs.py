@@ -248,3 +248,40 @@ def test_a_found_tare_hides_no_mirror_and_makes_none(
     if offset_n == 0.0:
         with pytest.raises(DataError, match="turn the sign round"):
             require_signs([condition(Recording("x", -x, -f, 2e-3), Conditioning(**found))[0]])
+
+
+def pressed_from_air(seed: int) -> Recording:
+    """A press or a few from 1 mm of air, by any law between a foam's and a gel's, with noise."""
+    draw = np.random.default_rng(seed)
+    time_s = np.arange(0.0, 6.0, 0.005)
+    position_m = 7e-3 * (0.5 - 0.5 * np.cos(2.0 * np.pi * draw.uniform(0.4, 1.0) * time_s)) - 1e-3
+    depth_m = np.maximum(position_m, 0.0)
+    force_n = 6.0 * (depth_m / 6e-3) ** draw.uniform(0.5, 2.2)
+    force_n += draw.uniform(0.0, 20.0) * np.gradient(depth_m, time_s)
+    force_n += 10.0 ** draw.uniform(-3.0, -2.0) * draw.normal(size=len(time_s))
+    return Recording(f"{seed:02}", position_m, force_n, 0.005)
+
+
+def test_columns_that_are_exchanged_are_not_called_a_mirror_image(tmp_path: Path) -> None:
+    """What is said of them, typed, gives the press; and no press is called so."""
+    told, offered = 0, []
+    for seed in range(40):
+        right = pressed_from_air(seed)
+        assert "exchanged" not in " ".join(item.line for item in check_recordings([right]).findings)
+        swapped = replace(right, position_m=1e-3 * right.force_n, force_n=1e3 * right.position_m)
+        lines = [item.line for item in check_recordings([swapped]).findings]
+        assert not any("turn the sign round" in line for line in lines)
+        told += any("exchanged" in line or "right columns" in line for line in lines)
+        offered += [(right, swapped)] if any("exchanged" in line for line in lines) else []
+    assert told >= 36 and offered
+    right, swapped = offered[0]
+    rows = [0.005 * np.arange(len(swapped.force_n)), 1e3 * swapped.position_m, swapped.force_n]
+    file, header = tmp_path / "swapped.csv", "time_s,position_mm,force_N"
+    np.savetxt(file, np.transpose(rows), delimiter=",", header=header, comments="", fmt="%.6f")
+    (read,) = import_file(file, None, "none", None).recordings
+    (said,) = (item for item in check_recordings([read]).findings if item.kind == "exchanged")
+    remedy = said.to_do.partition("import with ")[2]
+    run_import(file, *shlex.split(remedy), "--out", tmp_path / "r")
+    (mended,) = read_recordings([tmp_path / "r"])
+    np.testing.assert_allclose(mended.force_n, right.force_n, atol=1e-5)
+    np.testing.assert_allclose(mended.position_m, right.position_m, atol=1e-8)

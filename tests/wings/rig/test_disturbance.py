@@ -5,6 +5,7 @@ import pytest
 from scipy.signal import lfilter
 from support.files.recording_files import PressedObject
 
+from springpot import check_recordings
 from springpot.host.wings.rig.disturbance import drift_findings, hum_of
 from springpot.trainer.recordings.recording import Recording
 
@@ -34,6 +35,46 @@ def test_drift_either_way_is_named(rate_nps: float, offset_m: float) -> None:
     for position_m in (CYCLES_M, RECOVERING_M):
         (found,) = drift_findings(recorded(position_m, rate_nps * TIME_S, offset_m))
         assert "the load cell does" in found.text
+
+
+def zeroed_under_load(seed: int) -> tuple[Recording, float]:
+    """A relaxing object on a preload where both channels were zeroed, and its force there."""
+    draw = np.random.default_rng(seed)
+    depth_m = 0.008 * (0.3 + 0.7 * CYCLES_M / CYCLES_M.max())
+    way_in_m = np.linspace(0.0, depth_m[0], round(draw.uniform(0.1, 0.5) / DT_S))
+    elastic_n = 5.0 * (np.concatenate([way_in_m, depth_m]) / 0.008) ** draw.uniform(1.2, 2.2)
+    keep = np.exp(-DT_S / 10.0 ** draw.uniform(0.0, 1.7))
+    relaxed_n = draw.uniform(0.3, 0.8) * lfilter([1.0 - keep], [1.0, -keep], elastic_n)
+    force_n = np.maximum(elastic_n - relaxed_n, 0.0)[len(way_in_m) :] + NOISE_N
+    taken_n = float(force_n[:5].mean())
+    return Recording("zeroed", depth_m - depth_m[0], force_n - taken_n, DT_S), taken_n
+
+
+def test_an_object_that_was_zeroed_under_load_is_named_beside_the_load_cell() -> None:
+    """Its force falls below 0 as it relaxes; with the force that was taken off it falls to 0.
+
+    Where it has fallen at once, force is level: no line is the cause, and the contact is checked.
+    """
+    named = remedied = 0
+    for seed in range(30):
+        recording, taken_n = zeroed_under_load(seed)
+        to_do = [found.to_do for found in check_recordings([recording]).findings]
+        remedied += any("--tare" in each for each in to_do)
+        for found in drift_findings(recording):
+            assert "no object" not in found.text
+            assert "--tare=-PRELOAD_N" in found.to_do and "tare before each" in found.to_do
+            named += 1
+        tared = Recording("tared", recording.position_m, recording.force_n + taken_n, DT_S)
+        assert not list(drift_findings(tared))
+    assert named >= 6 and remedied >= 28
+
+
+@pytest.mark.parametrize("offset_m", [-0.001, -0.002])
+def test_a_drift_in_the_air_is_the_load_cells_alone(offset_m: float) -> None:
+    for rate_nps in (0.02, -0.02):
+        (found,) = drift_findings(recorded(CYCLES_M, rate_nps * TIME_S, offset_m))
+        assert "no object does that" in found.text
+        assert "PRELOAD" not in found.text
 
 
 @pytest.mark.parametrize("share", [0.3, 0.6])

@@ -167,7 +167,9 @@ def check_recordings(given: Recordings) -> QualityReport:
         of_signs = [] if wraps else list(sign_findings(recording, own_signs))
         findings += of_channels + of_signs
         findings += [] if of_signs else play_findings(recording)
-        if not wraps and not any(finding.severity == "refusal" for finding in of_signs):
+        exchanged = any(finding.kind == "exchanged" for finding in of_signs)
+        refused = any(finding.severity == "refusal" for finding in of_signs)
+        if not (wraps or exchanged or refused):
             of_rig: list[Finding] = rig_findings(recording) if rig_findings else []
             if not any(finding.kind == "hum" for finding in of_rig):
                 touched.append(recording)

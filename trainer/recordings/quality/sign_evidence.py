@@ -12,9 +12,11 @@ _LEVEL = 0.05  # of the travel: at the greatest force all along
 _MIN_SAMPLES = 8  # of a slope
 _ONE_SIDED = 0.05  # of the larger end's force: a smaller one of the other sign is noise
 _NOTHING = 0.05  # of the greatest force
-_FIRST = 5  # samples
+_FIRST = 5  # samples, while the tool has not gone farther than
+_SET_OFF = 0.01  # of the travel
 _CLEAR, _STRONG = 1.25, 2.0  # ratio of the ends: some evidence, and twice as much
 _NOISES = 3.0  # standard deviations
+_RESTS, _GOES_ON = 0.01, 0.1  # of the ranges of position and of force
 _DELAY = 0.5  # of a sample: channels that are read one after the other
 _LEVELS = (0.3, 0.5, 0.7)  # of the travel: where loops may be cut
 
@@ -47,11 +49,21 @@ def deeper_from_zero(x: Samples, f: Samples) -> int:
     side = 1 if x.max() > -x.min() else -1
     away, force = side * x, side * f
     far_n = float(np.median(force[away >= away.max() - _END * span]))
-    begins = (
-        abs(float(x[0])) <= _END * span and abs(float(np.median(f[:_FIRST]))) < _NOTHING * far_n
-    )
+    begins = abs(float(x[0])) <= _END * span and abs(first_n(x, force)) < _NOTHING * far_n
     alone = away.min() >= -_END * span and far_n > -float(force.min())
     return 2 * side if begins and alone else 0
+
+
+def first_n(x: Samples, f: Samples) -> float:
+    """Force where a recording begins: the median of the first samples, before the tool sets off.
+
+    A slow logger has one of them.
+
+    >>> first_n(np.linspace(0.0, 8e-3, 21), np.linspace(0.1, 20.0, 21))
+    0.1
+    """
+    gone = np.abs(x[:_FIRST] - x[0]) > _SET_OFF * float(np.ptp(x))
+    return float(np.median(f[: int(np.argmax(gone)) if gone.any() else _FIRST]))
 
 
 def begins_at_no_force(x: Samples, f: Samples) -> bool:
@@ -76,6 +88,24 @@ def deeper_by_slope(x: Samples, f: Samples) -> int:
     if low is None or high is None or max(abs(low), abs(high)) == 0.0:
         return 0
     return _vote(abs(high), abs(low))
+
+
+def looks_exchanged(x: Samples, f: Samples) -> bool:
+    """Whether position rests at its lowest while force falls and rises again, or the other way.
+
+    In the air it is force that rests, and position that goes out and in again. An object that is
+    held relaxes one way.
+    """
+    near = x <= float(x.min()) + max(_RESTS * float(np.ptp(x)), 2.0 * _NOISES * noise_n(x))
+    edges = np.diff(np.concatenate(([0], near, [0])).astype(int))
+    for begin, end in zip(np.flatnonzero(edges > 0), np.flatnonzero(edges < 0), strict=True):
+        ends_n = f[begin], f[end - 1]
+        beyond_n = max(
+            float(f[begin:end].max() - max(ends_n)), float(min(ends_n) - f[begin:end].min())
+        )
+        if beyond_n > _GOES_ON * float(np.ptp(f)):
+            return True
+    return False
 
 
 def _vote(high: float, low: float) -> int:

@@ -22,6 +22,7 @@ from springpot.trainer.recordings.quality.sign_evidence import (
     deeper_by_slope,
     deeper_from_zero,
     dissipation,
+    looks_exchanged,
 )
 from springpot.trainer.recordings.quality.spikes import hold_spikes
 from springpot.trainer.recordings.recording import Recording
@@ -181,12 +182,23 @@ def _sign_findings(recording: Recording, signs: Signs) -> Iterator[Finding]:
             _remedy(recording, signs),
         )  # fmt: skip
     elif signs.softens or not signs.right:
-        mirrored = replace(signs, position_sign=-1, force_sign=-1)
-        yield warning(
-            "softening", recording.name, "the slope of force falls as position grows",
-            "a foam, a gel and what is pulled or buckles do so; so does a mirror image",
-            f"if force was zeroed in the deepest press, {_remedy(recording, mirrored)}",
+        yield _softening(recording, signs)
+
+
+def _softening(recording: Recording, signs: Signs) -> Finding:
+    what = "the slope of force falls as position grows"
+    if looks_exchanged(recording.position_m, recording.force_n):
+        return warning(
+            "exchanged", recording.name, f"{what}, and position rests while force goes out and in",
+            "columns of position and force that are exchanged do so",
+            f"if they are, import with --map {shlex.quote(_exchanged(recording))}",
         )  # fmt: skip
+    mirrored = replace(signs, position_sign=-1, force_sign=-1)
+    return warning(
+        "softening", recording.name, what,
+        "a foam, a gel and what is pulled or buckles do so; so does a mirror image",
+        f"if force was zeroed in the deepest press, {_remedy(recording, mirrored)}",
+    )  # fmt: skip
 
 
 def sign_doubts(recordings: Sequence[Recording]) -> list[str]:
@@ -214,6 +226,15 @@ def _remedy(recording: Recording, signs: Signs) -> str:
         return f"turn one sign round on import: --map {' or --map '.join(either)}"
     turned = ",".join(_turned(recording, c) for c, sign in by_channel.items() if sign < 0)
     return f"turn the sign round on import: --map {shlex.quote(turned)}"
+
+
+def _exchanged(recording: Recording) -> str:
+    """Value of `--map` by which each channel is read from the other one's column."""
+    position, force = (recording.details.get("units", {}).get(c, {}) for c in ("position", "force"))
+    return (
+        f"position={force.get('column', 'COL')}:{position.get('unit') or 'mm'},"
+        f"force={position.get('column', 'COL')}:{force.get('unit') or 'N'}"
+    )
 
 
 def _turned(recording: Recording, channel: str) -> str:

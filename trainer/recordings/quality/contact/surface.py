@@ -13,14 +13,19 @@ from springpot.trainer.recordings.quality.contact.preload import (
     other_zero_findings,
     preload_findings,
 )
-from springpot.trainer.recordings.quality.finding import Finding, warning
-from springpot.trainer.recordings.quality.sign_evidence import noise_n
+from springpot.trainer.recordings.quality.contact.zeroed_under_load import (
+    AirLevel,
+    find_air_level,
+    zeroed_findings,
+)
+from springpot.trainer.recordings.quality.finding import Finding, span, warning
+from springpot.trainer.recordings.quality.motion import where_of
+from springpot.trainer.recordings.quality.sign_evidence import first_n, noise_n
 from springpot.trainer.recordings.recording import Recording
 
 _PRELOAD = 0.05  # of the peak force, at the lowest position
 _LOWEST = 0.005  # of the travel: where a motion seldom comes, the force there is the least
 _SURFACE_OFF = 0.05  # of the travel
-_FIRST = 5  # samples
 
 Met = tuple[Recording, ContactPoint]
 
@@ -34,6 +39,7 @@ def contact_findings(
     """
     met: list[Met] = []
     loaded: list[Loaded] = []
+    in_air: list[tuple[Recording, AirLevel]] = []
     for recording in recordings:
         if recording.zero != "none" or np.ptp(recording.force_n) == 0.0:
             continue
@@ -44,17 +50,23 @@ def contact_findings(
             least_n = max(_PRELOAD * float(recording.force_n.max()), noise_n(recording.force_n))
             if recording.name in drifting:
                 continue
-            if abs(rest_n) > least_n:
+            if (level := find_air_level(recording)) is not None:
+                in_air.append((recording, level))
+            elif abs(rest_n) > least_n:
                 loaded.append((recording, rest_n))
             else:
                 yield from _trigger_findings(recording, rest_n)
                 doubt_m = _doubt_m(recording, lowest_m, rest_n)
                 met.append((recording, ContactPoint(lowest_m, doubt_m, rest_n, np.inf)))
+    yield from zeroed_findings(in_air, len(recordings))
     shown = [item for item, contact in met if not _is_off(item, contact)]
+    rested = [item for item in met if _rests_on(*item, loaded)]
+    met = [item for item in met if item not in rested]
     if shown:
         yield from other_zero_findings(loaded, shown)
     else:
-        yield from preload_findings(loaded)
+        relaxed = [(item, max(contact.tare_n, 0.0)) for item, contact in rested]
+        yield from preload_findings(loaded + relaxed)
     # An object that remembers its last press is met where that left it.
     yield from _surface_findings([item for item in met if not item[0].start_s])
     for recording, contact in met:
@@ -63,7 +75,9 @@ def contact_findings(
         if abs(contact.tare_n) > max(3 * contact.threshold_n, 0.02 * recording.force_n.max()):
             yield warning(
                 "tare", recording.name, f"{contact.tare_n:.3g} N without contact",
-                "the model would push where nothing is touched", "import with --tare auto",
+                f"the model would {'push' if contact.tare_n > 0.0 else 'pull'} where nothing is "
+                "touched",
+                "import with --tare auto",
             )  # fmt: skip
 
 
@@ -74,26 +88,26 @@ def _surface_findings(met: Sequence[Met]) -> Iterator[Finding]:
     position 0, others that begin deeper do not say that the surface is elsewhere. To put each of
     them at 0 would take away what the object remembers.
     """
-    off = [item for item in met if _is_off(*item)]
+    sure = [contact for item, contact in met if _is_off(item, contact)]
+    off = [item for item in met if _is_off(*item) or _may_be_off(*item, sure)]
     if not off:
         return
-    fresh, begins = min(met, key=lambda item: item[1].position_m)
-    if not _is_off(fresh, begins):  # what begins pressed shows no surface, and needs none beside it
+    fresh, _ = first = min(met, key=lambda item: item[1].position_m)
+    none_at_0 = first in off
+    if not none_at_0:  # what begins pressed shows no surface, and needs none beside it
         off = [item for item in off if not _begins_pressed(*item)]
     if not off:
         return
-    places_mm = [1e3 * contact.position_m for _, contact in off]
-    where, span = off[0][0].name, f"{min(places_mm):.3g} to {max(places_mm):.3g} mm"
+    where = where_of([item for item, _ in off])
+    places_mm = span([1e3 * contact.position_m for _, contact in off])
     if len(off) == 1:
-        span = f"{places_mm[0]:.3g} +- {1e3 * off[0][1].uncertainty_m:.2g} mm"
-    else:
-        where = f"{len(off)} of {len(met)} recordings"
-    if _is_off(fresh, begins):
+        places_mm += f" +- {1e3 * off[0][1].uncertainty_m:.2g}"
+    if none_at_0:
         so_what, to_do = _elsewhere(off)
-        yield warning("contact", where, f"force begins at {span}, not at 0", so_what, to_do)
+        yield warning("contact", where, f"force begins at {places_mm} mm, not at 0", so_what, to_do)
     else:
         yield warning(
-            "contact", where, f"force begins at {span}, in {fresh.name} at 0",
+            "contact", where, f"force begins at {places_mm} mm, in {fresh.name} at 0",
             "the object had not recovered there, or its zero was another",
             "import with --rest-s if one object was pressed in this order, with --contact-force "
             "auto if each recording has a zero of its own",
@@ -114,13 +128,24 @@ def _trigger_findings(recording: Recording, rest_n: float) -> Iterator[Finding]:
 
 def _begins_n(recording: Recording, rest_n: float) -> float:
     """Force above `rest_n` that a recording begins with, N; 0 within its noise."""
-    begins_n = float(np.median(recording.force_n[:_FIRST])) - rest_n
+    begins_n = first_n(recording.position_m, recording.force_n) - rest_n
     noisy_n = NOISES * noise_n(recording.force_n)
     return begins_n if begins_n > max(_PRELOAD * float(recording.force_n.max()), noisy_n) else 0.0
 
 
 def _begins_pressed(recording: Recording, contact: ContactPoint) -> bool:
     return contact.threshold_n == np.inf and _begins_n(recording, contact.tare_n) > 0.0
+
+
+def _rests_on(recording: Recording, contact: ContactPoint, loaded: Sequence[Loaded]) -> bool:
+    """Whether it relaxed to nearly no force at a lowest position where another one pushes."""
+    deep_m = contact.position_m + NEAR_ZERO * float(np.ptp(recording.position_m))
+    pushing_m = [item.position_m.min() for item, rest_n in loaded if rest_n > 0.0]
+    return (
+        contact.threshold_n == np.inf
+        and _is_off(recording, contact)
+        and any(lowest_m <= deep_m for lowest_m in pushing_m)
+    )
 
 
 def _elsewhere(off: Sequence[Met]) -> tuple[str, str]:
@@ -137,6 +162,14 @@ def _elsewhere(off: Sequence[Met]) -> tuple[str, str]:
 def _is_off(recording: Recording, contact: ContactPoint) -> bool:
     allowed_m = _SURFACE_OFF * float(np.ptp(recording.position_m)) + 2 * contact.uncertainty_m
     return abs(contact.position_m) > allowed_m
+
+
+def _may_be_off(recording: Recording, contact: ContactPoint, sure: Sequence[ContactPoint]) -> bool:
+    """Whether its bounds meet those of one that is off, and are about no surface at 0."""
+    return abs(contact.position_m) > _SURFACE_OFF * float(np.ptp(recording.position_m)) and any(
+        abs(contact.position_m - other.position_m) <= contact.uncertainty_m + other.uncertainty_m
+        for other in sure
+    )
 
 
 def _doubt_m(recording: Recording, lowest_m: float, rest_n: float) -> float:

@@ -11,6 +11,7 @@ from springpot.codegen.plurals import number_of
 from springpot.trainer.recordings.formats.units import CLOCK, FRAME_NAME, parts_of
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
 from springpot.trainer.recordings.quality.sensors.jumps import dead_findings, wrap_findings
+from springpot.trainer.recordings.quality.sensors.lost_rows import lost_findings
 from springpot.trainer.recordings.quality.sign_evidence import noise_n
 from springpot.trainer.recordings.recording import Recording
 
@@ -46,6 +47,7 @@ def channel_findings(recording: Recording) -> Iterator[Finding]:
     yield from wrap_findings(recording)
     yield from dead_findings(recording)
     yield from _held(recording)
+    yield from lost_findings(recording)
     yield from _quantisation(recording)
     yield from _clock(recording)
 
@@ -163,6 +165,12 @@ def _clipping(recording: Recording) -> Iterator[Finding]:
             if side == "minimum" and extreme >= 0.0:
                 continue  # out of contact, or at rest
             moved, longest = 0.0, 0
+            or_air = ("", "")
+            if channel == "force" and side == "minimum":  # of a coarse sensor the air is one value
+                or_air = (
+                    ", or the tool is in the air and force was zeroed under load",
+                    f"; in the air, import with --tare={extreme:.6g}",
+                )
             for begin, end in _runs(samples == extreme):
                 if end - begin < _CLIPPED_RUN:
                     continue
@@ -173,8 +181,8 @@ def _clipping(recording: Recording) -> Iterator[Finding]:
                     "clipping", recording.name,
                     f"{channel} stays at its {side} value, {extreme:.6g} {unit}, for up to "
                     f"{longest * recording.dt_s:.3g} s while the other channel moves on",
-                    "the sensor's limit is recorded in place of the object",
-                    "record again with less amplitude or a larger sensor",
+                    "the sensor's limit is recorded in place of the object" + or_air[0],
+                    "record again with less amplitude or a larger sensor" + or_air[1],
                 )  # fmt: skip
 
 
