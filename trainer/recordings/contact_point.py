@@ -104,10 +104,12 @@ def find_contact(
         or min(press.passes_m[0] for press in presses) - low_m < _MIN_FREE_SHARE * travel_m
         or _meets_first(presses).before_m - low_m < _MIN_FREE_SHARE * travel_m
     ):
+        other = "position 0 means nothing, import with --zero first or min"
+        if base_n < 0.0:
+            other = "force was zeroed under load, with --tare=-PRELOAD_N, the force taken off"
         raise DataError(
             f"{recording.name}: never leaves the object (force is {base_n:.4g} N at its lowest "
-            "position), so the surface cannot be found: record from above the object, or, if "
-            "position 0 means nothing, import with --zero first or min"
+            f"position), so the surface cannot be found: record from above the object, or, if {other}"
         )
     met = _meets_first(presses)
     # Half a usual step; where the tool met the surface by steps that are longer, half of that one.

@@ -13,10 +13,8 @@ from springpot.modelling import Finding, find_contact, sensor_noise_n, warning
 _LOWEST = 0.01  # of the travel: as low as the tool ever is
 _DRIFT = 0.03  # of the peak force
 _NOISES = 8.0
-_EVEN, _ENDED = (
-    0.35,
-    0.1,
-)  # of a fall: in the second half of the time, less is no line; none is left
+_EVEN = 0.35  # of a fall, in the second half of the time: less is no line
+_ENDED = 0.1  # of it: nothing is left of the fall
 _HUM_HZ = 20.0  # hands and presses are slower
 _ABOVE_MOTION = 5.0  # times the highest frequency of the motion
 _MOTION = 1e-4  # of the spectrum's greatest power: where motion ends
