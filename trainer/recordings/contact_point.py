@@ -109,7 +109,8 @@ def find_contact(
             other = "force was zeroed under load, with --tare=-PRELOAD_N, the force taken off"
         raise DataError(
             f"{recording.name}: never leaves the object (force is {base_n:.4g} N at its lowest "
-            f"position), so the surface cannot be found: record from above the object, or, if {other}"
+            "position), so the surface cannot be found: record from above the object, or, if "
+            f"{other}"
         )
     met = _meets_first(presses)
     # Half a usual step; where the tool met the surface by steps that are longer, half of that one.
