@@ -300,6 +300,7 @@ TEST(no_state_makes_a_wait_endless)
         CHECK((double)state.position_m == 0.0 || (double)state.position_m == -1.0);
     }
     CHECK(sp_energy_ticks((sp_real)1e30) == (uint32_t)SP_SILENCE_MOST);
+    CHECK(sp_energy_ticks(SP_SILENCE_MOST + (sp_real)0.75) == (uint32_t)SP_SILENCE_MOST);
     CHECK(sp_energy_ticks((sp_real)2.4) == 2u && sp_energy_ticks((sp_real)2.5) == 3u);
 }
 
