@@ -23,7 +23,7 @@ from support.paths import TESTS
 
 TABLE = TESTS / "durations.json"
 LISTED_S, OTHER_S = 0.1, 0.01  # others count as so much
-FAST_S, TOTAL_S = (2.9, 0.65), 230.0  # of a file, of all: test_speed.py adds them up
+FAST_S, TOTAL_S = (2.75, 0.6), 230.0  # of a file, of all: test_speed.py adds them up
 REST_S, REST_TOTAL_S = (17.5, 1.75), 800.0
 WORTH = {"tests/system/test_forces.py": (12.0, 12.0)}  # every kind's forces, bit for bit
 USED_S = pytest.StashKey[tuple[float, float]]()  # what `make test` and `make test-rest` choose

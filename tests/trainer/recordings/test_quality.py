@@ -188,7 +188,7 @@ def test_a_guessed_unit_that_looks_wrong_is_refused_a_stated_one_warned_of(tmp_p
 @pytest.mark.parametrize(
     ("channel", "wrong", "count"),
     [("position", "m", 1e3), ("position", "m", 1e6), ("force", "kN", 1e3), ("force", "N", 1e6),
-     ("time", "s", 1e3), ("time", "ms", 1e-6)],
+     ("time", "s", 1e6), ("time", "ms", 1e-6)],
 )  # fmt: skip
 def test_a_wrong_header_is_overridden_as_the_refusal_says(
     tmp_path: Path, channel: str, wrong: str, count: float

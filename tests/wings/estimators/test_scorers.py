@@ -57,7 +57,7 @@ def test_recordings_are_taken_for_their_sequences():
         PositionRegressor("springpot", 2e-3),
         PositionRegressor("springpot", 1e-3, zero="min"),
     ):
-        with refusing(DataError, "dt_s=0.001 and zero='none'", "PositionRegressor"):
+        with refusing(DataError, "dt_s=0.001 and zero='none'", "the regressor"):
             other.fit(training(), training())
 
 
