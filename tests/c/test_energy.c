@@ -292,7 +292,7 @@ TEST(parts_add_up_to_ticks)
 
 TEST(no_state_makes_a_wait_endless)
 {
-    const double wrong[] = {-1.0, NAN, INFINITY, 1e30};
+    const double wrong[] = {-1.0, (double)NAN, (double)INFINITY, 1e30};
     for (unsigned i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         sp_energy_state state = {.left_j = (sp_real)1e3, .step_m = (sp_real)-1};
         int notes = 0;
