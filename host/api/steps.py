@@ -226,8 +226,9 @@ def validate(
     from springpot.host.emission.emission import require_emission
     from springpot.host.validation.validation import validate as validate_folder
 
-    require_emission(given_path(folder))
-    return validate_folder(given_path(folder), _some(recordings), paced_s, device, accept_edited)
+    chosen, emitted = _some(recordings), given_path(folder)
+    require_emission(emitted)
+    return validate_folder(emitted, chosen, paced_s, device, accept_edited)
 
 
 def stability(
