@@ -10,6 +10,7 @@ from springpot.codegen.scene import Coupling
 from springpot.codegen.stages.model_force import RangeConfig, Stages, model_force
 from springpot.codegen.stages.stage import SceneTicks
 
+STATE_REALS = 9  # sp_energy_state; emitted C asserts the size of a state
 _POINTS = 128  # of the trained depth, in the integral
 # An encoder at rest goes to and fro by one step: a spring in ticks would lose K dx^2/2 each time.
 ENCODER_STEPS = 1.5

@@ -7,6 +7,7 @@ first after a silence is all the ticks without a sample too.
 
 from dataclasses import dataclass
 
+from springpot.codegen.plan.energy import STATE_REALS
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.stages.costs import COSTS
 from springpot.codegen.stages.stage import (
@@ -77,7 +78,7 @@ def state_members(plan: Plan) -> list[Member]:
     if plan.smooth_alpha is not None:
         members.append(Member("sp_real smoothed_n", (REAL,)))
     if plan.energy is not None:
-        members.append(Member("sp_energy_state energy", (REAL,) * 9))
+        members.append(Member("sp_energy_state energy", (REAL,) * STATE_REALS))
     if plan.lateral is not None:
         members += plan.lateral.members
         if plan.energy is not None:

@@ -19,7 +19,7 @@ _RESTS, _MIDWAY = 0.02, (1 / 3, 2 / 3)  # of the way to the threshold
 _RISES = 0.35  # of the threshold, midway: a force that rises from the first move on
 _NOISES = 5.0
 _DEVIATIONS = 2.0  # of a slope, by the noise around it
-_BOUND = 3.0  # deviations, of where noise lets force pass a level
+_BOUND = 4.0  # deviations, of where noise lets force pass a level
 _MIN_SHARE_OF_PEAK = 0.002
 _COUNTS = 1.5  # of the sensor: noise of less than one makes one, some samples in a row
 _HIGHER = 3.0  # times the threshold: the slope below the surface is taken up to there
@@ -70,18 +70,12 @@ def find_contact(
         raise DataError(f"{recording.name}: moves too little to show where contact begins")
     base_n = float(np.median(free_n)) if tare_n is None else tare_n
     ways = [(position_m[way], force_n[way]) for way in _ways_in(position_m)]
-    air_n = [force[way <= low_m + _LOW_SHARE * travel_m] for way, force in ways]
-    # A load cell drifts: each press counts from its own air, unless a tare is stated.
-    own = [tare_n is None and len(each) >= _OWN_AIR for each in air_n]
-    bases_n = [
-        float(np.median(each)) if is_own else base_n
-        for each, is_own in zip(air_n, own, strict=True)
-    ]
-    off_n = [each - np.median(each) for each, is_own in zip(air_n, own, strict=True) if is_own]
-    # The median deviation, as a standard deviation: a few samples in contact do not raise it.
-    deviation_n = 1.4826 * float(
-        np.median(np.abs(np.concatenate(off_n or [free_n - np.median(free_n)])))
-    )
+    bases_n, deviation_n = [base_n] * len(ways), _deviation_n([free_n])
+    if tare_n is None:  # a load cell drifts: each press counts from its own air
+        air_n = [force[way <= low_m + _LOW_SHARE * travel_m] for way, force in ways]
+        shown = [each for each in air_n if len(each) >= _OWN_AIR]
+        bases_n = [float(np.median(e)) if len(e) >= _OWN_AIR else base_n for e in air_n]
+        deviation_n = _deviation_n(shown or [free_n])
     peak_n = float(force_n.max()) - base_n
     wanted_n = threshold_n
     if threshold_n is None:
@@ -120,10 +114,19 @@ def find_contact(
     if wanted_n is None:  # a threshold that was stated defines the surface: nothing to go back
         # A press too light for all levels, as the first of growing ones, does not show the law.
         most = max(len(press.passes_m) for press in presses)
-        shown = _meets_first([press for press in presses if len(press.passes_m) == most])
-        back_m, open_m = _way_back_m(shown.passes_m, _BOUND * deviation_n / threshold_n)
+        lawful = _meets_first([press for press in presses if len(press.passes_m) == most])
+        back_m, open_m = _way_back_m(lawful.passes_m, _BOUND * deviation_n / threshold_n)
         surface_m, doubt_m = surface_m - back_m, max(doubt_m, open_m)
     return ContactPoint(surface_m, doubt_m, base_n, threshold_n)
+
+
+def _deviation_n(levels_n: list[Samples]) -> float:
+    """Return the standard deviation of forces about the median of each level, N.
+
+    By the median deviation, which a few samples in contact do not raise.
+    """
+    off_n = np.concatenate([each - np.median(each) for each in levels_n])
+    return 1.4826 * float(np.median(np.abs(off_n)))
 
 
 def _meets_first(presses: list[_Press]) -> _Press:
