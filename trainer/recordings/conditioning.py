@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
+import numpy as np
+
 from springpot.codegen.entry_points import required_part
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.slides import is_slide
@@ -68,7 +70,7 @@ def condition(recording: Recording, options: Conditioning) -> tuple[Recording, l
 def on_one_surface(
     recordings: Sequence[Recording], options: Conditioning
 ) -> tuple[list[Recording], str]:
-    """Give recordings of one object the surface that lies in the bounds of all, and a line on it.
+    """Give recordings of one object the mean surface within the bounds of all, and a line on it.
 
     A rig keeps its zero from press to press, and each press shows the surface within bounds of its
     own. If they have nothing in common each recording keeps its zero: so it was found, or the
@@ -85,7 +87,10 @@ def on_one_surface(
         return list(recordings), (
             "the surfaces differ by more than their bounds: each recording keeps its own as zero"
         )
-    surface_m, doubt_m = 0.5 * (low_m + high_m), 0.5 * (high_m - low_m)
+    found_m = np.array([each["contact_position_m"] for each in found])
+    weights = 1.0 / np.maximum([each["contact_uncertainty_m"] for each in found], 1e-9) ** 2
+    surface_m = float(np.clip(np.average(found_m, weights=weights), low_m, high_m))
+    doubt_m = max(high_m - surface_m, surface_m - low_m)
     shared = {"contact_position_m": surface_m, "contact_uncertainty_m": doubt_m}
     moved = [
         replace(
