@@ -125,9 +125,6 @@ class Guard:
     onset_mm: Annotated[float, Interval(ge=1e-4, le=100)] | None = None
     """Depth over which the force rises from zero behind the surface. Default: 1 % of the trained
     depth."""
-    energy: Literal["account", "note", "off"] = "account"
-    """If the hand would get back more energy than it has paid, `"account"` cuts the force, `"note"`
-    only says so; `"off"` leaves the account out."""
     __repr__ = short_repr
 
 

@@ -96,7 +96,6 @@ def _manifest(plan: Plan, facts: Mapping[str, Any]) -> dict[str, Any]:
         "contact": "surface" if plan.contact else "always",
         "coupling": coupling_metadata(plan),
         "outside": plan.outside,
-        "energy": plan.scene.guard.energy,
         "accept_unsafe": plan.accept_unsafe,
         **_model_metadata(plan),
         **_places(plan),

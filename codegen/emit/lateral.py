@@ -1,7 +1,6 @@
 """The generated calls of a loop of three axes: sp_step3 and sp_idle3."""
 
 from springpot.codegen.emit.project import filled
-from springpot.codegen.emit.step import SILENT_BEFORE, SILENT_TICKS
 from springpot.codegen.emit.tick import indented
 from springpot.codegen.literals import literal
 from springpot.codegen.plan.plan import Plan
@@ -42,44 +41,7 @@ def _functions(plan: Plan, lateral: LateralStage) -> str:
             f"        {line}\n" for step in steps for line in _renewed(step, config.n_branches)
         ),
         STEPS="".join(f"{line}\n" for line in indented(indented(stepped))),
-        **_account(plan),
     ).rstrip("\n")
-
-
-def _account(plan: Plan) -> dict[str, str]:
-    """Lines of the account of energy, by their place in the template."""
-    lines: dict[str, list[str]] = {"SILENT": [], "WAIT": [], "PAY": [], "AGAIN": [], "LIMIT": []}
-    if plan.energy is not None:
-        account, unit = "&state->lateral_energy", "state->lateral.unit"
-        damped = "(sp_real)0"
-        silent = f"left > 0 ? {account[1:]}.along.held_n : " if plan.energy_acts else ""
-        if plan.viscous_npm is not None:
-            damped = "viscous_npm * ticks * sp_energy3_square(step)"
-        cut = f"sp_energy_limit({account}.along, sp_energy3_way({unit}, step),"
-        cut_of = "state->output.given_n, &notes);"
-        lines["PAY"] = [
-            "sp_real step[3];",
-            "for (uint32_t k = 0; k < 3; k++) {",
-            "    step[k] = (at[k] - state->lateral.at_m[k]) / ticks;",
-            "}",
-            f"const sp_real held_n = {silent}state->output.given_n;",
-            f"sp_energy3_pay(&energy, {account}, {unit}, state->output.given_n, held_n, at, ticks,",
-            f"               {damped}, step);",
-        ]
-        lines["AGAIN"] = [
-            f"    sp_energy3_restart(&energy, {account}, at);",
-            "    (void)memset(step, 0, sizeof step);",
-        ]
-        given = "state->output.given_n = " if plan.energy_acts else "(void)"
-        lines["LIMIT"] = [f"    {given}{cut} {cut_of}"]
-        if plan.energy_acts:
-            lines["SILENT"] = [SILENT_BEFORE]
-            lines["WAIT"] = [
-                *SILENT_TICKS,
-                f"given_n = sp_energy3_wait(&energy, {account}, {unit}, silent, ticks, held_n,",
-                "                          given_n, &notes);",
-            ]
-    return {name: "".join(f"{line}\n" for line in indented(its)) for name, its in lines.items()}
 
 
 def _renewed(step: MaxwellBranches, capacity: int) -> list[str]:

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 
-from springpot.codegen.arrays import Real
 from springpot.codegen.coupling.auto import (
     CouplingChoice,
     choose_coupling,
@@ -15,7 +14,6 @@ from springpot.codegen.coupling.gains import couple_config, require_plausible_da
 from springpot.codegen.coupling.loop_device import loop_device
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model import Model
-from springpot.codegen.plan.energy import StorageBounds, energy_config
 from springpot.codegen.plan.left_out import units_left_out, unused_orders
 from springpot.codegen.plan.limits import (
     guard_config,
@@ -80,12 +78,6 @@ def _plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
         couple = couple_config(choice.coupling, dt_s, dtype)
     estimates = couple is not None and scene.device.velocity == "estimate"
     alpha = _smooth_alpha(scene, dt_s)
-    output = output_config(model, scene, ticks)
-    energy = None
-    if scene.guard.energy != "off":
-        bounds = StorageBounds(trained, output, choice.coupling)
-        resolution_m = 1e-6 * scene.device.resolution_um
-        energy = energy_config(stages, bounds, resolution_m, ticks)
     return Plan(
         **vars(stages),
         scene=scene,
@@ -101,9 +93,7 @@ def _plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
         at_proxy=choice.coupling.mode == "proxy",
         max_mps=dtype(max_mps(model)),
         smooth_alpha=None if alpha is None else dtype(alpha),
-        output=output,
-        energy=energy,
-        viscous_npm=_viscous_npm(scene, ticks),
+        output=output_config(model, scene, ticks),
         silence=silence_config(watchdog_s, ticks),
         watchdog_s=float(dtype(watchdog_s)),
         lateral=lateral_stage(model, placed, scene, ticks, limit_npm, dt_s * max_mps(model)),
@@ -183,14 +173,6 @@ def _coupling(scene: Scene, stiffness_npm: float, dt_s: float) -> CouplingChoice
 def _smooth_alpha(scene: Scene, dt_s: float) -> float | None:
     time_constant_s = scene.smoothing.time_constant_s
     return None if time_constant_s == 0.0 else float(-np.expm1(-dt_s / time_constant_s))
-
-
-def _viscous_npm(scene: Scene, ticks: SceneTicks) -> Real | None:
-    """Damping of the device over a tick, b/dt, for the account; None if it is not known, or 0."""
-    if scene.guard.energy == "off" or not scene.device.viscous_nspm:
-        return None
-    viscous_npm: Real = ticks.dtype(scene.device.viscous_nspm / ticks.dt_s)
-    return viscous_npm
 
 
 def _outside_note(model: Model, scene: Scene) -> str:

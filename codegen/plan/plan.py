@@ -10,7 +10,6 @@ from springpot.codegen.coupling.auto import CouplingChoice
 from springpot.codegen.coupling.gains import CoupleConfig
 from springpot.codegen.coupling.loop_device import LoopDevice, loop_device
 from springpot.codegen.model.model import Model
-from springpot.codegen.plan.energy import EnergyConfig
 from springpot.codegen.plan.left_out import LeftOut
 from springpot.codegen.plan.limits import GuardConfig, OutputConfig, SilenceConfig
 from springpot.codegen.scene import Scene
@@ -43,8 +42,6 @@ class Plan(Stages):
     max_mps: Real
     smooth_alpha: Real | None
     output: OutputConfig
-    energy: EnergyConfig | None
-    viscous_npm: Real | None
     silence: SilenceConfig
     watchdog_s: float
     lateral: LateralStage | None
@@ -106,11 +103,6 @@ class Plan(Stages):
     def lateral_guard(self) -> GuardConfig:
         """Lateral positions that are believed: as far from 0 as a tool may wait, either way."""
         return replace(self.guard, max_m=-self.guard.min_m)
-
-    @property
-    def energy_acts(self) -> bool:
-        """Tell whether the account of energy cuts the force, and does not only note it."""
-        return self.scene.guard.energy == "account"
 
     @property
     def max_force_n(self) -> float:

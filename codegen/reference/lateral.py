@@ -9,7 +9,7 @@ from springpot.codegen.plan.limits import GuardConfig
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.reference.guarding import SILENCE_WORTH
 from springpot.codegen.reference.lateral_motion import LateralMotion
-from springpot.codegen.reference.lateral_output import Account3, Output3, squared
+from springpot.codegen.reference.lateral_output import Output3
 from springpot.codegen.reference.notes import HELD, OUTSIDE, RESYNC
 from springpot.codegen.reference.run import Run
 from springpot.codegen.stages.model_force import clip
@@ -75,8 +75,7 @@ class _Loop:
         self._axes = [_Axis(config, plan.dtype) for config in guards]
         self._motion = LateralMotion(plan.lateral, plan.dtype)
         zero = self._real(0)
-        self._account = None if plan.energy is None else Account3(plan.energy, plan.dtype)
-        self._output = Output3(plan, self._account)
+        self._output = Output3(plan)
         self._silent, self._missed, self._latched, self._began = zero, zero, False, False
 
     def step(self, raw: Reals) -> tuple[list[Any], int]:
@@ -95,32 +94,18 @@ class _Loop:
             given_n, notes = self._held(flushed(raw[2]))
             return self._output.vector(given_n), notes
         self._heard()
-        step = [(x - was) / ticks for x, was in zip(at, self._motion.at, strict=True)]
-        step = self._pay(at, step, ticks)
         if self._began:
             notes |= RESYNC
             self._began, left = False, 0
             self._motion.rest(at)
-            self._output.restart(at)
-            step = [self._real(0)] * 3
+            self._output.restart()
         before = self._output.vector(self._output.given)
         if left:
             self._make_up(at, ticks, left)
         length_n, note = self._tick(at)
         self._output.came_from(before, self._latched)
-        given_n, more = self._output.force(self._latched, left > 0, step, length_n)
+        given_n, more = self._output.force(self._latched, left > 0, length_n)
         return self._output.vector(given_n), notes | note | more
-
-    def _pay(self, at: list[Any], step: list[Any], ticks: Any) -> list[Any]:
-        """Pay for the way to here; the step that the tool may go on by."""
-        if self._account is None:
-            return step
-        damped, viscous = self._real(0), self._plan.viscous_npm
-        if viscous is not None:
-            damped = viscous * ticks * squared(step, self._real)
-        given, held = self._output.given, self._output.held(ticks)
-        on: list[Any] = self._account.pay(given, held, at, ticks, step, damped)
-        return on
 
     def _make_up(self, at: list[Any], ticks: Any, left: int) -> None:
         steps = [(x - was) / ticks for x, was in zip(at, self._motion.at, strict=True)]
@@ -150,7 +135,7 @@ class _Loop:
     def _held(self, depth: Any) -> tuple[Any, int]:
         """hold3 of one tick: its length, N, and notes."""
         silence, fall, real = self._plan.silence, self._real(0), self._real
-        passed, silent = silence.dt_s * silence.per_dt, self._silent * silence.per_dt
+        passed = silence.dt_s * silence.per_dt
         if self._latched:
             fall = passed
         else:
@@ -164,4 +149,4 @@ class _Loop:
         if self._axes[2].plausible(depth):
             part = depth / good if depth < good else real(1)
             share = min(part, real(1)) if depth > 0 else real(0)
-        return self._output.hold(self._latched, silent, fall, share)
+        return self._output.hold(self._latched, fall, share)

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.plan.plan import Plan
-from springpot.codegen.reference.notes import CLAMPED, ENERGY, HELD, LATCHED, LIMITED, OUTSIDE
+from springpot.codegen.reference.notes import CLAMPED, HELD, LATCHED, LIMITED, OUTSIDE
 from springpot.host.native.loop_library import COLUMN, NONE, LoopRows, empty_rows
 from springpot.host.session.outcome import LOWER, NOTE_WORDS, UPPER, clamped_low
 
@@ -19,7 +19,6 @@ WINDOW_S = 0.05  # rows are looked at together
 CALM_S = 0.5  # without the condition: it is over
 LINE_S = 1.0  # at most one line in this time
 FASTER = 4.0  # than the trained speed, inside the object
-ENERGY_SHARE = 0.05  # a tick here and there, out of the object, is a tick of the account
 HELD_SHARE = 0.1  # of the ticks of a window: a single lost sample is no warning
 MAX_EVENTS = 50  # of a kind: the last one counts the ticks of all further ones
 _SPEED_S = 0.01  # of motion to a speed: an encoder's step is no speed
@@ -78,7 +77,6 @@ class LiveWarnings:
             "clamped": _Condition(UPPER),
             "pulls": _Condition(LOWER),
             "limited": _Condition(NOTE_WORDS[LIMITED]),
-            "energy": _Condition(NOTE_WORDS[ENERGY], share=ENERGY_SHARE),
             "held": _Condition(NOTE_WORDS[HELD], share=HELD_SHARE),
             "latched": _Condition(NOTE_WORDS[LATCHED], said_elsewhere=True),
         }  # fmt: skip
@@ -133,7 +131,6 @@ class LiveWarnings:
             # At 0 an object ends to push and does not pull: nothing to be told.
             "pulls": (low & (self._min_n < 0.0), force_n),
             "limited": ((notes & LIMITED) > 0, force_n),
-            "energy": ((notes & ENERGY) > 0, force_n),
             "held": (((notes & HELD) > 0) & ~latched, force_n),
             "latched": (latched, force_n),
         }

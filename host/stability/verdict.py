@@ -2,12 +2,9 @@
 
 from collections.abc import Iterator, Sequence
 
-import numpy as np
-
 from springpot.codegen.coupling.linear_loop import HAND_MODELS
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plurals import number_of
-from springpot.codegen.reference.notes import ENERGY
 from springpot.host.stability.closed_loop import MORE_DELAY, Outcome
 from springpot.host.stability.judgement import QUIET_MPS, Grade, device_advice, judge
 from springpot.host.stability.slides import SlideOutcome
@@ -104,15 +101,10 @@ def why_unbounded(
 
 def may_do(plan: Plan, faulty: Sequence[Outcome]) -> str:
     """Name what of the scene may be changed, and is not so yet, to mend these outcomes."""
-    unpaid = any(bool(np.any(item.trace.notes & ENERGY)) for item in faulty)
     max_n = plan.max_force_n
     # Half a period less delay, and less of a lost sample: a forest has the period it was fitted at.
     faster = plan.model.regressor is None and any(item.late or item.losses for item in faulty)
     ways = {
-        "device.viscous_nspm, which `springpot identify` measures, for without it the account of "
-        "energy cuts the force": (
-            unpaid and plan.energy_acts and not plan.scene.device.viscous_nspm
-        ),
         f"guard.max_force_n above {max_n:.3g} N, which the force reaches, if the device gives it": (
             any(item.max_force_n >= 0.9999 * max_n for item in faulty)  # in float32
         ),
@@ -147,17 +139,10 @@ def _differs_by(outcomes: Sequence[Outcome]) -> str:
     soft = max(item.fidelity_percent for item in whole if not item.stiffer)
     lossy = [item for item in outcomes if item.losses is not None and not item.played.ends]
     percent = max((item.fidelity_percent for item in lossy), default=0.0)
-    words = (
+    return (
         f"what is felt differs from the model by at most {soft:.1f} % of peak, with lost samples "
         f"by {percent:.1f} %, with the object ten times stiffer by {stiff:.1f} %"
     )
-    unpaid_n = max((item.losses.unpaid_n for item in lossy if item.losses), default=0.0)
-    if unpaid_n > 0.0:
-        words += (
-            f"; after lost samples the force is up to {unpaid_n:.1f} N less for a moment, where "
-            "the hand has not paid for it"
-        )
-    return words
 
 
 def _named(items: Sequence[Outcome | SlideOutcome]) -> str:

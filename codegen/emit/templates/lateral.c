@@ -108,10 +108,10 @@ SP_APART sp_real tick3(sp_state *state, const sp_real *at, int *notes)
 static int hold3(sp_state *state, sp_real dt_s, sp_real share, sp_real *force_n)
 {
     int notes = SP_NOTE_HELD;
-@SILENT@    const sp_real latched = sp_silence_passed(&silence, &state->silence, dt_s);
+    const sp_real latched = sp_silence_passed(&silence, &state->silence, dt_s);
     const sp_real held_n = sp_output_clamp(&output, state->output.given_n, &notes);
     sp_real given_n = share * held_n;
-@WAIT@    state->output.given_n = given_n;
+    state->output.given_n = given_n;
     if (state->silence.latched) {
         notes = 0;
         (void)sp_output_fall(&output, &state->output, latched, &notes);
@@ -166,12 +166,12 @@ int sp_step3(sp_state *state, const sp_real position_m[3], const sp_real velocit
         return hold3(state, silence.dt_s, sp_guard_share(&guard, &last, position_m[2]), force_n);
     }
     sp_silence_heard(&state->silence, silence.dt_s);
-@PAY@    if (state->lateral.lost != 0u) {
+    if (state->lateral.lost != 0u) {
         state->lateral.lost = 0u;
         notes |= SP_NOTE_RESYNC;
         restart3(state, at);
         sp_output_restart(&output, &state->output);
-@AGAIN@        left = 0;
+        left = 0;
     }
     sp_real before_n[3];
     sp_lateral_give(&state->lateral, sp_output_clamp(&output, state->output.given_n, &notes),
@@ -188,7 +188,7 @@ int sp_step3(sp_state *state, const sp_real position_m[3], const sp_real velocit
             sp_output_force(&output, &state->output, left > 0, (sp_real)1, length_n, &notes);
         state->output.given_n =
             sp_lateral_grown(&state->lateral, before_n, output.slew_n, given_n, &notes);
-@LIMIT@    }
+    }
     sp_lateral_give(&state->lateral, state->output.given_n, force_n);
     return notes;
 }

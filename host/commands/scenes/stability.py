@@ -109,7 +109,7 @@ def _figures(outcome: Outcome) -> str:
         found = outcome.losses
         return (
             f"{found.error_n:.2f} N off 10 ms after samples are back, {found.above_n:.2f} N above "
-            f"after 5 ms, {found.unpaid_n:.2f} N not paid for; "
+            f"after 5 ms; "
             f"{1e3 * found.returned_j:.1f} mJ returned of {1e3 * found.stored_j:.1f} stored"
         )
     return (

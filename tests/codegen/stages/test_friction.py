@@ -19,7 +19,6 @@ from codegen.stages.test_sliding_energy import (
     plan_of as bare,
     random_model,
 )
-from codegen.stages.test_sliding_silence import SHARE, accounted, most_returned
 from support.c.sliding import Fault, sliding
 from support.small import DEPTH_M, DT_S
 
@@ -40,7 +39,7 @@ def sticking(plan: Plan, friction: float = MU) -> Plan:
 
 
 def rough(model: Model, friction: float = MU) -> Plan:
-    """The model as it is, without limits or account."""
+    """The model as it is, without limits."""
     return sticking(bare(model), friction)
 
 
@@ -139,11 +138,3 @@ def test_the_adversary_finds_a_planted_fault(fault: str | None) -> None:
     with sliding(plan, [stiff, *(PLANTED[fault] if fault else [])]) as emitted:
         found = least(emitted, range(40))
     assert found < -100 * BOUND if fault else found > -BOUND
-
-
-@pytest.mark.parametrize(
-    "seeds", [(315, 990), pytest.param(range(1000, 1050), marks=pytest.mark.slow)]
-)
-def test_no_slide_that_loses_samples_gives_energy(seeds: Sequence[int]) -> None:
-    with sliding(sticking(accounted(random_model(0)))) as emitted:
-        assert most_returned(emitted, seeds) <= SHARE

@@ -55,9 +55,9 @@ def placed(passive: Hammerstein, places: Places) -> Model:
 
 
 def plan_of(model: Model) -> Plan:
-    """The model as it is: no limit, no account, no onset to speak of."""
+    """The model as it is: no limit, no onset to speak of."""
     chosen = scene(number="float64")
-    guard = replace(chosen.guard, max_force_n=1e4, onset_mm=1e-4, energy="off")
+    guard = replace(chosen.guard, max_force_n=1e4, onset_mm=1e-4)
     return make_plan(model, replace(chosen, places=ScenePlaces("lateral", 8.0), guard=guard))
 
 

@@ -70,7 +70,6 @@ WORDS: dict[str, tuple[Any, list[Any]]] = {
     "coupling.mode": ("auto", ["auto", "off", "tool", "proxy"]),
     "places.mode": ("held", ["held", "lateral"]),
     "guard.outside": ("fallback", ["fallback", "hold", "zero"]),
-    "guard.energy": ("account", ["account", "note", "off"]),
     "guard.contact": (None, ["surface", "always"]),
     "device.velocity": ("estimate", ["estimate", "device"]),
     "device.sign": (1, [1, -1]),

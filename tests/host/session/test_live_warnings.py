@@ -109,11 +109,11 @@ def test_warnings_and_words_name_the_limit_at_which_the_force_was_kept(min_n):
     rng = np.random.default_rng(7)
     of_type = PLAN.dtype
     limits = replace(PLAN.output, min_n=of_type(min_n), max_n=of_type(2.0), slew_n=of_type(0.3))
-    plan = replace(PLAN, output=limits, energy=None)
+    plan = replace(PLAN, output=limits)
     output = Output(plan)
     output.free()
     asked_n = np.repeat(rng.uniform(-4.0, 5.0, 40), rng.integers(40, 200, 40))
-    gone = [output.force(False, False, of_type(0), of_type(each)) for each in asked_n]
+    gone = [output.force(False, False, of_type(each)) for each in asked_n]
     force_n = np.array([float(each) for each, _ in gone])
     notes = np.array([each for _, each in gone])
     assert np.any(notes & LIMITED)

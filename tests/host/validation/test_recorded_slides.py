@@ -36,7 +36,7 @@ def folders(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
         "held": ScenePlaces(),
     }
     for mode, places in modes.items():
-        its = replace(scene(energy="off"), places=places)
+        its = replace(scene(), places=places)
         emit(its, where / "model.spm", where / mode, accept_unsafe=True)
     return {mode: where / mode for mode in modes}
 

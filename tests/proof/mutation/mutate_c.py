@@ -25,7 +25,6 @@ _LOOP = ("test_loop", "test_loop_end", "test_loop_device", "test_loop_periods", 
 PROGRAMS = {
     "runtime_c/src/sp_guard.h": ("test_guard", "test_patterns"),
     "runtime_c/src/sp_output.h": ("test_output", "test_patterns"),
-    "runtime_c/src/sp_energy.h": ("test_energy", "test_patterns"),
     "runtime_c/src/sp_silence.h": ("test_silence",),
     "runtime_c/src/sp_contact.h": ("test_range",),
     "runtime_c/src/sp_range.h": ("test_range",),

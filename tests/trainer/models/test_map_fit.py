@@ -80,7 +80,7 @@ def lump() -> Model:
 @pytest.mark.long
 def test_a_recorded_lump_is_felt_between_its_sites(tmp_path: Path) -> None:
     write_model(tmp_path / "model.spm", lump())
-    emit(scene(energy="off"), tmp_path / "model.spm", tmp_path / "c")
+    emit(scene(), tmp_path / "model.spm", tmp_path / "c")
     places = np.random.default_rng(7).uniform(0.0, 0.03, (20, 2)).tolist()
     motions = load_protocol("validation", 3)
     signals = [

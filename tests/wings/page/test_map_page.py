@@ -134,7 +134,7 @@ def test_the_force_shown_is_that_of_the_c(tmp_path: Path, mode: str, number: str
 
 @pytest.mark.parametrize("mode", SCENES)
 def test_the_recording_on_the_page_is_rendered_at_its_place(tmp_path: Path, mode: str) -> None:
-    like = replace(SCENES[mode], guard=replace(SCENES[mode].guard, energy="off"))
+    like = SCENES[mode]
     folder = emitted(tmp_path / "map", like, placed_model())
     recordings = [pressed(place_m, f"at-{k}") for k, place_m in enumerate(PLACES)][1:]
     store_validation(folder, validate(folder, recordings, paced_s=0.01))
