@@ -3,8 +3,7 @@
 python tests/proof/mutation/mutate_c.py OUT.json [--only NAME] [--workers N]
 
 The programs of tests/c alone, float then double: they are exact, end in milliseconds and depend on
-no clock. OUT.json is docs/reliability/mutation-c.json where the result shall be kept.
-"""
+no clock. """
 
 import subprocess
 import sys
@@ -97,7 +96,7 @@ def main() -> int:
     tried = try_all(
         ROOT / "build" / "mutation" / "c.jsonl", files, mutants_of_c, attempt, options.workers
     )
-    command = "python tests/proof/mutation/mutate_c.py docs/reliability/mutation-c.json"
+    command = "python tests/proof/mutation/mutate_c.py OUT.json"
     return int(
         write_result(options.out, "Mutation of the C that ends in a force", command, tried) > 0
     )
