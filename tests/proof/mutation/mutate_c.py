@@ -3,7 +3,7 @@
 python tests/proof/mutation/mutate_c.py OUT.json [--only NAME] [--workers N]
 
 The programs of tests/c alone, float then double: they are exact, end in milliseconds and depend on
-no clock. """
+no clock."""
 
 import subprocess
 import sys
