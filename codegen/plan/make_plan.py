@@ -8,7 +8,6 @@ from springpot.codegen.coupling.auto import (
     CouplingChoice,
     choose_coupling,
     series,
-    spring_limit_npm,
 )
 from springpot.codegen.coupling.gains import couple_config, require_plausible_damping
 from springpot.codegen.coupling.loop_device import loop_device
@@ -28,7 +27,6 @@ from springpot.codegen.plan.stiffness import max_stiffness_npm, tangent_fallback
 from springpot.codegen.scene import Scene
 from springpot.codegen.stages.model_force import RangeConfig, Stages
 from springpot.codegen.stages.passive.from_model import hammerstein_stage
-from springpot.codegen.stages.passive.lateral import lateral_stage
 from springpot.codegen.stages.stage import SceneTicks, vector_width_of
 from springpot.codegen.stages.tool_velocity import tool_velocity_stage
 
@@ -66,8 +64,6 @@ def _plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
         min_m=dtype(0.0 if contact else model.trained.min_m),
         max_m=dtype(model.trained.max_m),
     )
-    placed = stages.passive.placed if stages.passive is not None else None
-    limit_npm = spring_limit_npm(dt_s, loop_device(scene.device, dt_s)) if ticks.slides else 0.0
     fade_m = FADE * (float(trained.max_m) - float(trained.min_m))
     stiffness_npm = max_stiffness_npm(stages, model, trained, ticks)
     choice = _coupling(scene, stiffness_npm, dt_s)
@@ -96,7 +92,6 @@ def _plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
         output=output_config(model, scene, ticks),
         silence=silence_config(watchdog_s, ticks),
         watchdog_s=float(dtype(watchdog_s)),
-        lateral=lateral_stage(model, placed, scene, ticks, limit_npm, dt_s * max_mps(model)),
         left_out=(
             *unused_orders(model, dtype),
             *units_left_out(scene, ticks, couple is not None, estimates, alpha),
@@ -114,7 +109,6 @@ def _ticks(model: Model, scene: Scene) -> SceneTicks:
         dtype=np.float32 if scene.runtime.number == "float32" else np.float64,
         vector_width=vector_width_of(scene.runtime),
         surface=(scene.guard.contact or model.contact) == "surface",
-        slides=scene.places.mode == "lateral",
         worn=scene.runtime.start == "conditioned",
     )
 

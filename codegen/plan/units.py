@@ -55,8 +55,6 @@ def planned_headers(plan: Plan) -> list[str]:
     headers += ["sp_contact.h"] if plan.contact else []
     headers += ["sp_couple.h"] if plan.couple is not None else []
     headers += ["sp_smooth.h"] if plan.smooth_alpha is not None else []
-    if plan.lateral is not None:
-        headers += plan.lateral.headers
     return list(dict.fromkeys([*headers, "sp_output.h"]))
 
 
@@ -74,8 +72,6 @@ def state_members(plan: Plan) -> list[Member]:
         members.append(Member("sp_couple_state couple", (REAL, REAL, U32)))
     if plan.smooth_alpha is not None:
         members.append(Member("sp_real smoothed_n", (REAL,)))
-    if plan.lateral is not None:
-        members += plan.lateral.members
     return [*members, Member("sp_output_state output", (REAL, REAL, REAL))]
 
 
@@ -114,9 +110,9 @@ class InstructionBound:
 
 
 def instruction_bound(plan: Plan) -> InstructionBound | None:
-    """Bound for the plan's target; None for a PC, doubles in software, nested ifs, three axes."""
+    """Bound for the plan's target; None for a PC, doubles in software, nested ifs."""
     costs = COSTS.get(plan.scene.runtime.target)
-    if costs is None or plan.real == "double" or plan.lateral is not None:
+    if costs is None or plan.real == "double":
         return None
     regressor = 0.0 if plan.regressor is None else plan.regressor.instructions(costs)
     if regressor is None:

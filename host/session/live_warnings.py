@@ -59,7 +59,6 @@ class LiveWarnings:
         """plan: of the scene that is rendered."""
         trained, self._contact = plan.model.trained, plan.contact
         self._alarm, self._dt_s = alarm, plan.dt_s
-        self._deepest_m, self._slides = float(plan.range.max_m), plan.lateral is not None
         self._min_n, self._fast_mps = float(plan.output.min_n), FASTER * trained.max_mps
         self._ticks = max(1, round(WINDOW_S / plan.dt_s))
         self._before = max(1, round(_SPEED_S / plan.dt_s))  # ticks
@@ -70,8 +69,7 @@ class LiveWarnings:
         self._over: dict[str, str] = {}  # what ended since the last line, and how to say it
         self._silent_until_s = -np.inf
         self._conditions = {
-            "deep": _Condition("deeper than was recorded", "mm", 1e3, self._deepest_m),
-            "beside": _Condition("beside the places that were recorded"),
+            "deep": _Condition("deeper than was recorded", "mm", 1e3, float(plan.range.max_m)),
             "fast": _Condition("faster than four times the recorded speed", "m/s", 1.0,
                                self._fast_mps),
             "clamped": _Condition(UPPER),
@@ -122,10 +120,8 @@ class LiveWarnings:
         low = clamped_low(np.append(0, notes), joined, self._min_n)[1:]
         self._last_n = force_n[-1:]
         outside = (notes & OUTSIDE) > 0
-        beside = outside & (position_m <= self._deepest_m) & self._slides
         return {
-            "deep": (outside & ~beside, position_m),
-            "beside": (beside, position_m),
+            "deep": (outside, position_m),
             "fast": (fast, speed_mps),
             "clamped": (((notes & CLAMPED) > 0) & ~low, force_n),
             # At 0 an object ends to push and does not pull: nothing to be told.

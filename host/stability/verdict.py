@@ -6,8 +6,7 @@ from springpot.codegen.coupling.linear_loop import HAND_MODELS
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plurals import number_of
 from springpot.host.stability.closed_loop import MORE_DELAY, Outcome
-from springpot.host.stability.judgement import QUIET_MPS, Grade, device_advice, judge
-from springpot.host.stability.slides import SlideOutcome
+from springpot.host.stability.judgement import Grade, device_advice, judge
 from springpot.host.stability.small_signal import Map
 
 
@@ -47,21 +46,6 @@ def outcome_words(outcomes: Sequence[Outcome], stable: bool) -> Iterator[str]:
         )
 
 
-def slide_words(slides: Sequence[SlideOutcome]) -> Iterator[str]:
-    """Sentences on a hand of three axes; none of a scene of one."""
-    found = {
-        "Not bounded": [item for item in slides if not item.bounded],
-        "Vibrates more and more on": [item for item in slides if item.vibration.grows],
-        "Gives energy on": [item for item in slides if item.gives],
-        "Vibrates above 1 mm/s on": [item for item in slides if item.loud(QUIET_MPS)],
-    }
-    for what, items in found.items():
-        if items:
-            yield f"{what}: {_named(items)}."
-    if slides and not any(found.values()):
-        yield "Slides, holds on a flank and rounds are bounded and quiet with all hands."
-
-
 def map_words(plan: Plan, model_map: Map, scene_map: Map) -> Iterator[str]:
     """Sentences on active cells, of the model and of what stands between it and the hand."""
     active, cells = model_map.active(False)
@@ -84,17 +68,13 @@ def device_words(plan: Plan) -> Iterator[str]:
     yield f"Coupling {plan.coupling.why}."
 
 
-def why_unbounded(
-    plan: Plan, outcomes: Sequence[Outcome], slides: Sequence[SlideOutcome] = ()
-) -> str:
+def why_unbounded(plan: Plan, outcomes: Sequence[Outcome]) -> str:
     """Why a scene is not to be held, though its linear loop is stable; empty if nothing says so."""
     unbounded = [item.outcome for item in map(judge, outcomes) if item.unbounded]
-    slid = [item for item in slides if item.unbounded]
-    if not unbounded and not slid:
+    if not unbounded:
         return ""
-    found = [_named(unbounded)] * bool(unbounded) + [_named(slid)] * bool(slid)
     return (
-        f"{plan.scene.name}: the closed loop is not bounded on {', '.join(found)}: do not hold "
+        f"{plan.scene.name}: the closed loop is not bounded on {_named(unbounded)}: do not hold "
         f"the device with this scene; {may_do(plan, unbounded)}"
     )
 
@@ -108,10 +88,8 @@ def may_do(plan: Plan, faulty: Sequence[Outcome]) -> str:
         f"guard.max_force_n above {max_n:.3g} N, which the force reaches, if the device gives it": (
             any(item.max_force_n >= 0.9999 * max_n for item in faulty)  # in float32
         ),
-        "coupling.mode = auto": plan.scene.coupling.mode != "auto" and plan.lateral is None,
-        f"runtime.rate_hz of {2.0 / plan.dt_s:.5g} or more, if the device takes it": (
-            plan.lateral is not None or faster
-        ),
+        "coupling.mode = auto": plan.scene.coupling.mode != "auto",
+        f"runtime.rate_hz of {2.0 / plan.dt_s:.5g} or more, if the device takes it": faster,
         "a passive model (hammerstein)": plan.model.regressor is not None,
         "a device of less delay": plan.loop_device.delay_samples > 0,
     }
@@ -145,7 +123,7 @@ def _differs_by(outcomes: Sequence[Outcome]) -> str:
     )
 
 
-def _named(items: Sequence[Outcome | SlideOutcome]) -> str:
+def _named(items: Sequence[Outcome]) -> str:
     """Each case once, with the hands that it happened to."""
     hands: dict[str, list[str]] = {}
     for item in items:

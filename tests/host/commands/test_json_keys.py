@@ -4,7 +4,7 @@ import ast
 import json
 import re
 import shutil
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -25,7 +25,6 @@ from support.small_study import (
 )
 
 from springpot.host.cli import springpot
-from springpot.host.validation.parts import SlideError
 from springpot.trainer.recordings.recording_file import write_recording
 
 PAGE = (ROOT / "docs" / "reference" / "json.md").read_text()
@@ -42,7 +41,6 @@ BUILT = {
 _SELDOM = {
     "springpot train": {"n_centers"},
     "springpot bench": {"points[].n_nodes", "points[].n_centers", "points[].pairs"},
-    "springpot validate": {f"slides[].{field.name}" for field in fields(SlideError)},
 }
 
 

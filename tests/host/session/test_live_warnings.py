@@ -1,7 +1,6 @@
 """What a session warns of while it runs: rows by hand, and a session deeper than trained."""
 
 from dataclasses import replace
-from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -76,18 +75,6 @@ def test_each_note_is_told_in_the_words_of_the_page(bit, ticks):
     assert said[0][2]
     # The watchdog's line is the supervisor's: only the bell is heard.
     assert all(line == "" if bit == LATCHED else words in line for _, line, _ in said)
-
-
-def test_a_tool_that_slides_beside_the_map_is_not_told_that_it_is_deep():
-    rows = rows_of(3000)
-    rows[1000:2000, COLUMN["notes"]] = OUTSIDE
-    rows[1500:, COLUMN["position_m"]] = np.minimum(0.005 + 1e-4 * np.arange(1500), 0.013)
-    warnings = LiveWarnings(replace(PLAN, lateral=cast(Any, object())), lambda *_: None)
-    warnings.append(rows)
-    assert [(event["what"], event["count"]) for event in warnings.finish()] == [
-        ("beside the places that were recorded", 570),
-        (DEEP, 430),
-    ]
 
 
 def test_what_belongs_to_a_session_is_no_warning():

@@ -19,7 +19,7 @@ FLAGS = ["-std=c11", "-ffp-contract=off", "-fno-math-errno", "-w"]
 REALS = ("float", "double")
 
 
-_LOOP = ("test_loop", "test_loop_end", "test_loop_device", "test_loop_periods", "test_loop_slide")
+_LOOP = ("test_loop", "test_loop_end", "test_loop_device", "test_loop_periods")
 # Programs of tests/c that may catch the mutants of a file.
 PROGRAMS = {
     "runtime_c/src/sp_guard.h": ("test_guard", "test_patterns"),
