@@ -65,7 +65,7 @@ static void put_column(sim_lump *lump, int i, double x_m, double y_m)
 }
 
 /* The sphere above column i; beyond the sphere a metre, which nothing reaches. */
-static double height_m(int i)
+static double surface_above_m(int i)
 {
     const double x_m = pitch_m * (i % SIM_LUMP_ACROSS - SIM_LUMP_ACROSS / 2);
     const double y_m = pitch_m * (i / SIM_LUMP_ACROSS - SIM_LUMP_ACROSS / 2);
@@ -78,7 +78,7 @@ void sim_lump_place(sim_lump *lump, double x_m, double y_m)
 {
     for (int i = 0; i < SIM_LUMP_COLUMNS; i++) {
         put_column(lump, i, x_m, y_m);
-        lump->below_m[i] = height_m(i);
+        lump->below_m[i] = surface_above_m(i);
     }
 }
 
