@@ -39,9 +39,6 @@ class Runtime:
     letters, digits, underscores."""
     forest: Literal["table", "m2cgen"] = "table"
     """Node tables, or nested ifs by m2cgen, for small forests and comparison."""
-    measured_step: bool | None = None
-    """Whether there is `sp_step_dt`, which takes the measured time step. Default: on a host,
-    where the model allows it."""
     start: Literal["rested", "conditioned"] = "rested"
     """The object as new, or as it is after it was pressed to the trained depth: what damage does
     not heal has happened."""

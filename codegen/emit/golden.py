@@ -1,4 +1,4 @@
-"""Golden motion: a short press that visits what the C can do, made without libm."""
+"""Golden vectors: a short press that visits what the C can do, and the reference's forces."""
 
 from itertools import pairwise
 from typing import Any
@@ -7,7 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Reals
+from springpot.codegen.literals import wrapped
 from springpot.codegen.plan.plan import Plan
+from springpot.codegen.reference.run import run_reference
 from springpot.codegen.stages.stage import Probe
 
 LEG_TICKS = 60
@@ -54,3 +56,24 @@ def probe_inputs(probe: Probe, dtype: type[Any]) -> Reals:
     """Made-up inputs, (probe.inputs,): multiples of 1/128, exact in every number type."""
     inputs: Reals = (37 * np.arange(probe.inputs) % 101).astype(dtype) / dtype(128)
     return inputs
+
+
+def golden_arrays(plan: Plan) -> list[str]:
+    """Inputs and the reference's forces as bit patterns: a NaN has no literal."""
+    positions = golden_positions(plan)
+    velocities = backward_velocity(positions, plan.dt_s) if plan.needs_device_velocity else None
+    columns = {"golden_position": positions}
+    if velocities is not None:
+        columns["golden_velocity"] = velocities
+    run = run_reference(plan, positions, velocities, places=golden_places(plan))
+    columns["golden_force"] = run.force_n
+    if plan.features is not None and (probe := plan.features.probe()) is not None:
+        columns["golden_probe"] = probe.sums(probe_inputs(probe, plan.dtype))
+    bits, c_type = (np.uint32, "uint32_t") if plan.real == "float" else (np.uint64, "uint64_t")
+    parts = []
+    for name, values in columns.items():
+        items = [f"0x{pattern:x}u" for pattern in values.view(bits).tolist()]
+        parts.append(f"static const {c_type} {name}[{len(items)}] = {{")
+        parts += [*wrapped(items), "};"]
+    parts.append(f"static const uint8_t golden_notes[{len(run.notes)}] = {{")
+    return [*parts, *wrapped(map(str, run.notes.tolist())), "};"]

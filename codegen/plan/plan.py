@@ -82,17 +82,6 @@ class Plan(Stages):
         return loop_device(self.scene.device, self.dt_s)
 
     @property
-    def any_rate(self) -> bool:
-        """Whether there is sp_step_dt: every stage is exact over a measured time step."""
-        runtime = self.scene.runtime
-        wanted = runtime.measured_step
-        if not (runtime.target == "host" if wanted is None else wanted):
-            return False
-        stages = [self.features, self.passive, *(self.excess or ()), self.velocity]
-        steps = [stage.measured for stage in stages if stage is not None]
-        return self.couple is None and None not in steps
-
-    @property
     def has_places(self) -> bool:
         """Whether the object is not the same everywhere: there is sp_place then."""
         return self.passive is not None and self.passive.placed is not None

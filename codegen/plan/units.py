@@ -13,7 +13,6 @@ from springpot.codegen.stages.stage import (
     DOUBLE,
     REAL,
     U32,
-    Measured,
     Member,
     RegressorStage,
     Stage,
@@ -30,17 +29,6 @@ def stages(plan: Plan) -> list[Stage]:
     return [stage for stage in found if stage is not None]
 
 
-def measured_stages(plan: Plan) -> list[Measured]:
-    """The stages over a measured time step; none where one of them has a rate of its own."""
-    found = [stage.measured for stage in stages(plan)] if plan.any_rate else []
-    return [stage for stage in found if stage is not None]
-
-
-def measured_tables(plan: Plan) -> list[str]:
-    """Tables of those, once each: the two of the excess share theirs."""
-    return list(dict.fromkeys(table for stage in measured_stages(plan) for table in stage.tables))
-
-
 def planned_headers(plan: Plan) -> list[str]:
     """Headers of the plan's units and of what they need, once each, in the order of a tick."""
     parts: list[Stage | RegressorStage] = [*stages(plan)]
@@ -49,9 +37,6 @@ def planned_headers(plan: Plan) -> list[str]:
     headers = ["sp_number.h", "sp_silence.h", "sp_guard.h", "sp_range.h"]
     headers += ["sp_guard_velocity.h"] if plan.needs_device_velocity else []
     headers += [header for part in parts for header in part.headers]
-    measured = measured_stages(plan)
-    headers += ["sp_measured.h"] if plan.any_rate else []
-    headers += [header for stage in measured for header in stage.headers]
     headers += ["sp_contact.h"] if plan.contact else []
     headers += ["sp_couple.h"] if plan.couple is not None else []
     headers += ["sp_smooth.h"] if plan.smooth_alpha is not None else []

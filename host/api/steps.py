@@ -177,13 +177,11 @@ def emit(
     model: Model | Fit | File | None = None,
     scene: Scene | File | None = None,
     accept_unsafe: bool = False,
-    single: bool = False,
 ) -> "Emission":
     """Write C into `folder`, build it and run its self-test; an earlier emission is replaced.
 
     model: itself or a file; by default the scene's. scene: itself or a file; by default all keys
     have their defaults. accept_unsafe: take a scene that a hand would find unstable, for replay.
-    single: as one source and one header.
     Raises UsageError for either, UnsafeError where a hand would find the scene unstable, unless
     that is accepted, BudgetError where the C does not fit the scene's budget, MismatchError where
     it differs from its reference.
@@ -197,7 +195,7 @@ def emit(
     with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
         file = Path(scratch) / "model.spm"
         write_model(file, chosen)
-        emission = emit_folder(stated, file, given_path(folder), accept_unsafe, single=single)
+        emission = emit_folder(stated, file, given_path(folder), accept_unsafe)
     for line in emission.notices:
         if line.startswith(_WARNING):
             warnings.warn(line.removeprefix(_WARNING), UserWarning, stacklevel=2)

@@ -15,8 +15,8 @@
  * never meet. One state belongs to one thread. Send the force in the tick that computed it: one
  * tick of delay costs most of the stiffness that a loop can render stably.
  *
- * Time goes on without samples. Whatever was missed (sp_idle, a sample that is not believed, a long
- * dt_s), the next good sample makes up for: the object's memory, the coupling's proxy and every
+ * Time goes on without samples. Whatever was missed (sp_idle, a sample that is not believed), the
+ * next good sample makes up for: the object's memory, the coupling's proxy and every
  * filter go through those ticks as if the tool had moved evenly since the last good sample, and the
  * force is the model's again at once where that is lower, within 10 ms where it is higher. Such a
  * call takes as many ticks' time as went by. Without a good sample the force never rises; if that
@@ -58,13 +58,6 @@ void sp_reset(sp_state *state);
  * force (N) out. */
 int sp_step(sp_state *state, sp_real position_m, sp_real velocity_mps, sp_real *force_n);
 
-/* springpot any rate begin */
-/* The same over a measured time step dt_s (s), for loops whose ticks come late: what is longer than
- * a tick is sp_idle before it. */
-int sp_step_dt(sp_state *state, sp_real dt_s, sp_real position_m, sp_real velocity_mps,
-               sp_real *force_n);
-
-/* springpot any rate end */
 /* n ticks in order; velocity_mps may be null where the scene needs none. Returns all notes. */
 int sp_run(sp_state *state, uint32_t n, const sp_real *position_m, const sp_real *velocity_mps,
            sp_real *force_n);

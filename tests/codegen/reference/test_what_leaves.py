@@ -17,7 +17,7 @@ from springpot.native import INCLUDE, CLibrary, Replay, built
 CALLS = 100_000_000 if os.environ.get("SPRINGPOT_SOAK") else 1_000_000
 DECLARATIONS = """
 typedef struct {
-    void *step, *step_dt, *idle, *reset, *state;
+    void *step, *idle, *reset, *state;
     double dt_s, depth_m, watchdog_s;
     double min_n, max_n, slew_n;
     int32_t surface;
@@ -50,7 +50,7 @@ def found_in(
     with built(plan) as library:
         state = library.new_state()
         told = tool.ffi.new("hostile_scene *")
-        for call in ("step", "idle", "reset", *(("step_dt",) if plan.any_rate else ())):
+        for call in ("step", "idle", "reset"):
             setattr(told, call, tool.ffi.cast("void *", library.address(call)))
         told.state = tool.ffi.cast("void *", state.address)
         told.dt_s, told.depth_m = plan.dt_s, plan.model.trained.max_m

@@ -63,7 +63,6 @@ WORDS: dict[str, tuple[Any, list[Any]]] = {
     "runtime.target": ("host", ["host", "cortex-m4f", "cortex-m7", "rv32imafc", "wasm32"]),
     "runtime.prefix": ("sp", ["sp", "s", "a" * 31, "z9_"]),
     "runtime.forest": ("table", ["table", "m2cgen"]),
-    "runtime.measured_step": (None, [True, False]),
     "runtime.start": ("rested", ["conditioned"]),
     "coupling.mode": ("auto", ["auto", "off", "tool", "proxy"]),
     "guard.outside": ("fallback", ["fallback", "hold", "zero"]),

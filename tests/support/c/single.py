@@ -5,17 +5,15 @@ from dataclasses import replace
 from itertools import cycle
 from pathlib import Path
 from typing import Any
-from unittest import mock
 
 import numpy as np
 
-from springpot.codegen import stages
+from springpot.codegen.emit.files import emit_files
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.places import Places
 from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.scene import Coupling, Device, Guard, Runtime, Scene, Smoothing
-from springpot.host.wings.packaging.single import emit_single
 from support.c import golden_forces
 from support.small import damage, flow, small_model
 
@@ -71,12 +69,10 @@ def every_plan(target: str) -> Iterator[Plan]:
     )
     law = replace(hammerstein, hammerstein=laws)
     yield plan_of("places", with_map(law), "float32", "off", target)
-    yield plan_of("laws", law, "float32", "off", target, measured_step=True)
+    yield plan_of("laws", law, "float32", "off", target)
     always = replace(hammerstein, contact="always")
     yield plan_of("velocity", always, "float32", "tool", target, velocity="device")
     yield plan_of("ifs", small_model(), "float32", "off", target, forest="m2cgen")
-    with mock.patch.object(stages.forest, "compact_forest", return_value=None):  # as if too big
-        yield plan_of("wide", golden_forces.model("rf-fd"), "float32", "off", target)
 
 
 def with_map(model: Model) -> Model:
@@ -90,7 +86,7 @@ def with_map(model: Model) -> Model:
 
 def write_single(plan: Plan, folder: Path) -> Path:
     """Write its files into a folder; returns the source, beside which it is as C++ too."""
-    for name, text in emit_single(plan).items():
+    for name, text in emit_files(plan).items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_text(text)
     source = folder / f"{plan.scene.runtime.prefix}.c"

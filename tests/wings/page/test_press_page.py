@@ -70,7 +70,7 @@ def test_what_is_pressed_is_what_validate_computes(
     assert pressed.found["errors"] == []
     assert pressed.found["fetched"] == []
     assert "the same bits" in pressed.found["proof"]
-    assert pressed.found["tick"] in (folder / "sp_scene.c").read_text()
+    assert pressed.found["tick"] in (folder / "sp.c").read_text()
     assert re.search(r"self-test0 of \d+ steps differ", pressed.found["proof"])
     (tmp_path / "pressed.csv").write_text(pressed.csv)
     assert spring("import", tmp_path / "pressed.csv", "--out", tmp_path / "in").returncode == 0
