@@ -18,7 +18,7 @@ MCU_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm gcc-ri
   picolibc-riscv64-unknown-elf qemu-system-misc \
   clang lld nodejs
 
-.PHONY: demo test test-rest test-long test-all durations test-mcu setup-mcu firmware soak misra bench-tick bench-host prove prove-changed docs notebook dist lock licences check format lint types ns test-c clean
+.PHONY: demo test test-rest test-long test-all durations test-mcu setup-mcu firmware soak bench-tick bench-host prove docs notebook dist lock licences check format lint types ns test-c clean
 
 $(STAMP): requirements.lock pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -77,10 +77,6 @@ firmware: $(STAMP)
 prove: $(STAMP) ns
 	PYTHONPATH=build/ns $(BIN)/python tests/proof/prove.py --defects $(if $(JSON),--out $(JSON))
 
-# The same, less what docs/reliability/prove.json has of C that is still the same to the letter.
-prove-changed: $(STAMP) ns
-	PYTHONPATH=build/ns $(BIN)/python tests/proof/prove.py --defects --known docs/reliability/prove.json
-
 # Source archive and wheel of the commit in dist/: built twice, the same bytes.
 dist: $(STAMP)
 	$(BIN)/python .ci/dist.py dist
@@ -108,12 +104,6 @@ soak: $(STAMP) test-c
 	SPRINGPOT_SOAK=1 $(BIN)/pytest -n0 tests/wings/boards/test_mcu_board.py
 	$(BIN)/pip install --quiet --disable-pip-version-check atheris
 	$(BIN)/python tests/proof/fuzz/fuzz.py
-	$(BIN)/python tests/proof/reliability.py
-
-# Rules of MISRA C:2012 that cppcheck checks: kept, or recorded in tests/proof/misra/deviations.toml.
-misra: $(STAMP)
-	$(BIN)/python tests/proof/misra/misra.py
-	$(BIN)/python tests/proof/reliability.py
 
 # The documentation, build/docs/html/index.html: a broken link or anchor is an error.
 docs: $(STAMP) ns

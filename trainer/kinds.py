@@ -84,10 +84,8 @@ def fit_model(
     """
     from springpot.trainer.models.training_set import training_set
     from springpot.trainer.recordings.quality.signs import require_signs
-    from springpot.trainer.recordings.slides import require_presses
 
     options, warnings = _default_smoothing(recordings, options)
-    require_presses([*recordings, *validation])
     require_signs(recordings)  # whole ones: a piece may be a hold alone, which shows no sign
     kind = _kind_of_places(kind, recordings)
     data = training_set(recordings, options.smooth_s)

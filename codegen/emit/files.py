@@ -14,7 +14,6 @@ from springpot.codegen.emit.golden import (
     backward_velocity,
     golden_places,
     golden_positions,
-    golden_slide,
     probe_inputs,
 )
 from springpot.codegen.emit.project import filled, selftest_source
@@ -28,7 +27,6 @@ from springpot.codegen.plan.units import (
     stages,
     state_bytes,
 )
-from springpot.codegen.reference.lateral import run_lateral
 from springpot.codegen.reference.run import run_reference
 from springpot.codegen.stages.stage import RegressorStage, Stage
 from springpot.runtime_c.paths import FLAGS_FILE, INCLUDE, SOURCE
@@ -96,7 +94,6 @@ def _manifest(plan: Plan, facts: Mapping[str, Any]) -> dict[str, Any]:
         "contact": "surface" if plan.contact else "always",
         "coupling": coupling_metadata(plan),
         "outside": plan.outside,
-        "energy": plan.scene.guard.energy,
         "accept_unsafe": plan.accept_unsafe,
         **_model_metadata(plan),
         **_places(plan),
@@ -149,7 +146,6 @@ def _places(plan: Plan) -> dict[str, Any]:
             "nodes": list(places.nodes),
             "materials": len(places.slopes_n),
             "start_m": list(places.stiffest_m),
-            **({} if plan.lateral is None else {"mode": plan.scene.places.mode}),
         }
     }
 
@@ -182,8 +178,7 @@ def stamp(name: str) -> str:
 def stage_tables(plan: Plan) -> list[str]:
     """Constant arrays of every stage; the two of the excess share theirs."""
     once = [stage for stage in stages(plan) if not plan.excess or stage is not plan.excess[1]]
-    lateral = ["", *plan.lateral.tables()] if plan.lateral is not None else []
-    return [*_spaced(once), *measured_tables(plan), *lateral]
+    return [*_spaced(once), *measured_tables(plan)]
 
 
 def regressor_tables(plan: Plan) -> list[str]:
@@ -213,22 +208,14 @@ def golden_arrays(plan: Plan) -> list[str]:
     columns["golden_force"] = run.force_n
     if plan.features is not None and (probe := plan.features.probe()) is not None:
         columns["golden_probe"] = probe.sums(probe_inputs(probe, plan.dtype))
-    golden_notes = {"golden_notes": run.notes}
-    if plan.lateral is not None:
-        slide = golden_slide(plan)
-        slid = run_lateral(plan, slide)
-        columns |= {"golden_slide": slide.ravel(), "golden_slid": slid.force_n.ravel()}
-        golden_notes["golden_slide_notes"] = slid.notes
     bits, c_type = (np.uint32, "uint32_t") if plan.real == "float" else (np.uint64, "uint64_t")
     parts = []
     for name, values in columns.items():
         items = [f"0x{pattern:x}u" for pattern in values.view(bits).tolist()]
         parts.append(f"static const {c_type} {name}[{len(items)}] = {{")
         parts += [*wrapped(items), "};"]
-    for name, notes in golden_notes.items():
-        parts.append(f"static const uint8_t {name}[{len(notes)}] = {{")
-        parts += [*wrapped(map(str, notes.tolist())), "};"]
-    return parts
+    parts.append(f"static const uint8_t golden_notes[{len(run.notes)}] = {{")
+    return [*parts, *wrapped(map(str, run.notes.tolist())), "};"]
 
 
 def _golden_header(plan: Plan) -> str:

@@ -2,7 +2,6 @@
 
 import re
 
-from springpot.codegen.emit.lateral import lateral_functions
 from springpot.codegen.emit.project import filled, prefixed
 from springpot.codegen.emit.step import hold, make_up, step, step_dt
 from springpot.codegen.emit.tick import restart, take_place, tick, tick_dt
@@ -21,7 +20,6 @@ def public_header(plan: Plan) -> str:
     text = (INCLUDE / "sp.h").read_text()
     text = _part(text, "any rate", plan.any_rate)
     text = _part(text, "places", plan.has_places)
-    text = _part(text, "lateral", plan.lateral is not None)
     text = text.replace('#include "sp_real.h"\n', "").replace("sp_scene.h", f"{prefix}_scene.h")
     text = re.sub(r"\bsp_real\b", plan.real, text)
     text = re.sub(r"\bSP_H\b", f"{prefix.upper()}_H", text)
@@ -93,12 +91,11 @@ def functions(plan: Plan, manifest: str) -> list[str]:
         *([take_place(plan)] if plan.has_places else []),
         tick(plan),
         *([tick_dt(plan)] if plan.any_rate else []),
-        hold(plan),
+        hold(),
         make_up(plan),
         step(plan),
         *([step_dt(plan)] if plan.any_rate else []),
         *([_place(plan)] if plan.has_places else []),
-        *lateral_functions(plan),
         _api(plan, manifest),
     ]
 
@@ -113,9 +110,6 @@ def constants(plan: Plan) -> str:
         "guard": plan.guard,
         "range": plan.range,
         "output": plan.output,
-        "lateral_guard": None if plan.lateral is None else plan.lateral_guard,
-        "energy": plan.energy,
-        "viscous_npm": plan.viscous_npm,
         "couple": plan.couple,
         "per_onset": plan.per_onset,
         "per_fade": plan.per_fade,

@@ -16,10 +16,6 @@ _PLACE = (0.375, 0.75)  # of the map: where the second press of a golden motion 
 # Depths as shares of the trained range; below 0 is free air where there is contact.
 _STATIONS = (-0.05, 0.4, 0.15, 0.9, 1.0, 0.7, 1.1, 0.3, -0.02, 0.6, 0.0)
 
-# Places as shares of the map, which they leave.
-_STATIONS_X = (0.1, 0.9, 0.3, 1.1, 0.6)
-_STATIONS_Y = (0.2, 0.5, 0.95, 0.4, -0.1)
-
 
 def golden_positions(plan: Plan) -> NDArray[np.float32 | np.float64]:
     """Positions, (n,), m, in the scene's number type: smooth legs, a glitch, NaNs and a jump."""
@@ -36,25 +32,6 @@ def golden_positions(plan: Plan) -> NDArray[np.float32 | np.float64]:
     positions[2 * LEG_TICKS + 11 : 2 * LEG_TICKS + 15] = np.nan
     positions[7 * LEG_TICKS :] += plan.dtype(3.0 * float(plan.guard.jump_m))
     return positions
-
-
-def golden_slide(plan: Plan) -> NDArray[np.float32 | np.float64]:
-    """Positions of three axes, (n, 3), m: the press's first legs, over the map and beyond it."""
-    assert plan.lateral is not None
-    config = plan.lateral.placed.config
-    ramp = np.arange(LEG_TICKS) / LEG_TICKS
-    smooth = ramp * ramp * (3.0 - 2.0 * ramp)
-    axes = []
-    for first_m, per_step, nodes, stations in (
-        (config.first_x_m, config.per_step_x, config.nodes_x, _STATIONS_X),
-        (config.first_y_m, config.per_step_y, config.nodes_y, _STATIONS_Y),
-    ):
-        farthest_m = 0.5 * LEG_TICKS * float(plan.guard.jump_m)  # in a leg
-        span_m = min((nodes - 1) / float(per_step), farthest_m)
-        legs = [start + (end - start) * smooth for start, end in pairwise(stations)]
-        axes.append(float(first_m) + span_m * np.concatenate(legs))
-    depths = golden_positions(plan)[: len(axes[0])]
-    return np.stack([*axes, depths], axis=1).astype(plan.dtype)
 
 
 def golden_places(plan: Plan) -> list[tuple[int, tuple[float, float]]]:

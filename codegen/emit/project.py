@@ -9,7 +9,6 @@ from springpot.codegen.plan.plan import Plan
 from springpot.codegen.stages.stage import Probe
 
 _PUBLIC = "abi_version|state_size|manifest|init|reset|step|step_dt|run|idle|place|selftest|state"
-_PUBLIC += "|step3|idle3"
 
 
 def prefixed(text: str, prefix: str) -> str:
@@ -48,7 +47,6 @@ def selftest(plan: Plan) -> str:
         DEEP=str(3 * LEG_TICKS),
         LONG=literal(plan.dtype(plan.watchdog_s + 2.0 * plan.dt_s + LATCHED_S)),
         PROBE=text,
-        SLIDE="" if plan.lateral is None else filled("slide.c", plan),
         PLACE="".join(
             f"        if (i == {tick}) {{\n            sp_place(&state, "
             f"{', '.join(literal(plan.dtype(at)) for at in place_m)});\n        }}\n"

@@ -3,28 +3,13 @@
 from springpot.codegen.emit.tick import indented
 from springpot.codegen.plan.plan import Plan
 
-SILENT_BEFORE = "const sp_real silent = state->silence.silent_s * silence.per_dt;"
-# Ticks of dt_s before the watchdog latched.
-SILENT_TICKS = (
-    "const sp_real passed = dt_s * silence.per_dt;",
-    "const sp_real most = passed < SP_SILENCE_MOST ? passed : SP_SILENCE_MOST;",
-    "const sp_real ticks = most - latched;",
-)
 
-
-def hold(plan: Plan) -> str:
+def hold() -> str:
     """C function `hold`: sp_idle, and a step whose sample is not taken."""
-    acts = plan.energy is not None and plan.energy_acts
-    wait = (
-        "given_n = sp_energy_wait(&energy, &state->energy, silent, ticks, held_n, given_n, &notes);"
-    )
     lines = [
         "int notes = SP_NOTE_HELD;",
-        *([SILENT_BEFORE] if acts else []),
         "const sp_real latched = sp_silence_passed(&silence, &state->silence, dt_s);",
-        "const sp_real held_n = sp_output_clamp(&output, state->output.given_n, &notes);",
-        "sp_real given_n = share * held_n;",
-        *([*SILENT_TICKS, wait] if acts else []),
+        "sp_real given_n = share * sp_output_clamp(&output, state->output.given_n, &notes);",
         "state->output.given_n = given_n;",
         "if (state->silence.latched) {",
         "    notes = 0;",
@@ -100,9 +85,9 @@ def step(plan: Plan) -> str:
         "    left = sp_silence_missed(&silence, &state->silence, silence.dt_s);",
         "    ticks = (sp_real)(left + 1);",
         "}",
-        *_sample(plan, "silence.dt_s", "left > 0 ? way / ticks : way"),
+        *_sample(plan, "silence.dt_s"),
         f"const sp_real force = tick(state, position{device}, &notes);",
-        *_leave(plan, "(sp_real)1"),
+        *_leave("(sp_real)1"),
     ]
     head = (
         "int sp_step(sp_state *state, sp_real position_m, sp_real velocity_mps, sp_real *force_n)"
@@ -117,7 +102,6 @@ def step_dt(plan: Plan) -> str:
         "if (!sp_is_time(dt_s)) {",
         "    return SP_ERROR_TIME_STEP;",
         "}",
-        *(["const sp_real given_n = state->output.given_n;"] if plan.energy is not None else []),
         "const sp_real tick_s = dt_s < silence.dt_s ? dt_s : silence.dt_s;",
         "if (dt_s > silence.dt_s) {",
         "    (void)hold(state, dt_s - tick_s, (sp_real)1, force_n);",
@@ -125,9 +109,9 @@ def step_dt(plan: Plan) -> str:
         "uint32_t left = sp_silence_missed(&silence, &state->silence, tick_s);",
         "sp_real last_s = sp_silence_last(&silence, &state->silence, tick_s, left);",
         "sp_real ticks = (sp_real)left + last_s * silence.per_dt;",
-        *_sample(plan, "tick_s", "way / ticks"),
+        *_sample(plan, "tick_s"),
         "const sp_real force = tick_dt(state, last_s, position, &notes);",
-        *_leave(plan, "tick_s * silence.per_dt", "given_n"),
+        *_leave("tick_s * silence.per_dt"),
     ]
     head = (
         "int sp_step_dt(sp_state *state, sp_real dt_s, sp_real position_m, sp_real velocity_mps,\n"
@@ -146,7 +130,7 @@ _REFUSED = (
 )
 
 
-def _sample(plan: Plan, tick_s: str, step: str) -> list[str]:
+def _sample(plan: Plan, tick_s: str) -> list[str]:
     """The sample, taken or not; then the tool's way through the ticks up to it.
 
     Even; with a coupling at a constant acceleration from the velocity before.
@@ -176,43 +160,19 @@ def _sample(plan: Plan, tick_s: str, step: str) -> list[str]:
         "    ticks = (sp_real)1;",
         "    way = (sp_real)0;",
         "}",
-        *_moved(plan, step),
+        "if (left > 0) {",
+        f"    make_up(state, position, way / ticks, {_made_up_by(plan, '')}left);",
+        "}",
     ]
 
 
-def _moved(plan: Plan, step: str) -> list[str]:
-    """The step in a tick, where more than make_up needs it, and the ticks without a sample."""
-    if plan.energy is None:
-        made_up = f"make_up(state, position, way / ticks, {_made_up_by(plan, '')}left);"
-        return ["if (left > 0) {", f"    {made_up}", "}"]
-    made_up = f"make_up(state, position, step, {_made_up_by(plan, '')}left);"
-    return [f"const sp_real step = {step};", "if (left > 0) {", f"    {made_up}", "}"]
-
-
-def _leave(plan: Plan, passed: str, was_given: str = "state->output.given_n") -> list[str]:
-    """Return what leaves after `passed` ticks; an account of energy pays for it.
-
-    was_given: the force that the device has held until now.
-    """
-    pays, limits = [], []
-    if plan.energy is not None:
-        given = "state->output.given_n"
-        damped = "(sp_real)0" if plan.viscous_npm is None else "viscous_npm * step * way"
-        cut = f"sp_energy_limit(&state->energy, on, {given}, &notes);"
-        silent = "left > 0 ? state->energy.held_n : " if plan.energy_acts else ""
-        pays = [
-            f"const sp_real held_n = {silent}{was_given};",
-            f"const sp_real on = sp_energy_pay(&energy, &state->energy, {was_given}, held_n,",
-            f"                                 position, ticks, step, {damped});",
-        ]
-        limits = [f"    {given} = {cut}" if plan.energy_acts else f"    (void){cut}"]
+def _leave(passed: str) -> list[str]:
+    """Return what leaves after `passed` ticks."""
     return [
-        *pays,
         "if (state->silence.latched) {",
         f"    (void)sp_output_fall(&output, &state->output, {passed}, &notes);",
         "} else {",
         f"    (void)sp_output_force(&output, &state->output, left > 0, {passed}, force, &notes);",
-        *limits,
         "}",
         "*force_n = state->output.given_n;",
         "return notes;",

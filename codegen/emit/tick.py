@@ -15,7 +15,6 @@ def restart(plan: Plan) -> str:
             "static void restart(sp_state *state, sp_real position)",
             "{",
             *indented([*_depth(plan, "position", lines, "&ignored"), *lines, *_forget(plan)]),
-            *indented(_account(plan)),
             "    sp_output_restart(&output, &state->output);",
             "}",
         ]
@@ -32,12 +31,6 @@ def take_place(plan: Plan) -> str:
     ]
     lines = [f"const sp_real {passive.follows} = (sp_real)0;", *passive.restart()]
     return "\n".join([*head, "{", *indented(lines), "}"])
-
-
-def _account(plan: Plan) -> list[str]:
-    if plan.energy is None:
-        return []
-    return ["sp_energy_restart(&energy, &state->energy, position);"]
 
 
 def tick(plan: Plan) -> str:

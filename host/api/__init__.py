@@ -33,7 +33,6 @@ if TYPE_CHECKING:
         Guard as Guard,
         Runtime as Runtime,
         Scene as Scene,
-        ScenePlaces as ScenePlaces,
         Smoothing as Smoothing,
     )
     from springpot.files import (

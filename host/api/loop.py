@@ -3,7 +3,7 @@
 >>> from springpot.loop import COLUMN, empty_rows
 >>> rows = empty_rows()
 >>> rows.shape, COLUMN["time_s"]
-((0, 16), 0)
+((0, 12), 0)
 """
 
 from typing import TYPE_CHECKING

@@ -18,10 +18,15 @@ if TYPE_CHECKING:
         inverted_cosine as inverted_cosine,
         load_protocol as load_protocol,
     )
+    from springpot.host.simulation.bench import (
+        ObjectMotion as ObjectMotion,
+        SimulatedHand as SimulatedHand,
+    )
     from springpot.host.simulation.cases import cases as cases
     from springpot.host.simulation.hand_loop import (
         HandLoop as HandLoop,
         Operator as Operator,
+        Scenario as Scenario,
     )
     from springpot.host.simulation.objects import (
         OBJECTS as OBJECTS,

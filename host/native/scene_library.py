@@ -145,26 +145,6 @@ class SceneState:
         notes = self._library.function("step")(self._state, position_m, velocity_mps, self._force)
         return self._force[0], notes
 
-    def step3(self, position_m: Reals) -> tuple[tuple[float, ...], int]:
-        """One tick at x, y and depth, (3,), m: force along them (N) and notes.
-
-        Raises UsageError if the scene has no lateral force.
-        """
-        if not hasattr(self._loaded.c, f"{self._library._prefix}_step3"):
-            raise UsageError('this scene has no lateral force: give it [places] mode = "lateral"')
-        at = self._loaded.ffi.new(f"{self._library.real}[3]", list(map(float, position_m)))
-        null = self._loaded.ffi.NULL
-        notes = self._library.function("step3")(self._state, at, null, self._force)
-        return tuple(self._force), notes
-
-    def idle3(self, dt_s: float) -> tuple[tuple[float, ...], int]:
-        """No sample came for dt_s: force along x, y and depth (N), and notes.
-
-        Raises UsageError for a bad dt_s.
-        """
-        notes = self._library.function("idle3")(self._state, dt_s, self._force)
-        return tuple(self._force), _taken(notes, dt_s)
-
     def step_dt(
         self, dt_s: float, position_m: float, velocity_mps: float = 0.0
     ) -> tuple[float, int]:

@@ -79,16 +79,6 @@ int sp_idle(sp_state *state, sp_real dt_s, sp_real *force_n);
 void sp_place(sp_state *state, sp_real x_m, sp_real y_m);
 
 /* springpot places end */
-/* springpot lateral begin */
-/* sp_step and sp_idle for a tool of three axes, which slides: x, y and depth (m) in, the force on
- * it along x, along y and out of the object (N) out. velocity_mps is not read, and may be null. The
- * place goes with the tool, wherever sp_place was; beyond the map it is SP_NOTE_OUTSIDE. Call
- * sp_reset between these and those for one axis. */
-int sp_step3(sp_state *state, const sp_real position_m[3], const sp_real velocity_mps[3],
-             sp_real force_n[3]);
-int sp_idle3(sp_state *state, sp_real dt_s, sp_real force_n[3]);
-
-/* springpot lateral end */
 /* Replay the golden vectors that were emitted and compare bits: 0, or 1 + the first tick that
  * differs, or one more than there are ticks where NaN is assumed away or a long silence does not
  * latch. Catches a compiler whose defaults change floating-point results. Needs sp_state_size()

@@ -75,7 +75,7 @@ def test_every_function_and_note_of_c_is_listed() -> None:
     header = (ROOT / "runtime_c" / "include" / "sp.h").read_text()
     functions = [line for group in declarations() for line in group.functions]
     for name in ("sp_init", "sp_reset", "sp_step", "sp_step_dt", "sp_run", "sp_idle", "sp_place",
-                 "sp_step3", "sp_idle3", "sp_selftest", "sp_manifest", "sp_state_size",
+                 "sp_selftest", "sp_manifest", "sp_state_size",
                  "sp_abi_version"):  # fmt: skip
         assert f"{name}(" in header
         assert len([line for line in functions if f"{name}(" in line]) == 1

@@ -41,5 +41,5 @@ int sp_selftest(void)
     if (!as_planned) {
         return 1 + (int)(sizeof golden_position / sizeof golden_position[0]);
     }
-@SLIDE@    return 0;
+    return 0;
 }

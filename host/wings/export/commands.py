@@ -60,7 +60,6 @@ def predict(model: Path, recordings: tuple[str, ...], out: Path, as_json: bool) 
         extrapolation,
         limited_n,
         require_compatible,
-        require_presses,
         sign_doubts,
         unplaced,
     )
@@ -68,7 +67,6 @@ def predict(model: Path, recordings: tuple[str, ...], out: Path, as_json: bool) 
 
     fitted = read_model(model)
     found = read_recordings(*recordings)
-    require_presses(found)
     for doubt in sign_doubts(found):
         say(f"warning: {doubt}")
     names = _names_of(found, "give one of them at a time")

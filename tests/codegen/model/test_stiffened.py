@@ -34,8 +34,7 @@ KINDS = {
 
 
 def forces(model: Model, *motions_m: np.ndarray) -> list[np.ndarray]:
-    # Steps of an encoder do not scale with the object: no account of energy.
-    asked = replace(scene(), guard=Guard(outside="fallback", energy="off"))
+    asked = replace(scene(), guard=Guard(outside="fallback"))
     plan = make_plan(model, asked, accept_unsafe=True)
     with built(plan) as library:
         return [library.new_state().run(x, np.zeros_like(x))[0] for x in motions_m]

@@ -1,8 +1,4 @@
-"""sp_step_dt, and sp_idle with sp_step, of the same motion: the same force, the same latch.
-
-With an account of energy the latch alone: a device that nobody told of a silence held its force
-through it, so the hand paid, or got, something else.
-"""
+"""sp_step_dt, and sp_idle with sp_step, of the same motion: the same force, the same latch."""
 
 from functools import cache
 
@@ -39,10 +35,9 @@ def harness() -> CLibrary:
 @pytest.mark.parametrize(
     "count", [3000, pytest.param(1_000_000, marks=pytest.mark.slow)], ids=["few", "all"]
 )
-@pytest.mark.parametrize("energy", ["off", "account"])
 @pytest.mark.parametrize("name", ["hammerstein", "springpot", "boosted-recursive"])
-def test_the_same_history_gives_the_same_force(name: str, energy: str, count: int) -> None:
-    plan = make_plan(golden_forces.model(name), scene(smoothing_s=2e-3, energy=energy))
+def test_the_same_history_gives_the_same_force(name: str, count: int) -> None:
+    plan = make_plan(golden_forces.model(name), scene(smoothing_s=2e-3))
     ffi, found = harness().ffi, harness().ffi.new("histories_found *")
     with built(plan) as library:
         states = [library.new_state() for _ in range(2)]
@@ -57,5 +52,4 @@ def test_the_same_history_gives_the_same_force(name: str, energy: str, count: in
     assert found.latched > 0.01 * found.samples
     # Trees see features that differ in their last bits.
     allowed = 0.05 if name == "boosted-recursive" else 0.02
-    if energy == "off":
-        assert found.max_difference_n <= allowed * found.peak_n
+    assert found.max_difference_n <= allowed * found.peak_n

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 af163d14afc859d1e5fe78f14e3908d6025e7a4366c81c1b2abd91ba1a9a15f1 */
+/* springpot 0.1.0 caa8d889b6e129711e4b8e490faf5c2c47d3c054226f74fe5f63b06f84f1df08 */
 #include <stddef.h>
 #include <string.h>
 
@@ -28,15 +28,6 @@ static const sp_output_config output = {
     0.1f,       /* back */
     1.369449f,  /* fall_n */
 };
-static const sp_energy_config energy = {
-    1.5e-05f,   /* slack_m */
-    0.0f,       /* from_m */
-    0.0f,       /* most_j */
-    5.5078716f, /* push_n */
-    227.01747f, /* stiffness_npm */
-    4.0f,       /* look_ticks */
-    0.9231163f, /* keep */
-};
 static const sp_couple_config couple = {
     1500.0f,                                              /* stiffness_npm */
     20.0f,                                                /* damping_nspm */
@@ -57,7 +48,6 @@ static void restart(sp_state *state, sp_real position)
     state->penetration_surface.force_n = (sp_real)0;
     sp_tool_velocity_rest(&state->tool_velocity, position);
     sp_couple_release(&state->couple);
-    sp_energy_restart(&energy, &state->energy, position);
     sp_output_restart(&output, &state->output);
 }
 
@@ -101,14 +91,8 @@ SP_APART sp_real tick(sp_state *state, sp_real position, int *notes)
 static int hold(sp_state *state, sp_real dt_s, sp_real share, sp_real *force_n)
 {
     int notes = SP_NOTE_HELD;
-    const sp_real silent = state->silence.silent_s * silence.per_dt;
     const sp_real latched = sp_silence_passed(&silence, &state->silence, dt_s);
-    const sp_real held_n = sp_output_clamp(&output, state->output.given_n, &notes);
-    sp_real given_n = share * held_n;
-    const sp_real passed = dt_s * silence.per_dt;
-    const sp_real most = passed < SP_SILENCE_MOST ? passed : SP_SILENCE_MOST;
-    const sp_real ticks = most - latched;
-    given_n = sp_energy_wait(&energy, &state->energy, silent, ticks, held_n, given_n, &notes);
+    sp_real given_n = share * sp_output_clamp(&output, state->output.given_n, &notes);
     state->output.given_n = given_n;
     if (state->silence.latched) {
         notes = 0;
@@ -163,19 +147,14 @@ int sp_step(sp_state *state, sp_real position_m, sp_real velocity_mps, sp_real *
         ticks = (sp_real)1;
         way = (sp_real)0;
     }
-    const sp_real step = left > 0 ? way / ticks : way;
     if (left > 0) {
-        make_up(state, position, step, ticks, left);
+        make_up(state, position, way / ticks, ticks, left);
     }
     const sp_real force = tick(state, position, &notes);
-    const sp_real held_n = left > 0 ? state->energy.held_n : state->output.given_n;
-    const sp_real on = sp_energy_pay(&energy, &state->energy, state->output.given_n, held_n,
-                                     position, ticks, step, (sp_real)0);
     if (state->silence.latched) {
         (void)sp_output_fall(&output, &state->output, (sp_real)1, &notes);
     } else {
         (void)sp_output_force(&output, &state->output, left > 0, (sp_real)1, force, &notes);
-        state->output.given_n = sp_energy_limit(&state->energy, on, state->output.given_n, &notes);
     }
     *force_n = state->output.given_n;
     return notes;
@@ -234,5 +213,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"af163d14afc859d1e5fe78f14e3908d6025e7a4366c81c1b2abd91ba1a9a15f1\", \"scene\": \"proxy\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [2.3093100251531682e-07, 0.011998460459983215], \"speed_mps\": 0.18366538639667027, \"force_n\": [-7.121525591458066e-15, 9.129659751043853]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"caa8d889b6e129711e4b8e490faf5c2c47d3c054226f74fe5f63b06f84f1df08\", \"scene\": \"proxy\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [2.3093100251531682e-07, 0.011998460459983215], \"speed_mps\": 0.18366538639667027, \"force_n\": [-7.121525591458066e-15, 9.129659751043853]}}";
 }

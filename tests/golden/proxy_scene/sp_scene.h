@@ -1,4 +1,4 @@
-/* springpot 0.1.0 af163d14afc859d1e5fe78f14e3908d6025e7a4366c81c1b2abd91ba1a9a15f1 */
+/* springpot 0.1.0 caa8d889b6e129711e4b8e490faf5c2c47d3c054226f74fe5f63b06f84f1df08 */
 #ifndef SP_SCENE_H
 #define SP_SCENE_H
 
@@ -18,7 +18,6 @@
 #include "sp_tool_velocity.h"
 #include "sp_contact.h"
 #include "sp_couple.h"
-#include "sp_energy.h"
 #include "sp_output.h"
 
 /* A loop can check that the scene was made for it:
@@ -28,7 +27,7 @@
 #define SP_MAX_FORCE_N 10.955592f
 #define SP_TRAINED_DEPTH_M 0.011998461f
 #define SP_WATCHDOG_S 0.02f
-#define SP_STATE_BYTES 144
+#define SP_STATE_BYTES 108
 
 /* proxy: what one tick hands to the next. */
 struct sp_state {
@@ -41,11 +40,10 @@ struct sp_state {
     sp_surface_state penetration_surface;
     sp_tool_velocity_state tool_velocity;
     sp_couple_state couple;
-    sp_energy_state energy;
     sp_output_state output;
 };
 
 /* Fails where a header of another number type or version was included first. */
-typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 144 ? 1 : -1];
+typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 108 ? 1 : -1];
 
 #endif

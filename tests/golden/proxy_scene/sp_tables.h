@@ -1,4 +1,4 @@
-/* springpot 0.1.0 af163d14afc859d1e5fe78f14e3908d6025e7a4366c81c1b2abd91ba1a9a15f1 */
+/* springpot 0.1.0 caa8d889b6e129711e4b8e490faf5c2c47d3c054226f74fe5f63b06f84f1df08 */
 #ifndef SP_TABLES_H
 #define SP_TABLES_H
 

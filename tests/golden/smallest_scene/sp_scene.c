@@ -1,4 +1,4 @@
-/* springpot 0.1.0 b5e9119d1855d110254c7187a3194cd7fbc4472705b0a681ccc403415f1380fa */
+/* springpot 0.1.0 e9450291b20558f9423f16bd37bd6ffa5574750fb352ce2f13b7feed6a2bc3cb */
 #include <stddef.h>
 #include <string.h>
 
@@ -29,15 +29,6 @@ static const sp_output_config output = {
     0.1f,  /* back */
     1.5f,  /* fall_n */
 };
-static const sp_energy_config energy = {
-    1.5e-05f,   /* slack_m */
-    0.0f,       /* from_m */
-    0.0f,       /* most_j */
-    12.0f,      /* push_n */
-    0.0f,       /* stiffness_npm */
-    4.0f,       /* look_ticks */
-    0.9231163f, /* keep */
-};
 static const sp_real per_onset = 10000.0f;
 
 /* A position is true without a history: the object has rested there for ever. */
@@ -47,7 +38,6 @@ static void restart(sp_state *state, sp_real position)
     int ignored = 0;
     const sp_real clipped = sp_range_clip(&range, penetration, &ignored);
     sp_window_fill(state->history, &state->newest, N_TAPS, clipped);
-    sp_energy_restart(&energy, &state->energy, position);
     sp_output_restart(&output, &state->output);
 }
 
@@ -81,14 +71,8 @@ SP_APART sp_real tick(sp_state *state, sp_real position, int *notes)
 static int hold(sp_state *state, sp_real dt_s, sp_real share, sp_real *force_n)
 {
     int notes = SP_NOTE_HELD;
-    const sp_real silent = state->silence.silent_s * silence.per_dt;
     const sp_real latched = sp_silence_passed(&silence, &state->silence, dt_s);
-    const sp_real held_n = sp_output_clamp(&output, state->output.given_n, &notes);
-    sp_real given_n = share * held_n;
-    const sp_real passed = dt_s * silence.per_dt;
-    const sp_real most = passed < SP_SILENCE_MOST ? passed : SP_SILENCE_MOST;
-    const sp_real ticks = most - latched;
-    given_n = sp_energy_wait(&energy, &state->energy, silent, ticks, held_n, given_n, &notes);
+    sp_real given_n = share * sp_output_clamp(&output, state->output.given_n, &notes);
     state->output.given_n = given_n;
     if (state->silence.latched) {
         notes = 0;
@@ -139,19 +123,14 @@ int sp_step(sp_state *state, sp_real position_m, sp_real velocity_mps, sp_real *
         ticks = (sp_real)1;
         way = (sp_real)0;
     }
-    const sp_real step = left > 0 ? way / ticks : way;
     if (left > 0) {
-        make_up(state, position, step, left);
+        make_up(state, position, way / ticks, left);
     }
     const sp_real force = tick(state, position, &notes);
-    const sp_real held_n = left > 0 ? state->energy.held_n : state->output.given_n;
-    const sp_real on = sp_energy_pay(&energy, &state->energy, state->output.given_n, held_n,
-                                     position, ticks, step, (sp_real)0);
     if (state->silence.latched) {
         (void)sp_output_fall(&output, &state->output, (sp_real)1, &notes);
     } else {
         (void)sp_output_force(&output, &state->output, left > 0, (sp_real)1, force, &notes);
-        state->output.given_n = sp_energy_limit(&state->energy, on, state->output.given_n, &notes);
     }
     *force_n = state->output.given_n;
     return notes;
@@ -211,5 +190,5 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"b5e9119d1855d110254c7187a3194cd7fbc4472705b0a681ccc403415f1380fa\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"e9450291b20558f9423f16bd37bd6ffa5574750fb352ce2f13b7feed6a2bc3cb\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }

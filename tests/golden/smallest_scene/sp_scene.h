@@ -1,4 +1,4 @@
-/* springpot 0.1.0 b5e9119d1855d110254c7187a3194cd7fbc4472705b0a681ccc403415f1380fa */
+/* springpot 0.1.0 e9450291b20558f9423f16bd37bd6ffa5574750fb352ce2f13b7feed6a2bc3cb */
 #ifndef SP_SCENE_H
 #define SP_SCENE_H
 
@@ -17,7 +17,6 @@
 #include "sp_forest_x86.h"
 #include "sp_forest_simd.h"
 #include "sp_contact.h"
-#include "sp_energy.h"
 #include "sp_output.h"
 
 /* A loop can check that the scene was made for it:
@@ -27,7 +26,7 @@
 #define SP_MAX_FORCE_N 12.0f
 #define SP_TRAINED_DEPTH_M 0.01f
 #define SP_WATCHDOG_S 0.02f
-#define SP_STATE_BYTES 220
+#define SP_STATE_BYTES 184
 
 /* smallest: what one tick hands to the next. */
 struct sp_state {
@@ -38,11 +37,10 @@ struct sp_state {
     uint32_t newest;
     uint32_t simd;
     uint32_t bins[1];
-    sp_energy_state energy;
     sp_output_state output;
 };
 
 /* Fails where a header of another number type or version was included first. */
-typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 220 ? 1 : -1];
+typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 184 ? 1 : -1];
 
 #endif

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 b5e9119d1855d110254c7187a3194cd7fbc4472705b0a681ccc403415f1380fa */
+/* springpot 0.1.0 e9450291b20558f9423f16bd37bd6ffa5574750fb352ce2f13b7feed6a2bc3cb */
 #include <stddef.h>
 #include <string.h>
 

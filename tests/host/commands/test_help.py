@@ -19,13 +19,15 @@ from springpot.host.console.output import progress_bar
 
 LIGHT = {"annotated_types", "click", "rich", "springpot", "typing_extensions"}
 ASK_ALL = f"""
-import io, json, sys
+import sys
+started = set(sys.modules)  # a system's own sitecustomize among them
+import io, json
 from contextlib import redirect_stdout
 import click
 from springpot.host.cli import springpot
 
 def heavy():
-    loaded = {{name.split(".")[0] for name in sys.modules if not name.startswith("_")}}
+    loaded = {{name.split(".")[0] for name in set(sys.modules) - started if name[0] != "_"}}
     return sorted(loaded - {LIGHT!r} - sys.stdlib_module_names)
 
 def help_of(*arguments):

@@ -4,7 +4,7 @@ import ast
 import json
 import re
 import shutil
-from dataclasses import fields, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,7 +18,6 @@ from support.small import DT_S, press, recording, soft_force, training
 from support.small_study import SOFT, rate_study, write_small_study
 
 from springpot.host.cli import springpot
-from springpot.host.validation.parts import SlideError
 from springpot.host.wings.study.plan import read_plan
 from springpot.trainer.recordings.recording_file import write_recording
 
@@ -36,7 +35,6 @@ BUILT = {
 _SELDOM = {
     "springpot train": {"n_centers"},
     "springpot bench": {"points[].n_nodes", "points[].n_centers", "points[].pairs"},
-    "springpot validate": {f"slides[].{field.name}" for field in fields(SlideError)},
 }
 
 

@@ -84,14 +84,13 @@ def test_float32_stays_beside_float64(kind: str, share: float) -> None:
         max_m=0.45 * DEPTH_M + 4 * amplitude_m,
         max_step_m=2 * np.pi * hz.sum() * amplitude_m * DT_S,
     )
-    # The bound is of the model: where an account cuts an active one, a tie decides for longer.
-    in_double = make_plan(model, scene(number="float64", energy="off"), accept_unsafe=True)
+    in_double = make_plan(model, scene(number="float64"), accept_unsafe=True)
     rounding = ForceRounding(in_double, deepest)
     assert rounding.bound_n <= share * peak_n
     chunk = min(100_000, DRIFT_TICKS // 4)
     errors, tied = [], 0
     with (
-        built(make_plan(model, scene(energy="off"), accept_unsafe=True)) as single,
+        built(make_plan(model, scene(), accept_unsafe=True)) as single,
         built(in_double) as double,
     ):
         one, other = single.new_state(), double.new_state()

@@ -12,8 +12,6 @@ _PRECISION = Precision(
     apart={
         "sp_guard_position": 60, "sp_guard_plausible": 10, "sp_guard_velocity": 10,
         "sp_guard_share": 20, "sp_is_time": 10, "sp_idle": 10, "sp_step": 8, "sp_step_dt": 10,
-        "sp_step3": 8, "sp_idle3": 10, "sp_lateral_part": 10, "tick3": 60, "sp_anchor_part": 10,
-        "sp_anchor_slip": 30, "sp_anchor_move": 30, "sp_drag_afforded": 10, "sp_lateral_grown": 10,
         "sp_hammerstein_still": 12, "sp_forest_traverse": 4000, "sp_forest_sum": 200,
         "sp_bins_search": 20,
     },

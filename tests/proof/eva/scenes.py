@@ -14,7 +14,6 @@ from springpot.codegen.emit.files import emit_files
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.places import Places
 from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.scene import ScenePlaces
 from springpot.trainer.kinds import KINDS, fit_model
 from springpot.trainer.models import hybrid
 from springpot.trainer.models.fit import FitOptions
@@ -74,20 +73,15 @@ def proved_scenes() -> Iterator[ProvedScene]:
                 yield ProvedScene(kind, cast(Mode, coupling), number)
     for coupling, number in (("off", "float32"), ("off", "float64"), ("proxy", "float32")):
         yield ProvedScene("placed", cast(Mode, coupling), number)
-    for number in ("float32", "float64"):
-        yield ProvedScene("sliding", "off", number)
     for kind in ("hammerstein", "rbf-pv"):
         yield ProvedScene(kind, "proxy", "float32", contact="always", velocity="device")
 
 
 def emit_scene(proved: ProvedScene, folder: Path) -> Path:
     """Write its C into folder/NAME; returns that."""
-    slides = proved.kind == "sliding"
-    smoothing_s = 0.0 if slides else 8e-4
-    chosen = scene(number=proved.number, mode=proved.coupling, smoothing_s=smoothing_s)
+    chosen = scene(number=proved.number, mode=proved.coupling, smoothing_s=8e-4)
     chosen = replace(
         chosen,
-        places=ScenePlaces("lateral", 8.0, 0.4) if slides else ScenePlaces(),
         guard=replace(chosen.guard, watchdog_ms=_WATCHDOG_MS),
         device=replace(chosen.device, velocity=proved.velocity),
     )

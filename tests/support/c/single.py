@@ -14,7 +14,7 @@ from springpot.codegen.model.model import Model
 from springpot.codegen.model.places import Places
 from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.plan.plan import Plan
-from springpot.codegen.scene import Coupling, Device, Guard, Runtime, Scene, ScenePlaces, Smoothing
+from springpot.codegen.scene import Coupling, Device, Guard, Runtime, Scene, Smoothing
 from springpot.host.wings.packaging.single import emit_single
 from support.c import golden_forces
 from support.small import damage, flow, small_model
@@ -31,7 +31,6 @@ def plan_of(
     mode: str,
     target: str = "host",
     velocity: str = "estimate",
-    lateral: bool = False,
     **runtime: Any,
 ) -> Plan:
     """The plan of a scene whose prefix is its name."""
@@ -46,7 +45,6 @@ def plan_of(
             **runtime,
         ),
         coupling=Coupling(mode=mode),  # type: ignore[arg-type]
-        places=ScenePlaces("lateral", 8.0) if lateral else ScenePlaces(),
         smoothing=Smoothing(time_constant_s=8e-4 if mode == "tool" else 0.0),
         guard=Guard(outside="zero" if mode == "proxy" else "fallback"),
         device=Device(velocity=velocity),  # type: ignore[arg-type]
@@ -74,7 +72,6 @@ def every_plan(target: str) -> Iterator[Plan]:
     law = replace(hammerstein, hammerstein=laws)
     yield plan_of("places", with_map(law), "float32", "off", target)
     yield plan_of("laws", law, "float32", "off", target, measured_step=True)
-    yield plan_of("sliding", with_map(hammerstein), "float32", "off", target, lateral=True)
     always = replace(hammerstein, contact="always")
     yield plan_of("velocity", always, "float32", "tool", target, velocity="device")
     yield plan_of("ifs", small_model(), "float32", "off", target, forest="m2cgen")

@@ -9,7 +9,7 @@ import pytest
 from codegen.same_bits import require_same_bits
 from support.small import press, recording, scene, training, wandering
 
-from springpot import FitOptions, Guard, Model
+from springpot import FitOptions, Model
 from springpot.emission import make_plan
 from springpot.modelling import fit_model
 from springpot.native import built
@@ -52,7 +52,7 @@ def test_the_c_predicts_what_the_model_predicts(variant: str) -> None:
     model = fitted(variant)
     item = recording("new", press(1.7, 0.010))
     # What the model gives, whether a hand paid for it or not.
-    chosen = dataclasses.replace(scene(number="float64"), guard=Guard(energy="off"))
+    chosen = scene(number="float64")
     with built(make_plan(model, chosen)) as library:
         force_n, _ = library.new_state().run(item.position_m)
     predicted_n = predict_n(model, item)

@@ -152,7 +152,7 @@ def test_ten_branches_and_three_stops_take_640_instructions_and_4400_bytes(tmp_p
     need("mps2-an386")
     # A surface that recovers takes 64 and 396 more.
     model = model_file(tmp_path, passive_of(branches=10, stops=3, recovers=False))
-    chosen = target_scene("cortex-m4f", energy="off")  # the account takes 67 and 490 more
+    chosen = target_scene("cortex-m4f")
     emission = emit(chosen, model, tmp_path / "c", accept_unsafe=True)
     position = long_motion().astype(np.float32)
     calls = steps(position, backward_velocity(position, 1e-3))

@@ -142,8 +142,7 @@ def test_ensembles_become_c(ensemble: object, number: str, lags: bool) -> None:
     model = from_ensemble(regressor, training(), features, name="mine")
     item = recording("new", 0.8 * X[-1])
     assert predict_n(model, item).max() == pytest.approx(item.force_n.max(), rel=0.2)
-    # Trees that extrapolate return energy here: the account would cut their force.
-    with built(make_plan(model, scene(number=number, energy="off"))) as library:
+    with built(make_plan(model, scene(number=number))) as library:
         assert library.selftest() == 0
         force_c, _ = library.new_state().run(item.position_m)
         library.new_state().run(wandering(3))
