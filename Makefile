@@ -18,7 +18,7 @@ MCU_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm gcc-ri
   picolibc-riscv64-unknown-elf qemu-system-misc \
   clang lld nodejs
 
-.PHONY: demo test test-rest test-long test-all durations test-mcu setup-mcu setup-r firmware soak bench-tick bench-host prove docs notebook dist lock licences check format lint types ns test-c clean
+.PHONY: demo test test-rest test-long test-all durations test-mcu setup-mcu firmware soak bench-tick bench-host prove docs notebook dist lock licences check format lint types ns test-c clean
 
 $(STAMP): requirements.lock pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -63,12 +63,6 @@ durations: $(STAMP)
 setup-mcu:
 	apt-get update -q >/dev/null
 	DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends $(MCU_PACKAGES) >/dev/null
-
-# R and the packages of it that statistics are compared with, as root.
-setup-r:
-	apt-get update -q >/dev/null
-	DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends r-cran-afex \
-	  r-cran-emmeans r-cran-multcompview r-cran-jsonlite >/dev/null
 
 # The same C on emulated boards; what is missing here is skipped, counted, and said.
 test-mcu: $(STAMP)

@@ -57,9 +57,5 @@ if TYPE_CHECKING:
     )
     from springpot.host.emission.folder import emitted_folder as emitted_folder
     from springpot.host.emission.result import over_budget as over_budget
-    from springpot.host.emission.scene_file import (
-        model_path as model_path,
-        scene_from_json as scene_from_json,
-    )
 else:
     __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
         loop_library as loop_library,
     )
     from springpot.host.session.c_loop import StepFunctions as StepFunctions
-    from springpot.host.session.log import SessionLog as SessionLog
     from springpot.host.session.loop import (
         LinkCounts as LinkCounts,
         LoopSettings as LoopSettings,
@@ -36,7 +35,6 @@ if TYPE_CHECKING:
     )
     from springpot.host.session.runner import (
         Progress as Progress,
-        RowTaker as RowTaker,
         SessionRunner as SessionRunner,
     )
 else:

@@ -4,7 +4,7 @@ import json
 import re
 import sys
 import typing
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import click
@@ -18,8 +18,6 @@ from springpot.codegen.plan.force_facts import force_facts
 from springpot.codegen.plan.make_plan import make_plan
 from springpot.host.cli import springpot as command_line
 from springpot.host.emission.scene_file import scene_to_json
-from springpot.host.wings.study import definition
-from springpot.host.wings.study.definition import Study
 
 sys.path.append(str(ROOT / "docs" / "_ext"))
 from reference_pages import commands, scene_keys
@@ -118,18 +116,6 @@ def test_every_public_name_of_python_is_listed() -> None:
     for name in springpot.__all__:
         assert f":: {name}\n" in page
         assert typing.cast("str | None", getattr(springpot, name).__doc__)
-
-
-def test_every_key_of_a_study_is_listed() -> None:
-    page = (ROOT / "docs" / "reference" / "study.md").read_text()
-    table = page.split("## Keys of a study file")[1].split("\n## ")[0]
-    own = (kind for kind in vars(definition).values() if kind.__class__ is type)
-    kinds = [kind for kind in own if is_dataclass(kind) and kind.__module__ == definition.__name__]
-    assert Study in kinds
-    keys = {key.name for kind in kinds for key in fields(kind)}
-    assert len(keys) > 30
-    for key in keys:
-        assert f"`{key}`" in table or f"[{key}]" in table, key
 
 
 def test_every_key_of_a_manifest_is_listed(tmp_path: Path) -> None:

@@ -69,7 +69,7 @@ def offered(*words: str) -> list[str]:
 
 def test_commands_options_and_choices() -> None:
     assert offered("st") == ["stability", "study"]
-    assert offered("study", "s") == ["simulate"]
+    assert offered("study", "r") == ["run", "report"]
     assert set(offered("train", "--mo")) == {"--model", "--monotone"}
     assert offered("train", "--model", "rbf") == ["rbf-fd", "rbf-pv"]
     assert offered("completion", "") == list(SHELLS)

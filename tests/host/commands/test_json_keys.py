@@ -15,16 +15,10 @@ from support import bench_folder
 from support.in_process import spring
 from support.paths import ROOT
 from support.small import DT_S, press, recording, soft_force, training
-from support.small_study import (
-    HARD,
-    SOFT,
-    real_stimulus,
-    scene_stimulus,
-    study_text,
-    write_scenes,
-)
+from support.small_study import SOFT, rate_study, write_small_study
 
 from springpot.host.cli import springpot
+from springpot.host.wings.study.plan import read_plan
 from springpot.trainer.recordings.recording_file import write_recording
 
 PAGE = (ROOT / "docs" / "reference" / "json.md").read_text()
@@ -35,7 +29,7 @@ BUILT = {
     "springpot place": "host/wings/lab/commands/place.py",
     "springpot report": "host/wings/report/commands/report.py",
     "springpot reproduce": "host/wings/evidence/paper/evidence.py",
-    "springpot study run": "host/wings/study/commands/study.py",
+    "springpot study run": "host/wings/study/session.py",
 }
 # Keys that only some devices, boards, kinds of model or failures have.
 _SELDOM = {
@@ -201,29 +195,8 @@ def test_of_a_benchmark(job: Path) -> None:
                                     "--model", "hammerstein", "--out", "bench"))  # fmt: skip
 
 
-def test_of_studies(job: Path) -> None:
-    conditions = [
-        {"left": "a", "right": "b", "factors": {"M": "x"}},
-        {"left": "a", "right": "r", "factors": {"M": "y"}},
-    ]
-    rated = study_text(
-        "similarity", [scene_stimulus("a"), scene_stimulus("b", HARD), real_stimulus("r")],
-        conditions, sections={"equivalence": {"margin": 10.0, "sd": 15.0},
-                              "question": [{"text": "?", "choices": ["yes", "no"]}]},
-    )  # fmt: skip
-    steps = [{"left": "a", "right": name, "series": "s", "repeats": 4} for name in ("b", "c")]
-    told = study_text(
-        "constant", [scene_stimulus("a"), scene_stimulus("b", stiffer=1.2),
-                     scene_stimulus("c", stiffer=0.8)], steps,
-    )  # fmt: skip
-    plans, rehearsals, reports = [], [], []
-    for name, text in (("rated", rated), ("told", told)):
-        Path(name).mkdir()
-        write_scenes(Path(name), SOFT, HARD)
-        Path(name, "study.toml").write_text(text)
-        plans.append((f"{name}/study.toml", "--participants", 4, "--out", f"{name}/plan"))
-        rehearsals.append((f"{name}/plan", "--observers", 4, "--out", f"{name}/people"))
-        reports.append((f"{name}/people",))
-    compare("springpot study plan", *plans)
-    compare("springpot study simulate", *rehearsals)
-    compare("springpot study report", *reports)
+def test_of_a_study(job: Path) -> None:
+    write_small_study(job)
+    compare("springpot study plan", ("study.toml", "--participants", 7, "--out", "plan"))
+    rate_study(read_plan(Path("plan")), {}, leave=1)
+    compare("springpot study report", ("plan",))
