@@ -12,8 +12,7 @@ from springpot.host.recording.protocols import RATE_HZ, Profile
 from springpot.host.session.runner import Progress
 from springpot.host.simulation.bench import SimulatedBench
 from springpot.host.simulation.objects import parse_url
-from springpot.trainer.recordings.journal import JournalWriter, refuse_where_journal
-from springpot.trainer.recordings.journal_reader import journal_of
+from springpot.trainer.recordings.journal import JournalWriter, journal_of, require_no_journal
 from springpot.trainer.recordings.recording import RECORDING_SUFFIX, Recording
 from springpot.trainer.recordings.recording_name import require_recording_name, safe_recording_name
 
@@ -82,7 +81,7 @@ def record_session(
     for file in files:
         if file.exists():
             raise UsageError(f"{file}: exists and is not overwritten: give another --out")
-        refuse_where_journal(journal_of(file))
+        require_no_journal(journal_of(file))
     try:
         for folder in dict.fromkeys(file.parent for file in files):
             folder.mkdir(parents=True, exist_ok=True)

@@ -23,7 +23,7 @@ from springpot.host.session.log import SessionLog, write_flight
 from springpot.host.session.loop import LoopSettings, LoopState
 from springpot.host.session.outcome import BY_USER, expected_ticks, steal_ms
 from springpot.host.session.runner import RowTaker, SessionRunner
-from springpot.trainer.recordings.journal_reader import MIN_SAMPLES
+from springpot.trainer.recordings.journal import MIN_SAMPLES
 from springpot.trainer.recordings.notices import caution, notice
 from springpot.trainer.recordings.recording import Zero
 

@@ -24,10 +24,10 @@ from springpot.trainer.recordings.formats.sampling import to_recording
 from springpot.trainer.recordings.formats.specimen import Specimen
 from springpot.trainer.recordings.formats.uneven_tail import tail_note
 from springpot.trainer.recordings.formats.units import factor_to_si
-from springpot.trainer.recordings.journal_blocks import is_journal
-from springpot.trainer.recordings.journal_reader import is_being_recorded, read_parts
+from springpot.trainer.recordings.journal import JOURNAL_SUFFIX
 from springpot.trainer.recordings.recording import Recording, Zero, zero_word
-from springpot.trainer.recordings.recording_file import has_checksum, read_recording
+from springpot.trainer.recordings.recording_file import read_recording
+from springpot.trainer.recordings.recording_hdf5 import is_recording
 from springpot.trainer.recordings.recording_name import safe_recording_name
 
 _NUMBER = r"\s*([+-]?(?:\d+\.?\d*|\.\d+))\s*"
@@ -117,9 +117,7 @@ def _imported(
         require_regular(path)
         with path.open("rb") as file:
             start = file.read(START_BYTES)
-        if is_journal(start):
-            return _import_journal(path, options)
-        if has_checksum(path):
+        if path.suffix == JOURNAL_SUFFIX or is_recording(path):
             return _import_again(path, mapping, zero, resample_hz, options)
         request = FileRequest(
             mapping or {}, options.dbc, options.block, options.decimal, resample_hz is not None,
@@ -154,19 +152,6 @@ def _read(path: Path, start: bytes, request: FileRequest) -> tuple[list[RawChann
         return chosen.read(path, request)
     except DataError as error:
         raise type(error)(f"{error}{absent('formats', formats)}") from None
-
-
-def _import_journal(path: Path, options: ImportOptions) -> ImportResult:
-    if is_being_recorded(path):
-        raise DataError(f"{path}: still being recorded: wait until that ends")
-    parts, messages = read_parts(path)
-    recordings = []
-    for part, name in zip(parts, _unique([part.name for part in parts]), strict=True):
-        details = {**part.details, "recovered": messages}
-        whole, said = condition(replace(part, name=name, details=details), options.conditioning)
-        recordings.append(whole)
-        messages += "".join(f"; {line}" for line in said)
-    return ImportResult(recordings, f"{path}: {messages}")
 
 
 def _import_again(
