@@ -173,7 +173,7 @@ def test_disk_full_while_logging(tmp_path, folder):
     assert stop["force_n"] == 0
     read = faithful(folder, host.log)
     row_bytes = 8 * (2 + len(read.channels))
-    assert len(read.position_m) > 0.6 * limit / row_bytes  # half a second is not yet committed
+    assert len(read.position_m) > 0.3 * limit / row_bytes  # of pages that are half full
 
 
 @pytest.mark.realtime

@@ -88,9 +88,8 @@ def main() -> int:
         more = [change for change in survivors if change not in known]
         for before, after in more:
             print(f"{file}: {before}\n    -> {after}")
-        print(
-            f"{file}: {len(mutants)} changes, {len(survivors)} equivalent or unnoticed, {len(more)} left"
-        )
+        equivalent = len(survivors) - len(more)
+        print(f"{file}: {len(mutants)} changes, {equivalent} equivalent, {len(more)} unnoticed")
         left += len(more)
     return int(left > 0)
 
