@@ -57,6 +57,8 @@ HYBRID = Kind("hybrid", "hammerstein, and a small forest on what it leaves over"
               f"{_MODELS}.hybrid:fit_hybrid", "X", "#40916c", 5)  # fmt: skip
 BOOSTED = Kind("boosted", "boosted trees on fractional derivatives",
                f"{_MODELS}.rf_fd:fit_boosted", "D", "#5a189a", 6)  # fmt: skip
+SPRINGPOT = Kind("springpot", "a fractional solid: three or four numbers with intervals",
+                 f"{_MODELS}.springpot:fit_springpot", "*", "#6c584c", 7)  # fmt: skip
 AUTO = "auto"  # the kind of lowest cross-validated error
 _AUTO_FIT = "springpot.trainer.selection.auto:fit_auto"
 

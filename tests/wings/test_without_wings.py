@@ -39,7 +39,7 @@ amplitude_n = 4.0
 frequency_hz = 2.0
 cycles = 3
 """
-OF_WINGS = ("study", "identify", "place", "bench", "reproduce", "page", "material", "doctor",
+OF_WINGS = ("study", "identify", "place", "bench", "reproduce", "page", "doctor",
             "demo", "plot", "report", "firmware", "completion",
             "export", "predict")  # fmt: skip
 FOREIGN = {  # how files of formats begin that only a wing reads
@@ -88,8 +88,6 @@ def test_commands_and_options_of_wings_are_not_there_without_them(tmp_path: Path
         if line.startswith("  ") and line[2:3].isalpha()
     ]
     assert not set(OF_WINGS) & set(commands)
-    refused = run(tmp_path, "train", "none", "--model", "springpot", "--out", "x.spm", status=2)
-    assert "'springpot' is not one of" in refused.stderr
     for words in (("record", "--device", "sim://ecoflex-00-30", "--protocol", "paper",
                    "--force", "serial:///dev/none", "--out", "x"),
                   ("emit", "--pick", "pc-1khz", "--out", "c")):  # fmt: skip

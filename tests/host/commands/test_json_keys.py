@@ -159,8 +159,6 @@ def test_of_models_and_scenes(job: Path) -> None:
     compare("springpot train", fit("hammerstein", "--validate", "validation"), fit("rf-fd"),
             fit("springpot"), ("placed", "--model", "hammerstein", "--out", "map.spm"))  # fmt: skip
     compare("springpot predict", ("hammerstein.spm", "validation", "--out", "predicted"))
-    compare("springpot material", ("springpot.spm", "--tip-mm", 6, "--height-mm", 35,
-                                   "--accept-unidentified", "--out", "law"))  # fmt: skip
     compare("springpot emit", ("--scene", "scene.toml", "--out", "c"),
             ("--scene", "scene.toml", "--model", "rf-fd.spm", "--out", "forest"))  # fmt: skip
     compare("springpot build", ("c",))
