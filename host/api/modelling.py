@@ -39,10 +39,6 @@ if TYPE_CHECKING:
         holdout as holdout,
         recording_splits as recording_splits,
     )
-    from springpot.host.wings.presses.coverage import (
-        Coverage as Coverage,
-        find_coverage as find_coverage,
-    )
     from springpot.trainer.features.fast_fir import fast_fir_bank as fast_fir_bank
     from springpot.trainer.features.fractional import (
         fir_derivatives as fir_derivatives,

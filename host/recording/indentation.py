@@ -105,19 +105,16 @@ class PressedDevice:
         self,
         command_n: Samples,
         on_samples: Callable[[Samples, Samples], None] = lambda _position_m, _force_n: None,
-        lead: int = 0,
     ) -> tuple[Samples, Samples]:
         """Drive one press; command_n: (n,), N, one value each ms. Returns position_m and force_n.
 
-        lead: of so many values at its beginning no sample is kept.
         Raises DeviceError where the device fails or measures no force, SpringpotError at a limit.
         """
-        rows = self.rows(len(command_n), on_samples, lead)
+        rows = self.rows(len(command_n), on_samples)
         self.drive(command_n, self.driven(command_n), self.gains, rows, self.room)
-        kept_s = (len(command_n) - lead) / RATE_HZ
-        self.start_s = time.monotonic() - self._taken_s - kept_s
+        self.start_s = time.monotonic() - self._taken_s - len(command_n) / RATE_HZ
         rest(_REST_S)
-        return rows.position_m[lead:], rows.force_n[lead:]
+        return rows.position_m, rows.force_n
 
     @property
     def gains(self) -> Mapping[str, float]:
@@ -129,9 +126,9 @@ class PressedDevice:
         """What the motor gets for a command (n,), N, before the control adds its part."""
         return command_n
 
-    def rows(self, n: int, on_samples: Callable[[Samples, Samples], None], lead: int) -> PressRows:
+    def rows(self, n: int, on_samples: Callable[[Samples, Samples], None]) -> PressRows:
         """Where the rows of a press of n commands go."""
-        return PressRows(n, on_samples, lead)
+        return PressRows(n, on_samples)
 
     def attach(self, runner: SessionRunner) -> None:
         """A press begins with this loop."""

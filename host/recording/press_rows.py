@@ -14,10 +14,8 @@ class PressRows:
     unmeasured: a row has no force. unlocated: a position is no number.
     """
 
-    def __init__(
-        self, n: int, on_samples: Callable[[Samples, Samples], None], lead: int = 0
-    ) -> None:
-        self._n, self._on_samples, self._lead = n, on_samples, lead
+    def __init__(self, n: int, on_samples: Callable[[Samples, Samples], None]) -> None:
+        self._n, self._on_samples = n, on_samples
         self.position_m, self.force_n = np.empty(0), np.empty(0)
         self.unmeasured = self.unlocated = False
 
@@ -36,8 +34,6 @@ class PressRows:
         if self.unlocated or not np.isfinite(force_n).all():
             return
         if len(rows):
-            skipped = max(0, self._lead - len(self.position_m))
             self.position_m = np.concatenate((self.position_m, position_m))
             self.force_n = np.concatenate((self.force_n, force_n))
-            if skipped < len(rows):
-                self._on_samples(position_m[skipped:], force_n[skipped:])
+            self._on_samples(position_m, force_n)

@@ -13,18 +13,20 @@ clang and lld, the pictures chromium.
 import argparse
 import sys
 import tempfile
+from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from support.pages.press_pictures import draw_press, draw_slide
 from support.paths import ROOT
+from support.presses.places import grid_profiles
 
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import read_model, write_model
 from springpot.codegen.scene import Coupling, Runtime, Scene, ScenePlaces
 from springpot.host.emission.emission import emit
-from springpot.host.recording.protocols import load_protocol
+from springpot.host.recording.protocols import Profile, load_protocol
 from springpot.host.recording.session import open_press_device, record_session
 from springpot.host.validation.store import store_validation
 from springpot.host.validation.validation import validate
@@ -54,7 +56,7 @@ ABOUT = {
     "places: find the stiffest with the colours off.",
 }
 # Its presses: those of the paper at five places, two at each of the others; of a tip of 8 mm.
-_PLACES = "[places]\nspan_m = [0.03, 0.03]\nfull = 5\nshort = 44\n"
+_SIDE = 7
 _TIP_MM = 8.0
 _REPEATS = 5  # of the ten compressions of a cylinder
 _HAND_M = 0.003
@@ -96,7 +98,7 @@ def main() -> None:
         for page, names in PAGES.items():
             folders = [emitted(name, place / name) for name in names]
             if page == "press.html":
-                compare(folders[0], simulated(names[0], "validation", 2, place))
+                compare(folders[0], simulated(names[0], load_protocol("validation", 2), place, 2))
             write_press_page(folders, ROOT / "docs" / page, about=ABOUT[page])
         if asked.picture:
             draw_press(place)
@@ -107,9 +109,8 @@ def train(data: Path, place: Path) -> None:
     """Fit every model."""
     MODELS.mkdir(exist_ok=True)
     for name in SIMULATED:
-        save(name, simulated(name, "paper", 1, place))
-    (place / "places.toml").write_text(_PLACES)
-    save(LUMP, simulated(LUMP, str(place / "places.toml"), 1, place))
+        save(name, simulated(name, load_protocol("paper", 1), place))
+    save(LUMP, simulated(LUMP, grid_profiles(_SIDE), place))
     for name in RECORDED:
         sample = f"EF{name.split('-')[2]}_0T"
         files = [data / "ecoflex_compression" / sample / f"{sample}_A{repeat}.csv"
@@ -134,11 +135,12 @@ def save(name: str, recordings: list[Recording] | tuple[Recording, ...]) -> None
     write_model(MODELS / f"{name}.spm", replace(fit.model, provenance={"name": name}))
 
 
-def simulated(name: str, protocol: str, seed: int, place: Path) -> list[Recording]:
+def simulated(
+    name: str, profiles: Sequence[Profile], place: Path, seed: int = 1
+) -> list[Recording]:
     """Recordings of a simulated silicone."""
-    url, folder = f"sim://{name}", place / f"{name}-{Path(protocol).stem}"
-    device = open_press_device(url, seed)
-    record_session(device, url, protocol, load_protocol(protocol, seed), folder, lambda _: None)
+    url, folder = f"sim://{name}", place / f"{name}-{seed}"
+    record_session(open_press_device(url, seed), url, "pages", profiles, folder)
     return read_recordings([folder])
 
 

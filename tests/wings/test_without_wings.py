@@ -1,6 +1,5 @@
 """The core without host/wings: it still records, trains, emits, runs, validates."""
 
-import json
 import subprocess
 import sys
 from pathlib import Path
@@ -130,7 +129,6 @@ def require_line(folder: Path, words: str, status: int, told: str) -> None:
     "words",
     [
         "train press.h5 --model rf-fd --within 1% --out x.spm",
-        "train press.h5 --model hammerstein --next x.toml --out x.spm",
         "stability --scene scene.toml --report x.html",
         "emit --scene scene.toml --single --out c",
         "import press.csv --tare auto --out r",
@@ -156,8 +154,3 @@ def test_a_file_of_a_format_that_is_not_there_is_one_line(made: Path, name: str)
 def test_a_device_that_is_not_there_is_one_line(made: Path, url: str) -> None:
     told = "; not installed here: dhd, odrive, serial; to have them"
     require_line(made, f"run --scene scene.toml --device {url}", 5, told)
-
-
-def test_what_to_record_next_is_not_said_without_its_wing(made: Path) -> None:
-    result = run(made, "train", "press.h5", "--model", "hammerstein", "--json", "--out", "y.spm")
-    assert "next_presses" not in json.loads(result.stdout)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Sequence
 from contextlib import nullcontext
 from pathlib import Path
@@ -31,8 +30,7 @@ if TYPE_CHECKING:
 @click.option(
     "--protocol",
     required=True,
-    help="paper, validation, extended, a FILE.toml of profiles, or one with folders of training "
-    "and test: left-out-depth, third-repeat, slow-ramps, one-long, one-speed, preload.",
+    help="paper, validation, extended, or a FILE.toml of profiles.",
 )
 @click.option("--force", "sensor_url", help="Force sensor beside it: serial:///... or can://...")
 @click.option("--out", type=PATH, required=True, help="Folder to write to.")
@@ -96,7 +94,7 @@ def record(
 
     limits = Limits(max_force_n, max_depth_mm / 1e3, max_speed_mps)
     profiles = load_protocol(protocol, seed)
-    total_s = sum(len(profile.command_n) - profile.lead for profile in profiles) / 1000
+    total_s = sum(len(profile.command_n) for profile in profiles) / 1000
     measured = sensor_url is not None
     open_sensor: Any = required_part("force-sensor", "--force") if measured else nullcontext
     with (
@@ -130,6 +128,4 @@ def _print(qualities: Sequence[PressQuality]) -> None:
         for quality in qualities
     )
     print_table(columns, rows, numbers=True, width=100)
-    folders = Counter(quality.file.parent for quality in qualities)
-    made = (f"{number_of(many, 'recording')} in {folder}" for folder, many in folders.items())
-    click.echo(", ".join(made))
+    click.echo(f"{number_of(len(qualities), 'recording')} in {qualities[0].file.parent}")

@@ -14,7 +14,6 @@ from springpot import QualityReport, Recording, UsageError, check_recordings
 from springpot.basics import written_aside
 from springpot.console import counted
 from springpot.figures import ERROR, MUTED, PREDICTED, STYLE, log_ticks, stride
-from springpot.modelling import find_coverage
 
 POSITION, FORCE, DOUBT = ERROR, PREDICTED, MUTED
 _MAX_POINTS = 6000
@@ -109,30 +108,8 @@ def dynamics(recordings: Sequence[Recording], report: QualityReport) -> Figure:
     return figure
 
 
-def coverage(recordings: Sequence[Recording], report: QualityReport) -> Figure:
-    """Strokes by depth and speed, holds by depth and duration: what is not there is not known."""
-    figure = Figure(figsize=(6.4, 3.6), layout="constrained")
-    left, right = figure.subplots(1, 2, sharey=True)
-    found = find_coverage(recordings)
-    strokes, holds = np.array(found.strokes), np.array(found.holds)
-    if len(strokes):
-        left.semilogx(1e3 * strokes[:, 1], 1e3 * strokes[:, 0], "o", color=FORCE, ms=4, alpha=0.5)
-    if len(holds):
-        right.semilogx(holds[:, 1], 1e3 * holds[:, 0], "s", color=POSITION, ms=4, alpha=0.5)
-    else:
-        right.text(0.5, 0.5, "no hold", ha="center", transform=right.transAxes, color=DOUBT)
-    for axes in [left] * bool(len(strokes)) + [right] * bool(len(holds)):
-        log_ticks(axes.xaxis)
-    left.set_ylim(1e3 * found.low_m, 1.05e3 * found.high_m)
-    left.invert_yaxis()
-    left.set(xlabel="speed of a stroke, mm/s", ylabel="depth, mm")
-    right.set_xlabel("length of a hold, s")
-    return figure
-
-
 FIGURES = {
     "time": time_series, "loops": loops, "spectra": spectra, "dynamics": dynamics,
-    "coverage": coverage,
 }  # fmt: skip
 
 

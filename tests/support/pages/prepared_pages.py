@@ -42,9 +42,10 @@ def nothing(folder: Path) -> None:
 
 
 def few_places(folder: Path) -> None:
-    """For the page of places, whose own protocols take minutes: one full site of four; a slide."""
-    sites = "sites = [[0.0, 0.0], [0.01, 0.0], [0.0, 0.01], [0.01, 0.01]]"
-    (folder / "few.toml").write_text(f"[places]\nfull = 1\n{sites}\n")
+    """For the page of places, whose own protocols take minutes: four places; a slide."""
+    places = "places_m = [[0.0, 0.0], [0.01, 0.0], [0.0, 0.01], [0.01, 0.01]]"
+    presses = "".join(f"[[profile]]\namplitude_n = 8.0\nfrequency_hz = {hz}\n" for hz in (0.5, 5.0))
+    (folder / "few.toml").write_text(f"{places}\n{presses}")
     x_m = np.linspace(0.002, 0.008, 600)
     depth_m = 1.5e-3 * np.minimum(np.arange(600) / 200.0, 1.0)
     at = np.column_stack([x_m, np.full(600, 0.005), depth_m])

@@ -99,10 +99,9 @@ class SensedPressDevice(PressedDevice):
         self,
         command_n: Samples,
         on_samples: Callable[[Samples, Samples], None] = lambda _position_m, _force_n: None,
-        lead: int = 0,
     ) -> tuple[Samples, Samples]:
         """Press as every device does, and learn how the object gave way for the next press."""
-        position_m, force_n = super().press(command_n, on_samples, lead)
+        position_m, force_n = super().press(command_n, on_samples)
         self._compliance.learn(position_m, force_n)
         return position_m, force_n
 
@@ -110,9 +109,9 @@ class SensedPressDevice(PressedDevice):
         self._runner = runner
         self._sensor.on_force = runner.sense
 
-    def rows(self, n: int, on_samples: Callable[[Samples, Samples], None], lead: int) -> PressRows:
+    def rows(self, n: int, on_samples: Callable[[Samples, Samples], None]) -> PressRows:
         late_s = self._found().value_s
-        return _SensedRows(n, on_samples, lead, self._sensor, late_s, self._start_s)
+        return _SensedRows(n, on_samples, self._sensor, late_s, self._start_s)
 
     def unmeasured(self) -> SpringpotError:
         return self._sensor.error or DeviceError(
@@ -141,12 +140,11 @@ class _SensedRows(PressRows):
         self,
         n: int,
         on_samples: Callable[[Samples, Samples], None],
-        lead: int,
         sensor: ForceSensor,
         late_s: float,
         start_s: Callable[[], float],
     ) -> None:
-        super().__init__(n, on_samples, lead)
+        super().__init__(n, on_samples)
         self._sensor, self._late_s, self._start_s = sensor, late_s, start_s
         self._waiting = np.empty((0, len(COLUMN)))
         self._seen = 0

@@ -39,7 +39,7 @@ def rows_from(first: int, count: int) -> np.ndarray:
 
 def test_rows_wait_for_the_force_of_their_moment() -> None:
     sensor, kept = Sensor(), []
-    rows = _SensedRows(300, lambda x, f: kept.append((x, f)), 0, sensor, LATE_S, lambda: START_S)
+    rows = _SensedRows(300, lambda x, f: kept.append((x, f)), sensor, LATE_S, lambda: START_S)
     for first in range(0, 400, 50):
         sensor.now_s = START_S + 1e-3 * (first + 50)
         rows.append(rows_from(first, 50))
@@ -52,7 +52,7 @@ def test_rows_wait_for_the_force_of_their_moment() -> None:
 
 def test_a_sensor_that_falls_silent_ends_the_press() -> None:
     sensor = Sensor()
-    rows = _SensedRows(300, lambda _x, _f: None, 0, sensor, LATE_S, lambda: START_S)
+    rows = _SensedRows(300, lambda _x, _f: None, sensor, LATE_S, lambda: START_S)
     silent = rows_from(0, 40)
     silent[:, COLUMN["measured_n"]] = np.nan
     rows.append(silent)
