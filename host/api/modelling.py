@@ -77,7 +77,6 @@ if TYPE_CHECKING:
     from springpot.trainer.models.limited import (
         extrapolation as extrapolation,
         limited_n as limited_n,
-        unplaced as unplaced,
     )
     from springpot.trainer.models.passive.passive_fit import fit_passive as fit_passive
     from springpot.trainer.models.passive.passive_force import model_along as model_along
@@ -140,10 +139,8 @@ if TYPE_CHECKING:
     )
     from springpot.trainer.recordings.quality.signs import (
         require_signs as require_signs,
-        sign_doubts as sign_doubts,
     )
     from springpot.trainer.recordings.quality.spikes import (
-        LONGEST_SPIKE as LONGEST_SPIKE,
         hold_spikes as hold_spikes,
     )
     from springpot.trainer.recordings.reader_limits import (

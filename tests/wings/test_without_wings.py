@@ -39,8 +39,7 @@ frequency_hz = 2.0
 cycles = 3
 """
 OF_WINGS = ("study", "identify", "place", "bench", "reproduce", "page", "doctor",
-            "demo", "plot", "report", "firmware", "completion",
-            "export", "predict")  # fmt: skip
+            "demo", "report", "firmware")  # fmt: skip
 FOREIGN = {  # how files of formats begin that only a wing reads
     "x.mat": b"MATLAB 5.0 MAT-file, made by hand\0\1\2",
     "x.h5": b"\x89HDF\r\n\x1a\n" + bytes(600),

@@ -113,7 +113,7 @@ def test_every_command_that_prints_json_has_a_table_and_the_page_no_other() -> N
             f"springpot {full}" for full, command in commands.items()
             if command and any("--json" in option.opts for option in command.params)
         ]  # fmt: skip
-    assert len(names) > 24
+    assert len(names) > 14
     assert sorted(re.findall(r"^## (springpot .*)", PAGE, re.M)) == sorted(names)
 
 
@@ -143,8 +143,6 @@ def test_of_recordings(job: Path) -> None:
     )
     compare("springpot import", ("rig.csv", "--place", "5,10mm", "--out", "imported"))
     compare("springpot check", ("training",), ("imported",))
-    compare("springpot plot", ("validation", "--out", "plots"))
-    compare("springpot export", ("training", "--to", "mat", "--out", "mat"))  # fmt: skip
 
 
 @pytest.mark.slow
@@ -158,7 +156,6 @@ def test_of_models_and_scenes(job: Path) -> None:
         write_recording(Path(f"placed/{k}.h5"), replace(pressed, **place))
     compare("springpot train", fit("hammerstein", "--validate", "validation"), fit("rf-fd"),
             fit("springpot"), ("placed", "--model", "hammerstein", "--out", "map.spm"))  # fmt: skip
-    compare("springpot predict", ("hammerstein.spm", "validation", "--out", "predicted"))
     compare("springpot emit", ("--scene", "scene.toml", "--out", "c"),
             ("--scene", "scene.toml", "--model", "rf-fd.spm", "--out", "forest"))  # fmt: skip
     compare("springpot build", ("c",))

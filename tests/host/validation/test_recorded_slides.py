@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from codegen.stages.test_lateral import at_depth, slow
+from support.files.columns import write_columns
 from support.small import DT_S, press, scene
 
 from springpot import DataError, FitOptions, Recording, ScenePlaces, check_recordings
@@ -15,7 +16,6 @@ from springpot.codegen.model.model_file import write_model
 from springpot.console import validation_rows
 from springpot.host.emission.emission import emit
 from springpot.host.validation.validation import Validation, validate
-from springpot.host.wings.export.exporting import export_recording
 from springpot.host.wings.report.findings import slide_findings
 from springpot.host.wings.report.relaxation import recorded_hold
 from springpot.modelling import fit_model
@@ -133,7 +133,7 @@ def test_columns_of_places_that_change_are_a_slide(
     folders: dict[str, Path], tmp_path: Path
 ) -> None:
     slide = rendered(folders["lateral"], 0)
-    read = import_file(export_recording(tmp_path, slide, "csv"), None, "none", None)
+    read = import_file(write_columns(tmp_path / "slide.csv", slide), None, "none", None)
     assert "slides: x " in read.guess
     (found,) = read.recordings
     for name, samples in slide.channels.items():

@@ -8,12 +8,12 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from codegen.stages.test_lateral import plan_of
+from support.files.columns import write_columns
 from support.small import passive_model
 
 from springpot import DataError, FitOptions, Recording, UsageError, check_recordings
 from springpot.host.validation.parts import require_slides
 from springpot.host.wings.evidence.benchmark.run import Bench, run_bench
-from springpot.host.wings.export.exporting import export_recording
 from springpot.modelling import fit_model, limited_n
 from springpot.trainer.recordings.conditioning import Conditioning, condition
 from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
@@ -51,7 +51,7 @@ def test_places_come_back_by_every_way_out(
         x_m, y_m = np.random.default_rng(seed).uniform(-0.1, 0.1, 2).tolist()
         given = replace(given, channels={}, place_x_m=x_m, place_y_m=y_m)
     for form in ("csv", "mat"):
-        file = export_recording(tmp_path, given, form)
+        file = write_columns(tmp_path / f"{given.name}.{form}", given)
         same(import_file(file, None, "none", None).recordings[0], given)
     write_recording(tmp_path / "slid.h5", given)
     same(read_recording(tmp_path / "slid.h5"), given)
