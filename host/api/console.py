@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     from springpot.host.console.keys import reading_keys as reading_keys
     from springpot.host.console.lazy_group import LazyCommand as LazyCommand, LazyGroup as LazyGroup
     from springpot.host.console.options import (
-        POSITIVE as POSITIVE,
         SEED as SEED,
         accept_edited_option as accept_edited_option,
         recordings_given as recordings_given,

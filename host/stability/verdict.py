@@ -109,7 +109,7 @@ def may_do(plan: Plan, faulty: Sequence[Outcome]) -> str:
     # Half a period less delay, and less of a lost sample: a forest has the period it was fitted at.
     faster = plan.model.regressor is None and any(item.late or item.losses for item in faulty)
     ways = {
-        "device.viscous_nspm, which `springpot identify` measures, for without it the account of "
+        "device.viscous_nspm, the friction of yours, for without it the account of "
         "energy cuts the force": (
             unpaid and plan.energy_acts and not plan.scene.device.viscous_nspm
         ),

@@ -38,7 +38,7 @@ amplitude_n = 4.0
 frequency_hz = 2.0
 cycles = 3
 """
-OF_WINGS = ("study", "identify", "place", "bench", "reproduce", "page", "doctor",
+OF_WINGS = ("study", "bench", "reproduce", "page", "doctor",
             "demo", "report", "firmware")  # fmt: skip
 FOREIGN = {  # how files of formats begin that only a wing reads
     "x.mat": b"MATLAB 5.0 MAT-file, made by hand\0\1\2",
@@ -135,7 +135,6 @@ def require_line(folder: Path, words: str, status: int, told: str) -> None:
             "emit --scene wasm.toml --out c",
             marks=pytest.mark.skipif(bool(WASM_LACKS), reason=WASM_LACKS),
         ),
-        "run --scene scene.toml --device sim://free --log felt.h5",
     ],
 )
 def test_an_option_of_a_wing_is_one_line_without_it(made: Path, words: str) -> None:

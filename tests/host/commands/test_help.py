@@ -49,7 +49,7 @@ def test_help_loads_nothing_heavy_and_the_list_no_command() -> None:
     listed, loaded_by_list, asked, short, heavy = json.loads(done.stdout)
     assert loaded_by_list == []
     assert heavy == []
-    assert len(asked) >= 18
+    assert len(asked) > 12
     words = " ".join(listed.split())
     for name, text in short.items():
         assert f" {name} {text}" in words, f"host/cli.py lists {name} otherwise than its help"

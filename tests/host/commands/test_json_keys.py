@@ -33,7 +33,6 @@ SCENE = 'schema = 1\nname = "x"\nmodel = "hammerstein.spm"\n'
 # What is not run here, for it takes people, devices or minutes: where its result is put together.
 BUILT = {
     "springpot demo": "host/wings/report/commands/demo.py",
-    "springpot place": "host/wings/lab/commands/place.py",
     "springpot report": "host/wings/report/commands/report.py",
     "springpot reproduce": "host/wings/evidence/paper/evidence.py",
     "springpot study run": "host/wings/study/commands/study.py",
@@ -170,7 +169,6 @@ def test_of_sessions(job: Path) -> None:
     shutil.copyfile(ROOT / "tests" / "golden" / "press" / f"{SOFT}.spm", "hammerstein.spm")
     compare("springpot run", ("--scene", "scene.toml", "--device", "sim://ecoflex-00-30",
                               "--seconds", 1, "--log", "felt.h5"))  # fmt: skip
-    compare("springpot identify", ("--device", "sim://free", "--max-force-n", 2, "--yes"))
     compare("springpot doctor", ())
 
 

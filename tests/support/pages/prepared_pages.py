@@ -65,7 +65,6 @@ def emitted_job(folder: Path) -> None:
 PREPARED = {
     "how-to/fem.md": nothing,
     "how-to/import.md": rig_files,
-    "how-to/measure-a-device.md": small_job,
     "how-to/own-ensemble.md": nothing,
     "how-to/places.md": few_places,
     "how-to/record.md": nothing,

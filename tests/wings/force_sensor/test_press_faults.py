@@ -13,8 +13,8 @@ from springpot.codegen.errors import DeviceError
 from springpot.host.recording.indentation import _GAINS, OPEN_LOOP, Limits, PressedDevice
 from springpot.host.recording.protocols import extended, inverted_cosine, training, validation
 from springpot.host.simulation.objects import ALL_OBJECTS
-from springpot.host.wings.lab.force_sensor.alignment import alignment_command
-from springpot.host.wings.lab.force_sensor.sensed_press import SensedPressDevice
+from springpot.host.wings.force_sensor.alignment import alignment_command
+from springpot.host.wings.force_sensor.sensed_press import SensedPressDevice
 
 FAST, UNLIKE, RINGS = 1, 2, 3
 TABLE_NPM = 1e5
@@ -33,9 +33,8 @@ WRONG: dict[str, dict[str, float]] = {
 
 
 def require_no_fault(tool: PressedTool, commands_n: list[np.ndarray]) -> None:
-    known = None if tool.gains else tool.first_press()
     for command_n in commands_n:
-        assert tool.press(command_n, known).fault == 0, (tool, len(command_n))
+        assert tool.press(command_n).fault == 0, (tool, len(command_n))
 
 
 @pytest.mark.parametrize("control", [PD, LATE], ids=["pd", "late"])
@@ -59,7 +58,7 @@ def test_no_press_of_a_protocol_is_refused(
     if sensor_s == 0.0:
         require_no_fault(PressedTool(**device, **PD), commands_n)
     chirp = PressedTool(**device, **LATE | {"sensor_s": sensor_s}, gains=dict(OPEN_LOOP))
-    assert chirp.press(alignment_command(1000.0)).fault == 0
+    assert chirp.press(alignment_command()).fault == 0
 
 
 @pytest.mark.parametrize("control", [PD, LATE], ids=["pd", "late"])
@@ -70,10 +69,9 @@ def test_a_tool_that_loses_its_object_meets_the_table_at_the_limit_at_most(
     """Pressed with 3 to 8 N; the table is like wood. From 5 cm on it is stopped in the air."""
     at_limit_n = control["max_mps"] * np.sqrt(TABLE_NPM * PressedTool().mass_kg)
     for lost_tick in (200, 400, 600, 1000, 2000):
-        known = None if "gains" in control else PressedTool(**control).first_press()
-        at_m = PressedTool(**control).press(HELD, known).position_m[lost_tick]
+        at_m = PressedTool(**control).press(HELD).position_m[lost_tick]
         lost = {"lost_tick": lost_tick, "table_m": float(at_m) + above_m, "table_npm": TABLE_NPM}
-        pressed = PressedTool(**control, goes_wrong=lost).press(HELD, known)
+        pressed = PressedTool(**control, goes_wrong=lost).press(HELD)
         assert pressed.force_n[lost_tick:].max() < 1.25 * at_limit_n, lost_tick
         assert pressed.motor_n[-1] == 0.0 or not pressed.fault
         if above_m >= 0.05:
@@ -87,10 +85,9 @@ def test_a_tool_that_loses_its_object_meets_the_table_at_the_limit_at_most(
 def test_a_sensor_that_goes_wrong_ends_the_press(
     name: str, wrong: str, control: dict[str, Any]
 ) -> None:
-    known = None if "gains" in control else PressedTool(name=name, **control).first_press()
     for tick in (1, 1500, 3000):
         goes_wrong = {"wrong_tick": tick, **WRONG[wrong]}
-        pressed = PressedTool(name=name, **control, goes_wrong=goes_wrong).press(SLOW, known)
+        pressed = PressedTool(name=name, **control, goes_wrong=goes_wrong).press(SLOW)
         assert pressed.fault != 0, tick
         assert pressed.motor_n[-1] == 0.0
 
