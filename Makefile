@@ -18,7 +18,7 @@ MCU_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm gcc-ri
   picolibc-riscv64-unknown-elf qemu-system-misc \
   clang lld nodejs
 
-.PHONY: demo test test-rest test-long test-all durations test-mcu setup-mcu setup-r firmware soak misra bench-tick bench-host prove prove-changed docs notebook dist lock licences check format lint types ns test-c clean
+.PHONY: demo test test-rest test-long test-all durations test-mcu setup-mcu firmware soak bench-tick bench-host prove docs notebook dist lock licences check format lint types ns test-c clean
 
 $(STAMP): requirements.lock pyproject.toml
 	$(PYTHON) -m venv .venv
@@ -64,12 +64,6 @@ setup-mcu:
 	apt-get update -q >/dev/null
 	DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends $(MCU_PACKAGES) >/dev/null
 
-# R and the packages of it that statistics are compared with, as root.
-setup-r:
-	apt-get update -q >/dev/null
-	DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends r-cran-afex \
-	  r-cran-emmeans r-cran-multcompview r-cran-jsonlite >/dev/null
-
 # The same C on emulated boards; what is missing here is skipped, counted, and said.
 test-mcu: $(STAMP)
 	$(BIN)/pytest -n 2 -m board
@@ -82,10 +76,6 @@ firmware: $(STAMP)
 # must see. Needs frama-c-base.
 prove: $(STAMP) ns
 	PYTHONPATH=build/ns $(BIN)/python tests/proof/prove.py --defects $(if $(JSON),--out $(JSON))
-
-# The same, less what docs/reliability/prove.json has of C that is still the same to the letter.
-prove-changed: $(STAMP) ns
-	PYTHONPATH=build/ns $(BIN)/python tests/proof/prove.py --defects --known docs/reliability/prove.json
 
 # Source archive and wheel of the commit in dist/: built twice, the same bytes.
 dist: $(STAMP)
@@ -114,12 +104,6 @@ soak: $(STAMP) test-c
 	SPRINGPOT_SOAK=1 $(BIN)/pytest -n0 tests/wings/boards/test_mcu_board.py
 	$(BIN)/pip install --quiet --disable-pip-version-check atheris
 	$(BIN)/python tests/proof/fuzz/fuzz.py
-	$(BIN)/python tests/proof/reliability.py
-
-# Rules of MISRA C:2012 that cppcheck checks: kept, or recorded in tests/proof/misra/deviations.toml.
-misra: $(STAMP)
-	$(BIN)/python tests/proof/misra/misra.py
-	$(BIN)/python tests/proof/reliability.py
 
 # The documentation, build/docs/html/index.html: a broken link or anchor is an error.
 docs: $(STAMP) ns

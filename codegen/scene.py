@@ -39,9 +39,6 @@ class Runtime:
     letters, digits, underscores."""
     forest: Literal["table", "m2cgen"] = "table"
     """Node tables, or nested ifs by m2cgen, for small forests and comparison."""
-    measured_step: bool | None = None
-    """Whether there is `sp_step_dt`, which takes the measured time step. Default: on a host,
-    where the model allows it."""
     start: Literal["rested", "conditioned"] = "rested"
     """The object as new, or as it is after it was pressed to the trained depth: what damage does
     not heal has happened."""
@@ -65,27 +62,6 @@ class Coupling:
     """Of the coupling's damper."""
     mass_kg: Annotated[float, Interval(ge=1e-6, le=1e3)] = 0.05
     """Of the proxy."""
-    __repr__ = short_repr
-
-
-@dataclass(frozen=True)
-class ScenePlaces:
-    """An object that is not the same everywhere.
-
-    >>> ScenePlaces(mode="lateral", tip_radius_mm=8.0)
-    ScenePlaces(mode='lateral', tip_radius_mm=8.0)
-    """
-
-    __pydantic_config__ = _CLOSED
-    mode: Literal["held", "lateral"] = "held"
-    """`"held"`: a place is chosen off the object and stays; `"lateral"`: besides, `sp_step3` lets a
-    tool slide on it, and gives a lateral force."""
-    tip_radius_mm: Annotated[float, Interval(gt=0, le=1000)] | None = None
-    """Of the tip that pressed the object, which the mode `"lateral"` needs: fresh ground comes
-    under it over the width of its contact."""
-    friction: Annotated[float, Interval(ge=0, le=5)] = 0.0
-    """Of the mode `"lateral"`: coefficient of friction between tip and object. The place that is
-    felt sticks, and slips if it is pulled by more than that times the normal force."""
     __repr__ = short_repr
 
 
@@ -125,9 +101,6 @@ class Guard:
     onset_mm: Annotated[float, Interval(ge=1e-4, le=100)] | None = None
     """Depth over which the force rises from zero behind the surface. Default: 1 % of the trained
     depth."""
-    energy: Literal["account", "note", "off"] = "account"
-    """If the hand would get back more energy than it has paid, `"account"` cuts the force, `"note"`
-    only says so; `"off"` leaves the account out."""
     __repr__ = short_repr
 
 
@@ -220,7 +193,6 @@ class Scene:
     """Model file of `springpot train`, from where the scene file is. May be: a path."""
     runtime: Runtime = field(default_factory=Runtime)
     coupling: Coupling = field(default_factory=Coupling)
-    places: ScenePlaces = field(default_factory=ScenePlaces)
     smoothing: Smoothing = field(default_factory=Smoothing)
     guard: Guard = field(default_factory=Guard)
     device: Device = field(default_factory=Device)

@@ -8,7 +8,6 @@ sys.path.insert(0, str(Path(__file__).parent / "_ext"))
 project = "springpot"
 smartquotes = False  # text is copied into shells
 extensions = ["myst_parser", "sphinx.ext.autodoc", "reference_pages"]
-exclude_patterns = ["reliability"]  # others.md there is a part of explanation/reliability.md
 myst_heading_anchors = 4
 myst_enable_extensions = ["attrs_inline", "colon_fence", "dollarmath"]
 
@@ -25,6 +24,5 @@ html_copy_source = False
 html_show_copyright = False
 html_static_path = ["_static"]
 html_css_files = ["site.css"]
-html_extra_path = ["press.html", "press-recorded.html", "press-lump.html"]
 html_show_sphinx = False
 highlight_language = "bash"  # blocks without a language are commands

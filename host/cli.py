@@ -77,6 +77,6 @@ def main() -> None:
         package = (error.name or "").split(".")[0]
         if package == "springpot":
             raise
-        extras = "springpot[train,report,can,files,m2cgen]"
+        extras = "springpot[train,report,can,files,m2cgen,study]"
         say(f"springpot: {package} is not installed: `pip install '{extras}'`")
         sys.exit(2)

@@ -36,13 +36,6 @@ class CouplingChoice:
     every_hand: bool = True
 
 
-def spring_limit_npm(dt_s: float, device: LoopDevice) -> float:
-    """Return the stiffest spring that a device bears with every hand, one sample later too, N/m."""
-    bare = Coupling(mode="off")
-    loops = [LinearLoop(dt_s, bare, hand, device.later(1)) for hand in HAND_MODELS]
-    return min(loop.max_stiffness_npm() for loop in loops)
-
-
 def choose_coupling(
     stiffness_npm: float, dt_s: float, device: LoopDevice, smoothing: float, stated: Coupling
 ) -> CouplingChoice:

@@ -1,4 +1,4 @@
-"""Golden motion: a short press that visits what the C can do, made without libm."""
+"""Golden vectors: a short press that visits what the C can do, and the reference's forces."""
 
 from itertools import pairwise
 from typing import Any
@@ -7,7 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Reals
+from springpot.codegen.literals import wrapped
 from springpot.codegen.plan.plan import Plan
+from springpot.codegen.reference.run import run_reference
 from springpot.codegen.stages.stage import Probe
 
 LEG_TICKS = 60
@@ -15,10 +17,6 @@ _GLITCH_M = 0.5
 _PLACE = (0.375, 0.75)  # of the map: where the second press of a golden motion is
 # Depths as shares of the trained range; below 0 is free air where there is contact.
 _STATIONS = (-0.05, 0.4, 0.15, 0.9, 1.0, 0.7, 1.1, 0.3, -0.02, 0.6, 0.0)
-
-# Places as shares of the map, which they leave.
-_STATIONS_X = (0.1, 0.9, 0.3, 1.1, 0.6)
-_STATIONS_Y = (0.2, 0.5, 0.95, 0.4, -0.1)
 
 
 def golden_positions(plan: Plan) -> NDArray[np.float32 | np.float64]:
@@ -36,25 +34,6 @@ def golden_positions(plan: Plan) -> NDArray[np.float32 | np.float64]:
     positions[2 * LEG_TICKS + 11 : 2 * LEG_TICKS + 15] = np.nan
     positions[7 * LEG_TICKS :] += plan.dtype(3.0 * float(plan.guard.jump_m))
     return positions
-
-
-def golden_slide(plan: Plan) -> NDArray[np.float32 | np.float64]:
-    """Positions of three axes, (n, 3), m: the press's first legs, over the map and beyond it."""
-    assert plan.lateral is not None
-    config = plan.lateral.placed.config
-    ramp = np.arange(LEG_TICKS) / LEG_TICKS
-    smooth = ramp * ramp * (3.0 - 2.0 * ramp)
-    axes = []
-    for first_m, per_step, nodes, stations in (
-        (config.first_x_m, config.per_step_x, config.nodes_x, _STATIONS_X),
-        (config.first_y_m, config.per_step_y, config.nodes_y, _STATIONS_Y),
-    ):
-        farthest_m = 0.5 * LEG_TICKS * float(plan.guard.jump_m)  # in a leg
-        span_m = min((nodes - 1) / float(per_step), farthest_m)
-        legs = [start + (end - start) * smooth for start, end in pairwise(stations)]
-        axes.append(float(first_m) + span_m * np.concatenate(legs))
-    depths = golden_positions(plan)[: len(axes[0])]
-    return np.stack([*axes, depths], axis=1).astype(plan.dtype)
 
 
 def golden_places(plan: Plan) -> list[tuple[int, tuple[float, float]]]:
@@ -77,3 +56,24 @@ def probe_inputs(probe: Probe, dtype: type[Any]) -> Reals:
     """Made-up inputs, (probe.inputs,): multiples of 1/128, exact in every number type."""
     inputs: Reals = (37 * np.arange(probe.inputs) % 101).astype(dtype) / dtype(128)
     return inputs
+
+
+def golden_arrays(plan: Plan) -> list[str]:
+    """Inputs and the reference's forces as bit patterns: a NaN has no literal."""
+    positions = golden_positions(plan)
+    velocities = backward_velocity(positions, plan.dt_s) if plan.needs_device_velocity else None
+    columns = {"golden_position": positions}
+    if velocities is not None:
+        columns["golden_velocity"] = velocities
+    run = run_reference(plan, positions, velocities, places=golden_places(plan))
+    columns["golden_force"] = run.force_n
+    if plan.features is not None and (probe := plan.features.probe()) is not None:
+        columns["golden_probe"] = probe.sums(probe_inputs(probe, plan.dtype))
+    bits, c_type = (np.uint32, "uint32_t") if plan.real == "float" else (np.uint64, "uint64_t")
+    parts = []
+    for name, values in columns.items():
+        items = [f"0x{pattern:x}u" for pattern in values.view(bits).tolist()]
+        parts.append(f"static const {c_type} {name}[{len(items)}] = {{")
+        parts += [*wrapped(items), "};"]
+    parts.append(f"static const uint8_t golden_notes[{len(run.notes)}] = {{")
+    return [*parts, *wrapped(map(str, run.notes.tolist())), "};"]

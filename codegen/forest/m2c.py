@@ -6,7 +6,7 @@ from m2cgen import ast
 from m2cgen.interpreters import CInterpreter
 
 from springpot.codegen.errors import UsageError
-from springpot.codegen.forest.wide import LEAF_SLOT, WIDE_SLOT_BITS, ForestTable
+from springpot.codegen.forest.node_table import LEAF_SLOT, WIDE_SLOT_BITS, ForestTable
 from springpot.codegen.model.regressors import Forest
 
 MAX_NODES = 20_000

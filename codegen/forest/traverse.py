@@ -1,4 +1,4 @@
-"""Traversal of node tables in numpy: what sp_forest.h and sp_forest_wide.h do."""
+"""Traversal of node tables in numpy: what sp_forest.h and the nested ifs do."""
 
 from typing import Any
 
@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.forest.compact import COMPACT_SLOT_BITS, ENTRIES, LEVELS, CompactForest
-from springpot.codegen.forest.wide import LEAF_SLOT, ForestTable
+from springpot.codegen.forest.node_table import LEAF_SLOT, ForestTable
 
 _CHUNK = 4096  # samples whose traversal stays in the cache
 Bins = NDArray[np.int32]
@@ -76,7 +76,7 @@ def forest_leaves(table: ForestTable, features: NDArray[np.float32]) -> NDArray[
 
 
 def table_sums(table: ForestTable, features: NDArray[np.float32]) -> NDArray[np.uint32]:
-    """sp_forest_wide.h: sum of the quantised leaves, (n,), of features (n, used features)."""
+    """Sum of the quantised leaves, (n,), of features (n, used features)."""
     sums = np.empty(len(features), dtype=np.uint32)
     value = table.value.astype(np.uint32)
     for begin in range(0, len(features), _CHUNK):

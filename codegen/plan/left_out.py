@@ -1,12 +1,11 @@
 """List what a scene leaves out of its C because it does not need it."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from springpot.codegen.model.model import Model
-from springpot.codegen.plan.energy import STATE_REALS, EnergyConfig
 from springpot.codegen.scene import Scene
 from springpot.codegen.stages.stage import SceneTicks, padded
 
@@ -42,13 +41,11 @@ def units_left_out(
     """List the units of the runtime that the scene does without."""
     size = np.dtype(ticks.dtype).itemsize
     needless = "the device gives it" if coupled else "nothing in this scene needs a velocity"
-    account = len(fields(EnergyConfig)) + STATE_REALS
     found = (
         (ticks.surface, "contact and onset", "the recordings never leave the object", size),
         # stiffness, damping, compliance, dt, phi; proxy's position, velocity, flag
         (coupled, "coupling", "coupling.mode is off", 8 * size + 2 * size + 4),
         (estimates, "velocity estimate", needless, 4 * size),
         (alpha is not None, "smoothing", "smoothing.time_constant_s is 0", 2 * size),
-        (scene.guard.energy != "off", "account of energy", "guard.energy is off", account * size),
     )
     return [LeftOut(what, why, saved) for kept, what, why, saved in found if not kept]

@@ -4,18 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from springpot.codegen.arrays import Real
 from springpot.codegen.coupling.auto import (
     CouplingChoice,
     choose_coupling,
     series,
-    spring_limit_npm,
 )
 from springpot.codegen.coupling.gains import couple_config, require_plausible_damping
 from springpot.codegen.coupling.loop_device import loop_device
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model import Model
-from springpot.codegen.plan.energy import StorageBounds, energy_config
 from springpot.codegen.plan.left_out import units_left_out, unused_orders
 from springpot.codegen.plan.limits import (
     guard_config,
@@ -30,7 +27,6 @@ from springpot.codegen.plan.stiffness import max_stiffness_npm, tangent_fallback
 from springpot.codegen.scene import Scene
 from springpot.codegen.stages.model_force import RangeConfig, Stages
 from springpot.codegen.stages.passive.from_model import hammerstein_stage
-from springpot.codegen.stages.passive.lateral import lateral_stage
 from springpot.codegen.stages.stage import SceneTicks, vector_width_of
 from springpot.codegen.stages.tool_velocity import tool_velocity_stage
 
@@ -68,8 +64,6 @@ def _plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
         min_m=dtype(0.0 if contact else model.trained.min_m),
         max_m=dtype(model.trained.max_m),
     )
-    placed = stages.passive.placed if stages.passive is not None else None
-    limit_npm = spring_limit_npm(dt_s, loop_device(scene.device, dt_s)) if ticks.slides else 0.0
     fade_m = FADE * (float(trained.max_m) - float(trained.min_m))
     stiffness_npm = max_stiffness_npm(stages, model, trained, ticks)
     choice = _coupling(scene, stiffness_npm, dt_s)
@@ -80,12 +74,6 @@ def _plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
         couple = couple_config(choice.coupling, dt_s, dtype)
     estimates = couple is not None and scene.device.velocity == "estimate"
     alpha = _smooth_alpha(scene, dt_s)
-    output = output_config(model, scene, ticks)
-    energy = None
-    if scene.guard.energy != "off":
-        bounds = StorageBounds(trained, output, choice.coupling)
-        resolution_m = 1e-6 * scene.device.resolution_um
-        energy = energy_config(stages, bounds, resolution_m, ticks)
     return Plan(
         **vars(stages),
         scene=scene,
@@ -101,12 +89,9 @@ def _plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
         at_proxy=choice.coupling.mode == "proxy",
         max_mps=dtype(max_mps(model)),
         smooth_alpha=None if alpha is None else dtype(alpha),
-        output=output,
-        energy=energy,
-        viscous_npm=_viscous_npm(scene, ticks),
+        output=output_config(model, scene, ticks),
         silence=silence_config(watchdog_s, ticks),
         watchdog_s=float(dtype(watchdog_s)),
-        lateral=lateral_stage(model, placed, scene, ticks, limit_npm, dt_s * max_mps(model)),
         left_out=(
             *unused_orders(model, dtype),
             *units_left_out(scene, ticks, couple is not None, estimates, alpha),
@@ -124,7 +109,6 @@ def _ticks(model: Model, scene: Scene) -> SceneTicks:
         dtype=np.float32 if scene.runtime.number == "float32" else np.float64,
         vector_width=vector_width_of(scene.runtime),
         surface=(scene.guard.contact or model.contact) == "surface",
-        slides=scene.places.mode == "lateral",
         worn=scene.runtime.start == "conditioned",
     )
 
@@ -183,14 +167,6 @@ def _coupling(scene: Scene, stiffness_npm: float, dt_s: float) -> CouplingChoice
 def _smooth_alpha(scene: Scene, dt_s: float) -> float | None:
     time_constant_s = scene.smoothing.time_constant_s
     return None if time_constant_s == 0.0 else float(-np.expm1(-dt_s / time_constant_s))
-
-
-def _viscous_npm(scene: Scene, ticks: SceneTicks) -> Real | None:
-    """Damping of the device over a tick, b/dt, for the account; None if it is not known, or 0."""
-    if scene.guard.energy == "off" or not scene.device.viscous_nspm:
-        return None
-    viscous_npm: Real = ticks.dtype(scene.device.viscous_nspm / ticks.dt_s)
-    return viscous_npm
 
 
 def _outside_note(model: Model, scene: Scene) -> str:

@@ -1,6 +1,6 @@
 """Plan: exactly what will be emitted of a model and a scene, and what is left out."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -10,13 +10,11 @@ from springpot.codegen.coupling.auto import CouplingChoice
 from springpot.codegen.coupling.gains import CoupleConfig
 from springpot.codegen.coupling.loop_device import LoopDevice, loop_device
 from springpot.codegen.model.model import Model
-from springpot.codegen.plan.energy import EnergyConfig
 from springpot.codegen.plan.left_out import LeftOut
 from springpot.codegen.plan.limits import GuardConfig, OutputConfig, SilenceConfig
 from springpot.codegen.scene import Scene
 from springpot.codegen.short_repr import short_repr
 from springpot.codegen.stages.model_force import RangeConfig, Stages
-from springpot.codegen.stages.passive.lateral import LateralStage
 from springpot.codegen.stages.tool_velocity import ToolVelocityStage
 
 MAX_RECOVERY_S = 2.0
@@ -43,11 +41,8 @@ class Plan(Stages):
     max_mps: Real
     smooth_alpha: Real | None
     output: OutputConfig
-    energy: EnergyConfig | None
-    viscous_npm: Real | None
     silence: SilenceConfig
     watchdog_s: float
-    lateral: LateralStage | None
     left_out: tuple[LeftOut, ...]
     accept_unsafe: bool
     stiffness_npm: float
@@ -87,30 +82,9 @@ class Plan(Stages):
         return loop_device(self.scene.device, self.dt_s)
 
     @property
-    def any_rate(self) -> bool:
-        """Whether there is sp_step_dt: every stage is exact over a measured time step."""
-        runtime = self.scene.runtime
-        wanted = runtime.measured_step
-        if not (runtime.target == "host" if wanted is None else wanted):
-            return False
-        stages = [self.features, self.passive, *(self.excess or ()), self.velocity]
-        steps = [stage.measured for stage in stages if stage is not None]
-        return self.couple is None and None not in steps
-
-    @property
     def has_places(self) -> bool:
         """Whether the object is not the same everywhere: there is sp_place then."""
         return self.passive is not None and self.passive.placed is not None
-
-    @property
-    def lateral_guard(self) -> GuardConfig:
-        """Lateral positions that are believed: as far from 0 as a tool may wait, either way."""
-        return replace(self.guard, max_m=-self.guard.min_m)
-
-    @property
-    def energy_acts(self) -> bool:
-        """Tell whether the account of energy cuts the force, and does not only note it."""
-        return self.scene.guard.energy == "account"
 
     @property
     def max_force_n(self) -> float:

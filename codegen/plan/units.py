@@ -7,14 +7,12 @@ first after a silence is all the ticks without a sample too.
 
 from dataclasses import dataclass
 
-from springpot.codegen.plan.energy import STATE_REALS
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.stages.costs import COSTS
 from springpot.codegen.stages.stage import (
     DOUBLE,
     REAL,
     U32,
-    Measured,
     Member,
     RegressorStage,
     Stage,
@@ -31,17 +29,6 @@ def stages(plan: Plan) -> list[Stage]:
     return [stage for stage in found if stage is not None]
 
 
-def measured_stages(plan: Plan) -> list[Measured]:
-    """The stages over a measured time step; none where one of them has a rate of its own."""
-    found = [stage.measured for stage in stages(plan)] if plan.any_rate else []
-    return [stage for stage in found if stage is not None]
-
-
-def measured_tables(plan: Plan) -> list[str]:
-    """Tables of those, once each: the two of the excess share theirs."""
-    return list(dict.fromkeys(table for stage in measured_stages(plan) for table in stage.tables))
-
-
 def planned_headers(plan: Plan) -> list[str]:
     """Headers of the plan's units and of what they need, once each, in the order of a tick."""
     parts: list[Stage | RegressorStage] = [*stages(plan)]
@@ -50,16 +37,9 @@ def planned_headers(plan: Plan) -> list[str]:
     headers = ["sp_number.h", "sp_silence.h", "sp_guard.h", "sp_range.h"]
     headers += ["sp_guard_velocity.h"] if plan.needs_device_velocity else []
     headers += [header for part in parts for header in part.headers]
-    measured = measured_stages(plan)
-    headers += ["sp_measured.h"] if plan.any_rate else []
-    headers += [header for stage in measured for header in stage.headers]
     headers += ["sp_contact.h"] if plan.contact else []
     headers += ["sp_couple.h"] if plan.couple is not None else []
     headers += ["sp_smooth.h"] if plan.smooth_alpha is not None else []
-    headers += ["sp_energy.h"] if plan.energy is not None else []
-    if plan.lateral is not None:
-        headers += plan.lateral.headers
-        headers += ["sp_energy3.h"] if plan.energy is not None else []
     return list(dict.fromkeys([*headers, "sp_output.h"]))
 
 
@@ -77,12 +57,6 @@ def state_members(plan: Plan) -> list[Member]:
         members.append(Member("sp_couple_state couple", (REAL, REAL, U32)))
     if plan.smooth_alpha is not None:
         members.append(Member("sp_real smoothed_n", (REAL,)))
-    if plan.energy is not None:
-        members.append(Member("sp_energy_state energy", (REAL,) * STATE_REALS))
-    if plan.lateral is not None:
-        members += plan.lateral.members
-        if plan.energy is not None:
-            members.append(Member("sp_energy3_state lateral_energy", (REAL,) * 24))
     return [*members, Member("sp_output_state output", (REAL, REAL, REAL))]
 
 
@@ -121,9 +95,9 @@ class InstructionBound:
 
 
 def instruction_bound(plan: Plan) -> InstructionBound | None:
-    """Bound for the plan's target; None for a PC, doubles in software, nested ifs, three axes."""
+    """Bound for the plan's target; None for a PC, doubles in software, nested ifs."""
     costs = COSTS.get(plan.scene.runtime.target)
-    if costs is None or plan.real == "double" or plan.lateral is not None:
+    if costs is None or plan.real == "double":
         return None
     regressor = 0.0 if plan.regressor is None else plan.regressor.instructions(costs)
     if regressor is None:
@@ -132,9 +106,8 @@ def instruction_bound(plan: Plan) -> InstructionBound | None:
         stage.instructions(costs) for stage in (plan.passive, *(plan.excess or ())) if stage
     )
     coupling = costs.coupling if plan.couple is not None else 0.0
-    energy = costs.energy if plan.energy is not None else 0.0
     features = 0.0 if plan.features is None else plan.features.instructions(costs)
-    tick = costs.tick + coupling + energy + features + regressor + passive
+    tick = costs.tick + coupling + features + regressor + passive
     forget = sum(stage.restart_instructions(costs) for stage in stages(plan))
     longest = 1 + round(plan.watchdog_s / plan.dt_s)
     return InstructionBound(

@@ -3,6 +3,6 @@
 import numpy as np
 from numpy.typing import NDArray
 
-HELD, RESYNC, OUTSIDE, CLAMPED, RAMPED, LATCHED, LIMITED, ENERGY = 1, 2, 4, 8, 16, 32, 64, 128
+HELD, RESYNC, OUTSIDE, CLAMPED, RAMPED, LATCHED, LIMITED = 1, 2, 4, 8, 16, 32, 64
 
 Notes = NDArray[np.int32]

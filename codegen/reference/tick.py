@@ -56,21 +56,14 @@ class OutputStage:
         """
         model_n = shaped(self._plan, pressed, model_n)
         force_n = np.zeros(len(notes), dtype=model_n.dtype)
-        before = model_n.dtype.type(0)
         for i, (ticks, latched) in enumerate(zip(guarded.ticks, guarded.latched, strict=True)):
             if not ticks:
-                force_n[i], notes[i] = self._output.hold(
-                    latched, guarded.silent[i], guarded.fall[i], guarded.share[i]
-                )
+                force_n[i], notes[i] = self._output.hold(latched, guarded.fall[i], guarded.share[i])
                 continue
             row = followed.row[i]
-            here = followed.position[row]
-            way = here - before
-            before = here
             if notes[i] & RESYNC:
                 self._forget()
-                self._output.restart(here)
-                way = model_n.dtype.type(0)
+                self._output.restart()
             for at in range(row - ticks + 1, row + 1):
                 force = model_n.dtype.type(0)
                 if contact[at]:
@@ -78,9 +71,7 @@ class OutputStage:
                 else:
                     self._forget()
                     self._output.free()
-            step = way / model_n.dtype.type(ticks) if ticks > 1 else way
-            step = self._output.pay(here, model_n.dtype.type(ticks), way, step)
-            force_n[i], note = self._output.force(latched, bool(ticks > 1), step, force)
+            force_n[i], note = self._output.force(latched, bool(ticks > 1), force)
             notes[i] |= note
         return force_n
 

@@ -20,6 +20,7 @@ from springpot.codegen.stages.stage import (
     held_before,
     segments,
 )
+from springpot.codegen.stages.stage_code import stage_code
 from springpot.codegen.stages.weighted_sum import WeightedSumStage, in_lanes
 
 
@@ -34,7 +35,7 @@ class FastFirStage(WeightedSumStage):
     leave: Reals
     length: int
 
-    terms, n_terms = "terms", "N_TERMS"
+    code = stage_code("fast_fir")
     headers = ("sp_window.h", "sp_number.h", "sp_fast_window.h", "sp_weighted_sum.h")
 
     @property
@@ -61,23 +62,6 @@ class FastFirStage(WeightedSumStage):
             array_text("leave", "sp_real", self.leave),
             f"/* Rises, poles, oldest sample: a row each; lanes: the orders {self.named}. */",
             array_text("weights", "sp_real", self.weights),
-        ]
-
-    def restart(self) -> list[str]:
-        return [
-            "sp_window_fill(state->history, &state->newest, N_WINDOW, clipped);",
-            "for (uint32_t i = 0; i < N_POLES; i++) {",
-            "    state->poles[i] = (sp_real)0;",
-            "}",
-        ]
-
-    def advance(self) -> list[str]:
-        """Push the newest depth; one multiply-add a pole for what enters, one for what leaves."""
-        return [
-            "sp_real terms[N_TERMS];",
-            "sp_fast_window(keep, leave, N_DIRECT, N_POLES,",
-            "               sp_window_push(state->history, &state->newest, N_WINDOW, clipped),",
-            "               N_WINDOW, state->poles, terms);",
         ]
 
     def instructions(self, costs: Costs) -> float:

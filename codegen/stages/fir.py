@@ -21,6 +21,7 @@ from springpot.codegen.stages.stage import (
     held_before,
     padded,
 )
+from springpot.codegen.stages.stage_code import stage_code
 
 SUMS = 16  # SP_TAPS_SUMS
 
@@ -34,6 +35,8 @@ class FirStage(FeatureStage):
     n_taps: int
 
     headers = ("sp_window.h", "sp_taps.h")
+
+    code = stage_code("fir")
 
     @property
     def n_features(self) -> int:
@@ -61,25 +64,11 @@ class FirStage(FeatureStage):
             array_text("taps", "sp_real", self.taps),
         ]
 
-    def restart(self) -> list[str]:
-        return ["sp_window_fill(state->history, &state->newest, N_TAPS, clipped);"]
-
-    def advance(self) -> list[str]:
-        return [
-            "const sp_real *window =",
-            "    sp_window_push(state->history, &state->newest, N_TAPS, clipped);",
-        ]
-
-    def read(self) -> list[str]:
-        """Equation (16) for all orders."""
-        return ["sp_taps(taps, window, N_TAPS, N_ORDERS, features);"]
-
     def probe(self) -> Probe:
         rows, length = self.taps.shape
         return Probe(
             inputs=length,
             outputs=rows,
-            call="sp_taps(taps, in, N_TAPS, N_ORDERS, sums);",
             sums=lambda made_up: np.array([tap_sums(row, made_up, 1)[0] for row in self.taps]),
         )
 

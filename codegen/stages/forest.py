@@ -1,4 +1,4 @@
-"""Forests: sp_forest.h, sp_forest_wide.h where its nodes are too small, or nested ifs by m2cgen."""
+"""Forests: sp_forest.h, or nested ifs by m2cgen."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -6,11 +6,12 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.arrays import Reals
+from springpot.codegen.errors import UsageError
 from springpot.codegen.forest.compact import LEVELS, CompactForest, compact_forest, work_at_most
 from springpot.codegen.forest.leaves import rounded
+from springpot.codegen.forest.node_table import ForestTable, forest_table
 from springpot.codegen.forest.traverse import compact_sums, feature_bins, forest_force, table_sums
-from springpot.codegen.forest.wide import ForestTable, forest_table
-from springpot.codegen.literals import array_text, constant_text, literal, members_text, wrapped
+from springpot.codegen.literals import array_text, constant_text, members_text, wrapped
 from springpot.codegen.model.regressors import Forest, Quantisation
 from springpot.codegen.scene import Runtime
 from springpot.codegen.stages.costs import Costs
@@ -21,9 +22,9 @@ from springpot.codegen.stages.stage import (
     RegressorStage,
     regressor_stage,
 )
+from springpot.codegen.stages.stage_code import stage_code
 
 _LEVELS_A_ROUND = 3  # SP_FOREST_UNCHECKED
-_FORCE = "const sp_real model_n = forest_bias_n + (sp_real)leaf_sum * leaf_step_n;"
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,6 +39,8 @@ class CompactForestStage(RegressorStage):
     quantisation: Quantisation | None
     vectors: bool
 
+    code = stage_code("compact_forest")
+
     @property
     def headers(self) -> tuple[str, ...]:
         bins = "sp_quantise.h" if self.quantisation is not None else "sp_bins.h"
@@ -51,9 +54,6 @@ class CompactForestStage(RegressorStage):
         searched = len(self.forest.thresholds)
         bins = (Member(f"uint32_t bins[{searched}]", (U32,) * searched),) if searched else ()
         return simd + bins
-
-    def init(self) -> list[str]:
-        return ["state->simd = sp_forest_simd();"] if self.vectors else []
 
     def tables(self) -> list[str]:
         forest = self.forest
@@ -94,32 +94,6 @@ class CompactForestStage(RegressorStage):
             array_text("threshold_starts", "uint32_t", starts),
         ]
 
-    def force(self) -> list[str]:
-        call = "sp_forest_fastest" if self.vectors else "sp_forest_sum"
-        simd = ", state->simd" if self.vectors else ""
-        return [
-            "uint32_t bins[SP_FOREST_SLOTS] = {0};",
-            *self._bin_lines(),
-            f"const uint32_t leaf_sum = {call}(&forest, bins{simd});",
-            _FORCE,
-        ]
-
-    def _bin_lines(self) -> list[str]:
-        if self.quantisation is None:
-            if not self.forest.thresholds:  # trees without a split
-                return ["(void)features;"]
-            return [
-                "sp_bins(thresholds, threshold_starts, N_FEATURES, features, state->bins);",
-                "for (uint32_t i = 0; i < N_FEATURES; i++) {",
-                "    bins[i + 1] = state->bins[i];",
-                "}",
-            ]
-        return [
-            "for (uint32_t i = 0; i < N_FEATURES; i++) {",
-            "    bins[i + 1] = sp_quantise(features[i], feature_min[i], bins_per_unit[i]);",
-            "}",
-        ]
-
     @property
     def table_bytes(self) -> int:
         return self.forest.top.nbytes + self.forest.nodes.nbytes
@@ -152,12 +126,26 @@ class CompactForestStage(RegressorStage):
 
 
 @dataclass(frozen=True, eq=False)
-class _OnFloats(RegressorStage):
-    """Features as floats in slots: what `WideForestStage` and `IfsStage` share."""
+class IfsStage(RegressorStage):
+    """The same forest as nested ifs, by m2cgen, on features as doubles."""
 
     table: ForestTable
     n_features: int
     quantisation: Quantisation | None
+    forest: Forest
+
+    code = stage_code("ifs_forest")
+
+    @property
+    def headers(self) -> tuple[str, ...]:
+        return ("sp_quantise.h",) if self.quantisation is not None else ()
+
+    def tables(self) -> list[str]:
+        from springpot.codegen.forest.m2c import score_source
+
+        steps = [] if self.quantisation is None else _rounding(self.quantisation)
+        head = f"enum {{\n    N_FEATURES = {self.n_features}\n}};"
+        return [head, *_scale(self.table), *steps, score_source(self.forest, self.table)]
 
     def manifest(self) -> dict[str, Any]:
         return {"leaf_error_n": self.table.leaf_error_n}
@@ -168,89 +156,24 @@ class _OnFloats(RegressorStage):
             values = rounded(self.quantisation, values)
         return forest_force(self.table, table_sums(self.table, values))
 
-    def _head(self) -> list[str]:
-        steps = [] if self.quantisation is None else _rounding(self.quantisation)
-        return [f"enum {{\n    N_FEATURES = {self.n_features}\n}};", *_scale(self.table), *steps]
-
-    def _slots(self, cast: str) -> list[str]:
-        feature = "(float)features[i]"
-        if self.quantisation is not None:
-            feature = "sp_quantise(features[i], feature_min[i], bins_per_unit[i])"
-        return [
-            "for (uint32_t i = 0; i < N_FEATURES; i++) {",
-            f"    slots[i] = {cast}{feature};",
-            "}",
-        ]
-
-
-@dataclass(frozen=True, eq=False)
-class WideForestStage(_OnFloats):
-    """A forest as a table of 8-byte nodes."""
-
-    @property
-    def headers(self) -> tuple[str, ...]:
-        return (*(("sp_quantise.h",) if self.quantisation is not None else ()), "sp_forest_wide.h")
-
-    def tables(self) -> list[str]:
-        table = self.table
-        pairs = [
-            f"{{{literal(value)}, {link}u}}"
-            for value, link in zip(table.value, table.link.tolist(), strict=True)
-        ]
-        return [
-            *self._head(),
-            f"enum {{\n    N_ROOTS = {len(table.roots)},\n    DEPTH = {table.depth}\n}};",
-            "/* Trees, one after the other: threshold or leaf, link (sp_forest_wide.h). */",
-            f"static const sp_wide_node nodes[{len(pairs)}] = {{",
-            *wrapped(pairs),
-            "};",
-            array_text("roots", "uint32_t", table.roots),
-        ]
-
-    def force(self) -> list[str]:
-        return [
-            "float slots[SP_WIDE_SLOTS];",
-            *self._slots("(float)" if self.quantisation is not None else ""),
-            "const int32_t leaf_sum = sp_wide_sum(nodes, roots, N_ROOTS, DEPTH, slots);",
-            _FORCE,
-        ]
-
-
-@dataclass(frozen=True, eq=False)
-class IfsStage(_OnFloats):
-    """The same forest as nested ifs."""
-
-    forest: Forest
-
-    @property
-    def headers(self) -> tuple[str, ...]:
-        return ("sp_quantise.h",) if self.quantisation is not None else ()
-
-    def tables(self) -> list[str]:
-        from springpot.codegen.forest.m2c import score_source
-
-        return [*self._head(), score_source(self.forest, self.table)]
-
-    def force(self) -> list[str]:
-        return [
-            "double slots[N_FEATURES];",
-            *self._slots("(double)"),
-            "const int32_t leaf_sum = (int32_t)forest_score(slots);",
-            _FORCE,
-        ]
-
 
 @regressor_stage.register
 def forest_stage(
     forest: Forest, kept: Columns, runtime: Runtime, dtype: type[Any]
 ) -> RegressorStage:
-    """Nodes of 4 bytes where they do, 8 where not; nested ifs where the scene asks for them."""
+    """Nodes of 4 bytes; nested ifs where the scene asks for them.
+
+    Raises UsageError for a forest that is too large for nodes of 4 bytes.
+    """
     quantisation = None if forest.quantisation is None else forest.quantisation.take(kept)
     if runtime.forest == "m2cgen":
         return IfsStage(forest_table(forest, dtype), len(kept), quantisation, forest)
     compact = compact_forest(forest, dtype)
     if compact is None:
-        return WideForestStage(forest_table(forest, dtype), len(kept), quantisation)
+        raise UsageError(
+            "the forest is too large for the C's nodes of 4 bytes: fit fewer trees or larger "
+            "leaves (train --trees, --leaf), or features in steps (train --round-features)"
+        )
     return CompactForestStage(compact, len(kept), quantisation, vectors=runtime.target == "host")
 
 

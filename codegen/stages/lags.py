@@ -20,6 +20,7 @@ from springpot.codegen.stages.stage import (
     feature_stage,
     held_before,
 )
+from springpot.codegen.stages.stage_code import stage_code
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +31,8 @@ class LagsStage(FeatureStage):
     difference: bool
 
     headers = ("sp_lags.h",)
+
+    code = stage_code("lags")
 
     @property
     def n_features(self) -> int:
@@ -50,21 +53,6 @@ class LagsStage(FeatureStage):
         return [
             f"enum {{\n    N_PAST = {self._length},\n    N_LAGS = {len(self.lags)}\n}};",
             array_text("lags", "uint32_t", self.lags),
-        ]
-
-    def restart(self) -> list[str]:
-        return ["sp_lags_fill(state->past, &state->newest, N_PAST, clipped);"]
-
-    def advance(self) -> list[str]:
-        return ["sp_lags_push(state->past, &state->newest, N_PAST, clipped);"]
-
-    def read(self) -> list[str]:
-        past = "sp_lags_at(state->past, state->newest, N_PAST, lags[i])"
-        value = f"lags[i] == 0 ? clipped : clipped - {past}" if self.difference else past
-        return [
-            "for (uint32_t i = 0; i < N_LAGS; i++) {",
-            f"    features[i] = {value};",
-            "}",
         ]
 
     def instructions(self, costs: Costs) -> float:

@@ -21,6 +21,7 @@ from springpot.codegen.stages.stage import (
     feature_stage,
     held_before,
 )
+from springpot.codegen.stages.stage_code import stage_code
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,6 +33,8 @@ class PositionVelocityStage(FeatureStage):
 
     n_features = 2
     headers = ("sp_window.h", "sp_velocity.h")
+
+    code = stage_code("position_velocity")
 
     @property
     def members(self) -> tuple[Member, ...]:
@@ -48,24 +51,6 @@ class PositionVelocityStage(FeatureStage):
             array_text("clipped_per_step", "sp_real", self.per_step),
             constant_text("clipped_band_m", self.band_m),
         ]
-
-    def restart(self) -> list[str]:
-        track = "state->clipped_track, &state->clipped_newest, N_CLIPPED_STEPS + 1"
-        return [f"sp_window_fill({track}, clipped);"]
-
-    def advance(self) -> list[str]:
-        track = "state->clipped_track, &state->clipped_newest, N_CLIPPED_STEPS + 1"
-        return [
-            "const sp_real *clipped_track =",
-            f"    sp_window_push({track}, clipped);",
-            "const sp_real clipped_mps =",
-            "    sp_velocity_foaw(clipped_track, clipped_per_step, N_CLIPPED_STEPS, "
-            "clipped_band_m);",
-        ]
-
-    def read(self) -> list[str]:
-        """Equation (13)."""
-        return ["features[0] = clipped;", "features[1] = clipped_mps;"]
 
     def instructions(self, costs: Costs) -> float:
         return float(len(self.per_step) * costs.velocity_step + 60.0)

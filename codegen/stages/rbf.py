@@ -12,6 +12,7 @@ from springpot.codegen.model.regressors import Rbf
 from springpot.codegen.scene import Runtime
 from springpot.codegen.stages.costs import Costs
 from springpot.codegen.stages.stage import Columns, RegressorStage, padded, regressor_stage
+from springpot.codegen.stages.stage_code import stage_code
 
 RBF_VECTOR_WIDTH = 8  # SP_RBF_WIDTH
 
@@ -30,6 +31,8 @@ class RbfStage(RegressorStage):
 
     headers = ("sp_number.h", "sp_rbf.h")
 
+    code = stage_code("rbf")
+
     def tables(self) -> list[str]:
         return [
             f"enum {{\n    N_CENTERS = {len(self.weights_n)}\n}};",
@@ -38,18 +41,6 @@ class RbfStage(RegressorStage):
             array_text("centers", "sp_real", self.centers),
             array_text("center_weights", "sp_real", self.weights_n),
             array_text("tail", "sp_real", self.tail_n),
-        ]
-
-    def force(self) -> list[str]:
-        return [
-            "const sp_real z[2] = {",
-            *(
-                f"    sp_rbf_standard(features[{i}], standard[{4 * i}], standard[{4 * i + 1}], "
-                f"standard[{4 * i + 2}],\n                    standard[{4 * i + 3}]),"
-                for i in range(2)
-            ),
-            "};",
-            "const sp_real model_n = sp_rbf_force(z, centers, center_weights, N_CENTERS, tail);",
         ]
 
     def instructions(self, costs: Costs) -> float:

@@ -16,13 +16,13 @@ from springpot.codegen.stages.stage import (
     REAL,
     SMALLEST,
     Columns,
-    Measured,
     Member,
     Starts,
     feature_stage,
     numbers,
     segments,
 )
+from springpot.codegen.stages.stage_code import stage_code
 from springpot.codegen.stages.weighted_sum import WeightedSumStage, in_lanes
 
 SLOW_TICKS = 1e5  # above this many ticks of time constant, a float state stops moving
@@ -45,16 +45,13 @@ def pole_states(loss: Reals, rises: Reals, h: Reals) -> Reals:
 class RecursiveStage(WeightedSumStage):
     """Poles fast first; weights: shape (poles, capacity), gains folded in.
 
-    per_tau, per_gain: (poles,), 1/s and the inverse of those gains. loss: (fast poles,). slow_loss:
-    (slow poles,), stepped in double.
+    loss: (fast poles,). slow_loss: (slow poles,), stepped in double.
     """
 
-    per_tau: Reals
-    per_gain: Reals
     loss: Reals
     slow_loss: NDArray[np.float64]
 
-    terms, n_terms = "state->poles", "N_POLES"
+    code = stage_code("recursive")
 
     @property
     def headers(self) -> tuple[str, ...]:
@@ -86,55 +83,6 @@ class RecursiveStage(WeightedSumStage):
             array_text("weights", "sp_real", self.weights),
         ]
 
-    @property
-    def measured(self) -> Measured:
-        fast = "sp_measured_shared(per_tau, per_gain, N_FAST, dt_s, rise, state->poles);"
-        slow = (
-            "sp_measured_slow(per_tau + N_FAST, per_gain + N_FAST, N_POLES - N_FAST, dt_s, rise,",
-            "                 state->slow, state->poles + N_FAST);",
-        )
-        return Measured(
-            headers=("sp_measured.h",),
-            tables=(
-                array_text("per_tau", "sp_real", self.per_tau),
-                array_text("per_gain", "sp_real", self.per_gain),
-            ),
-            advance=(
-                "const sp_real rise = clipped - state->last_clipped;",
-                "state->last_clipped = clipped;",
-                *((fast,) if len(self.loss) else ()),
-                *(slow if len(self.slow_loss) else ()),
-            ),
-        )
-
-    def restart(self) -> list[str]:
-        lines = [
-            "for (uint32_t i = 0; i < N_POLES; i++) {",
-            "    state->poles[i] = (sp_real)0;",
-            "}",
-        ]
-        if len(self.slow_loss):
-            lines += [
-                "for (uint32_t i = 0; i < N_POLES - N_FAST; i++) {",
-                "    state->slow[i] = 0.0;",
-                "}",
-            ]
-        return [*lines, "state->last_clipped = clipped;"]
-
-    def advance(self) -> list[str]:
-        lines = [
-            "const sp_real rise = clipped - state->last_clipped;",
-            "state->last_clipped = clipped;",
-        ]
-        if len(self.loss):
-            lines.append("sp_poles_shared(loss, N_FAST, rise, state->poles);")
-        if len(self.slow_loss):
-            lines += [
-                "sp_slow_poles(slow_loss, N_POLES - N_FAST, rise, state->slow,",
-                "              state->poles + N_FAST);",
-            ]
-        return lines
-
     def instructions(self, costs: Costs) -> float:
         poles = len(self.loss) * costs.pole + len(self.slow_loss) * costs.slow_pole
         return float(poles + self.sum_instructions(costs) + 40.0)
@@ -163,8 +111,6 @@ def recursive_stage(
     slow &= dtype is np.float32
     return RecursiveStage(
         orders=tuple(bank.orders[i] for i in kept),
-        per_tau=(1.0 / bank.tau_s[order]).astype(dtype),
-        per_gain=(1.0 / gain).astype(dtype),
         loss=loss[~slow].astype(dtype),
         slow_loss=loss[slow],
         weights=in_lanes(gain[:, None] * bank.weights[order], kept, dtype),

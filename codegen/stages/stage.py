@@ -1,11 +1,11 @@
-"""Interface of the stages of a model: headers, state, tables, lines of glue, and a reference."""
+"""Interface of the stages of a model: headers, state, tables, a template of C, and a reference."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import singledispatch
 from itertools import pairwise
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,22 +39,13 @@ class Member:
 class Probe:
     """Sums of made-up inputs whose bits the self-test compares.
 
-    call: C that fills `sums` from `in`. sums: the same in numpy, from (inputs,) to (outputs,).
+    The block `probe` of the stage's template fills `sums` from `in`; sums: the same in numpy, from
+    (inputs,) to (outputs,).
     """
 
     inputs: int
     outputs: int
-    call: str
     sums: Callable[[Reals], Reals]
-
-
-@dataclass(frozen=True)
-class Measured:
-    """A stage over a measured time step, `dt_s` of the C: headers, tables, lines of a tick."""
-
-    headers: tuple[str, ...]
-    tables: tuple[str, ...]
-    advance: tuple[str, ...]
 
 
 @dataclass(frozen=True)
@@ -62,20 +53,25 @@ class SceneTicks:
     """What all parts of a scene share: its time step, s, and numpy's type of sp_real.
 
     vector_width: branches that are stepped side by side. surface: the object has one, above which
-    positions are free air. slides: a tool slides on it: without one that recovers it would pull.
-    worn: the object is as after training.
+    positions are free air. worn: the object is as after training.
     """
 
     dt_s: float
     dtype: type[Any] = np.float64
     vector_width: int = 1
     surface: bool = False
-    slides: bool = False
     worn: bool = False
 
 
 class Stage(ABC):
-    """A part of the tick with a state. Lines of C see `state`, `clipped` and what they declare."""
+    """A part of the tick with a state.
+
+    code: its C, a jinja2 template with the blocks `restart` (forget the past: the object has rested
+    at `clipped` for ever) and `advance` (every tick), indented by four. They see `state`,
+    `clipped`, `penetration` and what they declare; the template sees the stage as `stage`.
+    """
+
+    code: ClassVar[str]
 
     @property
     @abstractmethod
@@ -91,19 +87,6 @@ class Stage(ABC):
     def tables(self) -> list[str]:
         """Definitions of its constant arrays and sizes."""
 
-    @abstractmethod
-    def restart(self) -> list[str]:
-        """Lines that forget the past: the object has rested at `clipped` for ever."""
-
-    @abstractmethod
-    def advance(self) -> list[str]:
-        """Lines of every tick."""
-
-    @property
-    def measured(self) -> Measured | None:
-        """The same over a measured time step; None where the stage is exact at one rate only."""
-        return None
-
     def instructions(self, costs: Costs) -> float:
         """Bound of the instructions of its part of a tick; a part of the fixed ones by default."""
         return 0.0
@@ -114,7 +97,7 @@ class Stage(ABC):
 
 
 class FeatureStage(Stage):
-    """A stage that fills the C array `features`."""
+    """A stage that fills the C array `features`: in the block `features` of its template."""
 
     @property
     @abstractmethod
@@ -123,12 +106,8 @@ class FeatureStage(Stage):
 
     @property
     def capacity(self) -> int:
-        """Length of the array that `read` fills."""
+        """Length of the array `features`."""
         return self.n_features
-
-    @abstractmethod
-    def read(self) -> list[str]:
-        """Lines that fill `features`."""
 
     def probe(self) -> Probe | None:
         """Its sums, where it has any: leaves of trees hide small differences of features."""
@@ -140,7 +119,13 @@ class FeatureStage(Stage):
 
 
 class RegressorStage(ABC):
-    """Features -> force."""
+    """Features -> force.
+
+    code: a jinja2 template whose block `force` declares `model_n` from `features`; one that keeps
+    members has a block `init`, for sp_init.
+    """
+
+    code: ClassVar[str]
 
     @property
     @abstractmethod
@@ -157,17 +142,9 @@ class RegressorStage(ABC):
         """Bytes of its largest tables: what a budget of flash cannot go below."""
         return 0
 
-    def init(self) -> list[str]:
-        """Lines of sp_init."""
-        return []
-
     @abstractmethod
     def tables(self) -> list[str]:
         """Definitions of its constant arrays and sizes."""
-
-    @abstractmethod
-    def force(self) -> list[str]:
-        """Lines that declare `model_n` from `features`."""
 
     @abstractmethod
     def reference(self, features: Reals) -> Reals:

@@ -6,6 +6,7 @@ from typing import Any
 from springpot.codegen.arrays import Real
 from springpot.codegen.literals import constant_text
 from springpot.codegen.stages.stage import REAL, Member, SceneTicks, Stage, flushed
+from springpot.codegen.stages.stage_code import stage_code
 
 TIME_S = 0.004  # of the low-pass
 
@@ -20,19 +21,12 @@ class ToolVelocityStage(Stage):
     headers = ("sp_tool_velocity.h",)
     members = (Member("sp_tool_velocity_state tool_velocity", (REAL, REAL)),)
 
+    code = stage_code("tool_velocity")
+
     def tables(self) -> list[str]:
         return [
             constant_text("rate_hz", self.rate_hz),
             constant_text("velocity_weight", self.weight),
-        ]
-
-    def restart(self) -> list[str]:
-        return ["sp_tool_velocity_rest(&state->tool_velocity, position);"]
-
-    def advance(self) -> list[str]:
-        return [
-            "const sp_real position_mps =",
-            "    sp_tool_velocity(&state->tool_velocity, rate_hz, velocity_weight, position);",
         ]
 
     def next(self, velocity_mps: Any, before_m: Any, x: Any) -> Any:

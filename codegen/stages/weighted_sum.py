@@ -1,7 +1,6 @@
 """Features that are weighted sums of terms which all orders share: sp_weighted_sum.h."""
 
 from dataclasses import dataclass
-from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,16 +12,10 @@ from springpot.codegen.stages.stage import FeatureStage, Probe, padded
 
 @dataclass(frozen=True, eq=False)
 class WeightedSumStage(FeatureStage):
-    """orders: of the columns in use. weights: shape (terms, capacity).
-
-    terms, n_terms: what holds the terms in the C, and their number.
-    """
+    """orders: of the columns in use. weights: shape (terms, capacity)."""
 
     orders: tuple[float, ...]
     weights: Reals
-
-    terms: ClassVar[str]
-    n_terms: ClassVar[str]
 
     @property
     def n_features(self) -> int:
@@ -37,15 +30,11 @@ class WeightedSumStage(FeatureStage):
         """The orders, for a comment."""
         return ", ".join(f"{order:g}" for order in self.orders)
 
-    def read(self) -> list[str]:
-        return [f"sp_weighted_sum(weights, {self.terms}, {self.n_terms}, N_VECTOR, features);"]
-
     def probe(self) -> Probe:
         rows, vector_width = self.weights.shape
         return Probe(
             inputs=rows,
             outputs=vector_width,
-            call=f"sp_weighted_sum(weights, in, {self.n_terms}, N_VECTOR, sums);",
             sums=self.weigh,
         )
 

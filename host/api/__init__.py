@@ -33,7 +33,6 @@ if TYPE_CHECKING:
         Guard as Guard,
         Runtime as Runtime,
         Scene as Scene,
-        ScenePlaces as ScenePlaces,
         Smoothing as Smoothing,
     )
     from springpot.files import (
@@ -52,10 +51,6 @@ if TYPE_CHECKING:
     from springpot.host.wings.estimators.ensemble import (
         ensemble_data as ensemble_data,
         from_ensemble as from_ensemble,
-    )
-    from springpot.host.wings.estimators.estimator import (
-        PositionRegressor as PositionRegressor,
-        neg_rmse_n as neg_rmse_n,
     )
     from springpot.loaded import LoadedScene as LoadedScene, load as load
     from springpot.steps import (

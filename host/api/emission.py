@@ -12,30 +12,11 @@ from springpot.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from springpot.codegen.coupling.gains import couple_config as couple_config
-    from springpot.codegen.emit.files import (
-        golden_arrays as golden_arrays,
-        hashed as hashed,
-        manifest_text as manifest_text,
-        regressor_tables as regressor_tables,
-        short_manifest_text as short_manifest_text,
-        stage_tables as stage_tables,
-        stamp as stamp,
-    )
-    from springpot.codegen.emit.glue import (
-        constants as constants,
-        functions as functions,
-        public_header as public_header,
-        scene_numbers as scene_numbers,
-    )
     from springpot.codegen.emit.golden import (
         backward_velocity as backward_velocity,
         golden_positions as golden_positions,
     )
-    from springpot.codegen.emit.project import (
-        filled as filled,
-        prefixed as prefixed,
-        selftest as selftest,
-    )
+    from springpot.codegen.emit.header import named as named, prefixed as prefixed
     from springpot.codegen.literals import literal as literal
     from springpot.codegen.plan.make_plan import make_plan as make_plan
     from springpot.codegen.plan.plan import Plan as Plan
@@ -76,9 +57,5 @@ if TYPE_CHECKING:
     )
     from springpot.host.emission.folder import emitted_folder as emitted_folder
     from springpot.host.emission.result import over_budget as over_budget
-    from springpot.host.emission.scene_file import (
-        model_path as model_path,
-        scene_from_json as scene_from_json,
-    )
 else:
     __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

@@ -15,7 +15,6 @@ from springpot.codegen.regular_file import given_path
 from springpot.files import File
 from springpot.trainer.models.limited import stiffest_words
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.slides import require_presses
 
 if TYPE_CHECKING:
     from springpot.host.native.replay import Replay
@@ -82,8 +81,6 @@ class LoadedScene:
         millimetres, and for one where there is no map; a UserWarning says that positions go ten
         times deeper than the trained presses, as in mm, and that a map was given no place.
         """
-        if isinstance(position_m, Recording):
-            require_presses([position_m])
         place_m = self._chosen_m(place_m, position_m)
         if isinstance(position_m, Recording):
             if not np.isclose(position_m.dt_s, self.dt_s, rtol=1e-3):

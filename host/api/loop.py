@@ -3,7 +3,7 @@
 >>> from springpot.loop import COLUMN, empty_rows
 >>> rows = empty_rows()
 >>> rows.shape, COLUMN["time_s"]
-((0, 16), 0)
+((0, 12), 0)
 """
 
 from typing import TYPE_CHECKING
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
         loop_library as loop_library,
     )
     from springpot.host.session.c_loop import StepFunctions as StepFunctions
-    from springpot.host.session.log import SessionLog as SessionLog
     from springpot.host.session.loop import (
         LinkCounts as LinkCounts,
         LoopSettings as LoopSettings,
@@ -35,7 +34,6 @@ if TYPE_CHECKING:
         notes_in_words as notes_in_words,
     )
     from springpot.host.session.runner import (
-        RowTaker as RowTaker,
         SessionRunner as SessionRunner,
     )
 else:

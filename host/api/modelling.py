@@ -130,6 +130,7 @@ if TYPE_CHECKING:
         Unit as Unit,
         choose_unit as choose_unit,
     )
+    from springpot.trainer.recordings.places import require_one_place as require_one_place
     from springpot.trainer.recordings.quality.cycles import find_cycles as find_cycles
     from springpot.trainer.recordings.quality.finding import Finding as Finding, warning as warning
     from springpot.trainer.recordings.quality.motion import find_strokes as find_strokes
@@ -157,11 +158,6 @@ if TYPE_CHECKING:
     from springpot.trainer.recordings.recording_file import (
         Recordings as Recordings,
         given_recordings as given_recordings,
-    )
-    from springpot.trainer.recordings.slides import (
-        LATERAL as LATERAL,
-        place_or_slide as place_or_slide,
-        require_presses as require_presses,
     )
 else:
     __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

@@ -36,7 +36,7 @@ if TYPE_CHECKING:
     from springpot.host.native.scene_library import (
         SceneLibrary as SceneLibrary,
         port_headers as port_headers,
-        scene_files as scene_files,
+        scene_prefix as scene_prefix,
     )
     from springpot.host.native.toolchain import (
         SOFT_DOUBLES as SOFT_DOUBLES,

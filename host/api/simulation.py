@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from springpot.host.simulation.cases import cases as cases
     from springpot.host.simulation.hand_loop import (
         HandLoop as HandLoop,
-        LoopCalls as LoopCalls,
         Operator as Operator,
         Scenario as Scenario,
     )

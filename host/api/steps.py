@@ -77,11 +77,10 @@ def train(
     n_centers: int = FitOptions.n_centers,
     centers: Literal["farthest", "greedy"] = FitOptions.centers,
     select: Literal["cv", "paper"] = FitOptions.select,
-    monotone: bool = FitOptions.monotone,
     engine: Engine | None = FitOptions.engine,
     round_features: bool = FitOptions.round_features,
+    past_positions: bool = FitOptions.past_positions,
     orders: Sequence[float] | None = FitOptions.orders,
-    within: float | None = FitOptions.within,
     poles: int = FitOptions.poles,
 ) -> Fit:
     """Fit a model of a kind of `kind_names()`: the result's `model`.
@@ -97,13 +96,12 @@ def train(
     leaf: how many rows the smallest leaf of a tree holds.
     n_centers: how many radial basis functions rbf-fd and rbf-pv have.
     centers: how rbf-fd and rbf-pv choose them.
-    select: rbf-fd and `within` choose by cross-validation, or as the paper on `validation`.
-    monotone: of boosted, the force never falls as a derivative rises.
+    select: rbf-fd chooses by cross-validation, or as the paper on `validation`.
     engine: of the fractional filters: taps, the same from a few exponentials, or exponentials that
     are exact at any rate; None: taps, and the last where the window is long.
     round_features: trees are fitted on features in 16-bit steps: faster C without search.
+    past_positions: rf-fd on ten past positions, as its control: they act with negative damping.
     orders: of the fractional derivatives, each 0 to 1; None: the paper's ten.
-    within: the smallest rf-fd with an error at most this share above that of the size asked for.
     poles: how many time constants hammerstein, and the passive part of every kind, may use.
     Raises UsageError for an unknown kind or an option's value, DataError for recordings that cannot
     be trusted or do not fit together.
@@ -177,13 +175,11 @@ def emit(
     model: Model | Fit | File | None = None,
     scene: Scene | File | None = None,
     accept_unsafe: bool = False,
-    single: bool = False,
 ) -> "Emission":
     """Write C into `folder`, build it and run its self-test; an earlier emission is replaced.
 
     model: itself or a file; by default the scene's. scene: itself or a file; by default all keys
     have their defaults. accept_unsafe: take a scene that a hand would find unstable, for replay.
-    single: as one source and one header.
     Raises UsageError for either, UnsafeError where a hand would find the scene unstable, unless
     that is accepted, BudgetError where the C does not fit the scene's budget, MismatchError where
     it differs from its reference.
@@ -197,7 +193,7 @@ def emit(
     with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
         file = Path(scratch) / "model.spm"
         write_model(file, chosen)
-        emission = emit_folder(stated, file, given_path(folder), accept_unsafe, single=single)
+        emission = emit_folder(stated, file, given_path(folder), accept_unsafe)
     for line in emission.notices:
         if line.startswith(_WARNING):
             warnings.warn(line.removeprefix(_WARNING), UserWarning, stacklevel=2)

@@ -30,9 +30,7 @@ if TYPE_CHECKING:
     from springpot.host.validation.compared import bits_differ as bits_differ
     from springpot.host.validation.parts import (
         PlaceError as PlaceError,
-        SlideError as SlideError,
         place_line as place_line,
-        slide_line as slide_line,
     )
     from springpot.host.validation.seen import known_among as known_among, seen_line as seen_line
     from springpot.host.validation.store import (

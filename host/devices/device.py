@@ -41,7 +41,6 @@ class DeviceRequirements:
     hash: of the scene, for boards that render it themselves. max_n: of the scene's force.
     m_per_turn .. nm_per_a: the transmission and torque constant of a motor drive.
     effector_mass_kg, weight_n: of the handle; its mass is compensated, its weight held up.
-    middle_m: the tool slides, and the map's middle, x and y, is at the device's zero; or None.
     """
 
     rate_hz: float
@@ -60,7 +59,6 @@ class DeviceRequirements:
     nm_per_a: float | None = None
     effector_mass_kg: float | None = None
     weight_n: float = 0.0
-    middle_m: tuple[float, float] | None = None
     __repr__ = short_repr
 
 

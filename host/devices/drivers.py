@@ -23,7 +23,7 @@ class Driver:
     interface stands before the place, odrive://INTERFACE/CHANNEL. has_default: the place may be
     left out. echoes: the force that it measures is its own command. holds_weight: it takes [device]
     weight_n. own_frame: its position and force have one frame, so [device] force_sign has no
-    meaning. slides: its tool has three axes, and takes a force along each. links: C files of its
+    meaning. links: C files of its
     link if they are not springpot's, each of which declares what Python calls between "springpot
     declarations begin" and "end". place: in lists.
     """
@@ -36,7 +36,6 @@ class Driver:
     holds_weight: bool = False
     own_frame: bool = False
     echoes: bool = False
-    slides: bool = False
     links: tuple[Path, ...] = ()
     place: int = 100
     __repr__ = short_repr

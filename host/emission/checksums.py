@@ -12,9 +12,9 @@ CHECKSUMS = "from/files.json"
 # What validation, report and a build by hand put beside it.
 _OWN_LATER = {"validation", "report.html", "example", "firmware.elf"}
 # For a build by hand, and its user's to change: springpot compiles neither these nor with these.
-_FOR_BY_HAND = {"main.c", "Makefile", "flags.mk", "library.properties", "library.json", "examples"}
+_FOR_BY_HAND = {"main.c", "Makefile"}
 # What a build reads. A header more would be taken in the place of a system's.
-_READ = ("*.h", "*.gch", "*_scene.c", "*_selftest.c", "manifest.json", "from/*")
+_READ = ("*.h", "*.gch", "manifest.json", "from/*")
 _MAX_BYTES = 1 << 30
 
 

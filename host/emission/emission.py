@@ -30,7 +30,7 @@ from springpot.host.emission.result import Emission, budgeted_sizes, over_budget
 from springpot.host.emission.scene_file import scene_from_json, scene_to_json
 from springpot.host.native.compiler import NoCompilerError
 from springpot.host.native.footprint import WASM, measure_footprint
-from springpot.host.native.scene_library import SceneLibrary, scene_files
+from springpot.host.native.scene_library import SceneLibrary, scene_prefix
 from springpot.host.native.toolchain import SOFT_DOUBLES, missing_tools, toolchain
 from springpot.host.stability.check import Check, check
 from springpot.host.stability.linear import require_stable
@@ -46,11 +46,9 @@ def emit(
     folder: Path,
     accept_unsafe: bool = False,
     accept_unmeasured: bool = False,
-    single: bool = False,
 ) -> Emission:
     """Emit `scene` into `folder`, replacing an earlier emission there.
 
-    single: as one source and one header, with what makes them a library.
     accept_unmeasured: a size of the budget that cannot be measured here is a notice, no refusal.
     Raises UsageError where the folder holds anything else, BudgetError where the C does not fit
     the scene's budget, MismatchError where its self-test fails, UnsafeError where a hand would
@@ -63,7 +61,7 @@ def emit(
         require_stable(plan)
     with folder_written_aside(folder) as aside:
         begin = time.perf_counter()
-        write_emission(plan, plan.scene, model_file, aside, single)
+        write_emission(plan, plan.scene, model_file, aside)
         write_s = time.perf_counter() - begin
         emission = _built(plan, aside, folder, write_s, accept_unmeasured)
         return replace(emission, notices=(*rate_notices(plan), *emission.notices))
@@ -121,15 +119,10 @@ def read_manifest(folder: Path) -> dict[str, Any]:
     raise DataError(f"{file}: no manifest: emit again")
 
 
-def write_emission(
-    plan: Plan, scene: Scene, model_file: Path, folder: Path, single: bool = False
-) -> None:
+def write_emission(plan: Plan, scene: Scene, model_file: Path, folder: Path) -> None:
     """Write a plan's files into a new folder, with what they were made from."""
     (folder / "from").mkdir(parents=True)
-    emitted = required_part("single-file", "--single") if single else emit_files
-    texts: dict[str, str] = emitted(plan, force_facts(plan))
-    for name, text in texts.items():
-        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+    for name, text in emit_files(plan, force_facts(plan)).items():
         (folder / name).write_text(text)
     (folder / SCENE_COPY).write_text(scene_to_json(scene))
     shutil.copyfile(model_file, folder / MODEL_COPY)
@@ -158,7 +151,7 @@ def _built(
         else:
             tools = toolchain(plan.scene.runtime.target)
             assert tools is not None, "nothing of it is missing"
-            footprint = measure_footprint(aside, scene_files(aside).sources[0], tools)
+            footprint = measure_footprint(aside, f"{scene_prefix(aside)}.c", tools)
             if plan.scene.runtime.target == "wasm32":
                 notices += required_part("wasm-selftest", WASM)(plan, aside)
         checked = check(plan, library)
@@ -228,16 +221,6 @@ def _unchecked(plan: Plan) -> list[str]:
         messages.append(
             "budget.tick_us is not checked at emission: `springpot validate` measures it"
         )
-    if scene.runtime.measured_step and not plan.any_rate:
-        keeps = "the coupling" if plan.couple is not None else "a part of the model"
-        messages.append(
-            f"runtime.measured_step: no sp_step_dt is emitted, for {keeps} keeps one time step: "
-            "sp_step and sp_idle take what comes late"
-        )
-    elif scene.budget.tick_instructions is not None and scene.runtime.measured_step:
-        messages.append(
-            "budget.tick_instructions is of sp_step: sp_step_dt takes more, and is not bounded"
-        )
     if scene.device.surface_mm:
         messages.append("device.surface_mm is for drivers: the C counts positions from the surface")
     if scene.runtime.number == "float64" and scene.runtime.target in SOFT_DOUBLES:
@@ -250,9 +233,4 @@ def _unchecked(plan: Plan) -> list[str]:
 
 def by_hand(folder: Path) -> str:
     """The build of an emission without Python."""
-    files = scene_files(folder)
-    if not files.single:
-        return f"make -C {folder.name} test    # {files.prefix}_selftest.c, without Python"
-    names = (files.sources[0], f"examples/{files.prefix}_lines/main.c")
-    sources = " ".join(f"{folder.name}/{name}" for name in names)
-    return f"cc -O2 -I{folder.name} {sources} -lm"
+    return f"make -C {folder.name} test    # its self-test, without Python"

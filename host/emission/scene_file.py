@@ -88,6 +88,11 @@ def default_scene(model: Model) -> Scene:
 
 
 def _checked(text: str, where: str) -> Scene:
+    if "energy" in (json.loads(text).get("guard") or {}):
+        raise UsageError(
+            f"{where}: guard.energy: the account of energy was removed, because it cut the force "
+            "of a hand at rest: delete the key"
+        )
     scene = checked_keys(_ADAPTER, text, where, _known_keys)
     prefix = scene.runtime.prefix
     if not _IDENTIFIER.fullmatch(prefix) or prefix in _TAKEN or prefix.startswith("sp_"):

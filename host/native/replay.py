@@ -14,12 +14,11 @@ from springpot.codegen.errors import SpringpotError
 from springpot.codegen.plan.plan import Plan
 from springpot.host.metrics import Accuracy, accuracy, start_up_ramp
 from springpot.host.native.c_library import CLibrary, load_c
-from springpot.host.native.loop_library import IDLE, INPUT, NONE, RESET
+from springpot.host.native.loop_library import INPUT
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.runtime_c.paths import PORT_TESTBENCH
 from springpot.trainer.models.motion import DepthMotion, in_ticks, motions
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.slides import LATERAL, PLACE
 
 COLD_BYTES = 8 << 20
 _HOT_TICKS = 500
@@ -77,25 +76,13 @@ class Replay:
         )  # fmt: skip
         return force, notes
 
-    def slide(self, path_m: Reals) -> tuple[Reals, Reals]:
-        """Forces along x, y and depth (N), (n, 3), and notes of each tick from a fresh state.
-
-        path_m: x, y and depth of each tick, (n, 3). Raises UsageError if the scene cannot slide.
-        """
-        state = self._library.new_state()
-        force_n, notes = zip(*(state.step3(at_m) for at_m in path_m), strict=True)
-        return np.array(force_n, dtype=self.dtype), np.array(notes, dtype=np.int32)
-
     def repeat(
         self, calls: Mapping[str, Reals], place_m: tuple[float, float] | None = None
     ) -> tuple[Reals, Reals]:
         """Make the calls of a session's log again, from a fresh state: forces (N) and notes, (n,).
 
-        calls: the channels of the log, see `session/log.py`. Rows without a call stay 0. Of a log
-        of three axes the forces are (n, 3): along x, y and depth.
+        calls: the channels of the log, see `session/log.py`. Rows without a call stay 0.
         """
-        if LATERAL[0] in calls:
-            return self._repeat_slide(calls)
         made = np.ascontiguousarray(calls["call"], dtype=np.int32)
         force = np.zeros(len(made), dtype=self._library.dtype)
         notes = np.zeros(len(made), dtype=np.int32)
@@ -109,21 +96,6 @@ class Replay:
             *functions, pointer(state.address), len(made), array(made), *map(array, inputs),
             array(force), array(notes),
         )  # fmt: skip
-        return force, notes
-
-    def _repeat_slide(self, calls: Mapping[str, Reals]) -> tuple[Reals, Reals]:
-        state, made = self._library.new_state(), calls["call"].astype(int)
-        at_m = np.column_stack([calls[name] for name in (*PLACE, INPUT)])
-        force = np.zeros((len(made), 3), dtype=self._library.dtype)
-        notes = np.zeros(len(made), dtype=np.int32)
-        for i, call in enumerate(made.tolist()):
-            if call & RESET:
-                state.reset()
-            if not call & NONE:
-                idle = call & IDLE
-                force[i], notes[i] = (
-                    state.idle3(float(calls["dt_s"][i])) if idle else state.step3(at_m[i])
-                )
         return force, notes
 
     def tick_times(

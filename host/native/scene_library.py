@@ -1,14 +1,13 @@
 """An emitted scene as a loaded library: the C API from Python, number for number."""
 
 import json
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from springpot.codegen.arrays import Reals
-from springpot.codegen.emit.glue import ABI_VERSION
+from springpot.codegen.emit.render import ABI_VERSION
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.plurals import number_of
 from springpot.host.native.c_library import CLibrary, declarations
@@ -18,59 +17,32 @@ from springpot.runtime_c.paths import INCLUDE
 MANIFEST = "manifest.json"
 
 
-@dataclass(frozen=True)
-class SceneFiles:
-    """Names of what is compiled in an emitted folder, and of the headers that declare it.
+def scene_prefix(folder: Path) -> str:
+    """The prefix of an emitted folder's C: NAME of NAME.c and NAME.h.
 
-    single: whether one source and one header are the whole scene.
+    Raises DataError where the folder is none.
     """
-
-    prefix: str
-    sources: tuple[str, ...]
-    headers: tuple[str, ...]
-    single: bool
-
-
-def scene_files(folder: Path) -> SceneFiles:
-    """What an emitted folder holds. Raises DataError where it is none."""
-    if (single := _single_source(folder)) is not None:
-        return SceneFiles(single.stem, (single.name,), (f"{single.stem}.h",), single=True)
-    sources = sorted(folder.glob("*_scene.c"))
-    if not sources:
-        raise DataError(f"{folder}: not an emitted folder: `springpot emit --out` makes one")
-    if len(sources) > 1:
-        names = " and ".join(source.name for source in sources[:2])
-        raise DataError(f"{folder}: holds {names}: remove the one that springpot did not emit")
-    prefix = sources[0].name.removesuffix("_scene.c")
-    both = (sources[0].name, f"{prefix}_selftest.c")
-    return SceneFiles(prefix, both, ("sp_notes.h", f"{prefix}.h"), single=False)
-
-
-def _single_source(folder: Path) -> Path | None:
-    """The one source that the manifest lists; None where it lists several, or none."""
     try:
-        sources = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))["sources"]
+        (source,) = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))["sources"]
+        return Path(source).stem
     except (OSError, ValueError, KeyError, TypeError):
-        return None
-    if isinstance(sources, list) and len(sources) == 1 and isinstance(sources[0], str):
-        return folder / Path(sources[0]).name
-    return None
+        raise DataError(
+            f"{folder}: not an emitted folder: `springpot emit --out` makes one"
+        ) from None
 
 
 def port_headers(folder: Path, real: str) -> dict[str, str]:
-    """Name -> text of the headers that a port includes and a scene in one file does not bring."""
-    files = scene_files(folder)
-    if not files.single:
-        return {}
+    """Name -> text of the headers that a port includes beside the scene's own."""
+    prefix = scene_prefix(folder)
     return {
-        f"{files.prefix}_scene.h": f'#include "{files.prefix}.h"\n#include "sp_real.h"\n',
+        f"{prefix}_scene.h": f'#include "{prefix}.h"\n#include "sp_real.h"\n',
         "sp_real.h": (INCLUDE / real / "sp_real.h").read_text(),
     }
 
 
 def build_scene(folder: Path) -> Path:
     """Build an emitted folder's shared library, or return the one built before."""
-    return shared_library([folder / name for name in scene_files(folder).sources], [folder])
+    return shared_library([folder / f"{scene_prefix(folder)}.c"], [folder])
 
 
 class SceneLibrary:
@@ -78,10 +50,8 @@ class SceneLibrary:
 
     def __init__(self, folder: Path) -> None:
         self.path = build_scene(folder)
-        files = scene_files(folder)
-        self._prefix = files.prefix
-        headers = [folder / name for name in files.headers]
-        self.loaded = CLibrary(self.path, declarations(headers))
+        self._prefix = scene_prefix(folder)
+        self.loaded = CLibrary(self.path, declarations([folder / f"{self._prefix}.h"]))
         found = self.function("abi_version")()
         if found != ABI_VERSION:
             raise DataError(
@@ -144,34 +114,6 @@ class SceneState:
         """One tick: force (N) and notes."""
         notes = self._library.function("step")(self._state, position_m, velocity_mps, self._force)
         return self._force[0], notes
-
-    def step3(self, position_m: Reals) -> tuple[tuple[float, ...], int]:
-        """One tick at x, y and depth, (3,), m: force along them (N) and notes.
-
-        Raises UsageError if the scene has no lateral force.
-        """
-        if not hasattr(self._loaded.c, f"{self._library._prefix}_step3"):
-            raise UsageError('this scene has no lateral force: give it [places] mode = "lateral"')
-        at = self._loaded.ffi.new(f"{self._library.real}[3]", list(map(float, position_m)))
-        null = self._loaded.ffi.NULL
-        notes = self._library.function("step3")(self._state, at, null, self._force)
-        return tuple(self._force), notes
-
-    def idle3(self, dt_s: float) -> tuple[tuple[float, ...], int]:
-        """No sample came for dt_s: force along x, y and depth (N), and notes.
-
-        Raises UsageError for a bad dt_s.
-        """
-        notes = self._library.function("idle3")(self._state, dt_s, self._force)
-        return tuple(self._force), _taken(notes, dt_s)
-
-    def step_dt(
-        self, dt_s: float, position_m: float, velocity_mps: float = 0.0
-    ) -> tuple[float, int]:
-        """One tick over a measured dt_s: force (N) and notes. Raises UsageError for a bad dt_s."""
-        step = self._library.function("step_dt")
-        notes = step(self._state, dt_s, position_m, velocity_mps, self._force)
-        return self._force[0], _taken(notes, dt_s)
 
     def idle(self, dt_s: float) -> tuple[float, int]:
         """No sample came for dt_s: force (N) and notes. Raises UsageError for a bad dt_s."""

@@ -21,10 +21,7 @@ _PRIORITY = 80
 
 @dataclass(frozen=True)
 class StepFunctions:
-    """Addresses of the three functions and of the state that a loop calls; library: its C.
-
-    slide: of a scene that slides, the state as sp_slide; or 0.
-    """
+    """Addresses of the three functions and of the state that a loop calls; library: its C."""
 
     library: CLibrary
     step: int
@@ -32,7 +29,6 @@ class StepFunctions:
     reset: int
     state: int
     measured_n: int = 0  # where the state wants the measured force, or 0
-    slide: int = 0
     kept: Any = field(default=None, repr=False)  # owners of the memory behind the addresses
     __repr__ = short_repr
 
@@ -56,15 +52,6 @@ def scene_step_functions(
     step, idle, reset = (scene.address(name) for name in ("step", "idle", "reset"))
     kept = (scene, state)
     return StepFunctions(loop_library(scene.real), step, idle, reset, state.address, kept=kept)
-
-
-def slide_step_functions(scene: SceneLibrary) -> StepFunctions:
-    """A fresh state of a scene that slides, behind the calls of one axis: sp_slide.h."""
-    state, library = scene.new_state(), loop_library(scene.real)
-    calls = {name: library.pointer(scene.address(name)) for name in ("step3", "idle3", "reset")}
-    slide = library.ffi.new("sp_slide *", {**calls, "state": library.pointer(state.address)})
-    kept = (scene, state, slide)
-    return StepFunctions.of(library, "sp_slide", slide, kept, slide=library.address(slide))
 
 
 class CLoop:
@@ -102,7 +89,6 @@ class CLoop:
                 "reset": pointer(steps.reset),
                 "state": pointer(steps.state),
                 "measured_n": self._ffi.cast("double *", steps.measured_n),
-                "slide": self._ffi.cast("sp_slide *", steps.slide),
                 **stated,
                 "latched_note": LATCHED,
                 "priority": _PRIORITY if real_time else 0,

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.plan.plan import Plan
-from springpot.codegen.reference.notes import CLAMPED, ENERGY, HELD, LATCHED, LIMITED, OUTSIDE
+from springpot.codegen.reference.notes import CLAMPED, HELD, LATCHED, LIMITED, OUTSIDE
 from springpot.host.native.loop_library import COLUMN, NONE, LoopRows, empty_rows
 from springpot.host.session.outcome import LOWER, NOTE_WORDS, UPPER, clamped_low
 
@@ -19,7 +19,6 @@ WINDOW_S = 0.05  # rows are looked at together
 CALM_S = 0.5  # without the condition: it is over
 LINE_S = 1.0  # at most one line in this time
 FASTER = 4.0  # than the trained speed, inside the object
-ENERGY_SHARE = 0.05  # a tick here and there, out of the object, is a tick of the account
 HELD_SHARE = 0.1  # of the ticks of a window: a single lost sample is no warning
 MAX_EVENTS = 50  # of a kind: the last one counts the ticks of all further ones
 _SPEED_S = 0.01  # of motion to a speed: an encoder's step is no speed
@@ -60,7 +59,6 @@ class LiveWarnings:
         """plan: of the scene that is rendered."""
         trained, self._contact = plan.model.trained, plan.contact
         self._alarm, self._dt_s = alarm, plan.dt_s
-        self._deepest_m, self._slides = float(plan.range.max_m), plan.lateral is not None
         self._min_n, self._fast_mps = float(plan.output.min_n), FASTER * trained.max_mps
         self._ticks = max(1, round(WINDOW_S / plan.dt_s))
         self._before = max(1, round(_SPEED_S / plan.dt_s))  # ticks
@@ -71,14 +69,12 @@ class LiveWarnings:
         self._over: dict[str, str] = {}  # what ended since the last line, and how to say it
         self._silent_until_s = -np.inf
         self._conditions = {
-            "deep": _Condition("deeper than was recorded", "mm", 1e3, self._deepest_m),
-            "beside": _Condition("beside the places that were recorded"),
+            "deep": _Condition("deeper than was recorded", "mm", 1e3, float(plan.range.max_m)),
             "fast": _Condition("faster than four times the recorded speed", "m/s", 1.0,
                                self._fast_mps),
             "clamped": _Condition(UPPER),
             "pulls": _Condition(LOWER),
             "limited": _Condition(NOTE_WORDS[LIMITED]),
-            "energy": _Condition(NOTE_WORDS[ENERGY], share=ENERGY_SHARE),
             "held": _Condition(NOTE_WORDS[HELD], share=HELD_SHARE),
             "latched": _Condition(NOTE_WORDS[LATCHED], said_elsewhere=True),
         }  # fmt: skip
@@ -124,16 +120,13 @@ class LiveWarnings:
         low = clamped_low(np.append(0, notes), joined, self._min_n)[1:]
         self._last_n = force_n[-1:]
         outside = (notes & OUTSIDE) > 0
-        beside = outside & (position_m <= self._deepest_m) & self._slides
         return {
-            "deep": (outside & ~beside, position_m),
-            "beside": (beside, position_m),
+            "deep": (outside, position_m),
             "fast": (fast, speed_mps),
             "clamped": (((notes & CLAMPED) > 0) & ~low, force_n),
             # At 0 an object ends to push and does not pull: nothing to be told.
             "pulls": (low & (self._min_n < 0.0), force_n),
             "limited": ((notes & LIMITED) > 0, force_n),
-            "energy": ((notes & ENERGY) > 0, force_n),
             "held": (((notes & HELD) > 0) & ~latched, force_n),
             "latched": (latched, force_n),
         }

@@ -16,9 +16,8 @@ from springpot.codegen.errors import DataError
 from springpot.host.native.loop_library import COLUMN, COLUMNS, INPUT, LoopRows
 from springpot.trainer.recordings.journal import JournalWriter
 from springpot.trainer.recordings.recording import Zero
-from springpot.trainer.recordings.slides import LATERAL
 
-_KEPT = tuple(name for name in COLUMNS if name not in ("position_m", "sent_n", *LATERAL))
+_KEPT = tuple(name for name in COLUMNS if name not in ("position_m", "sent_n"))
 CHANNELS = (INPUT, *_KEPT)
 FLIGHT_S = 5.0  # of the end, in a flight recorder
 
@@ -26,7 +25,7 @@ FLIGHT_S = 5.0  # of the end, in a flight recorder
 class SessionLog:
     """Takes the rows of a loop as they come.
 
-    measured: log the load cell as the force. slides: x and y too, of a scene that slides.
+    measured: log the load cell as the force.
     """
 
     def __init__(
@@ -39,13 +38,11 @@ class SessionLog:
         zero: Zero = "none",
         measured: bool = False,
         place_m: tuple[float, float] | None = None,
-        slides: bool = False,
     ) -> None:
-        lateral = LATERAL if slides else ()
-        self._kept = [COLUMN[name] for name in ("position_m", *_KEPT, *lateral)]
+        self._kept = [COLUMN[name] for name in ("position_m", *_KEPT)]
         self.file = file
         self._journal = JournalWriter(
-            file, file.stem, dt_s, source, details, zero=zero, channels=(*CHANNELS, *lateral),
+            file, file.stem, dt_s, source, details, zero=zero, channels=CHANNELS,
             place_m=place_m,
         )  # fmt: skip
         self._force = COLUMN["measured_n" if measured else "sent_n"]

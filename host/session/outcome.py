@@ -29,7 +29,6 @@ _WORDS = {
     "ramped": "force rising after a start or a silence",
     "latched": "watchdog: no force until a reset",
     "limited": "force held back: faster than a touch",
-    "energy": "force cut to what the hand has paid for",
 }
 NOTE_NAMES: dict[int, str] = {getattr(notes_of, name.upper()): name for name in _WORDS}
 NOTE_WORDS = {bit: _WORDS[name] for bit, name in NOTE_NAMES.items()}

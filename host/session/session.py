@@ -12,14 +12,12 @@ from pathlib import Path
 from typing import Any, Self
 
 from springpot.codegen.errors import DeviceError, SpringpotError
-from springpot.codegen.plan.plan import Plan
 from springpot.codegen.regular_file import given_path
 from springpot.host.devices.device import RECONNECT_S, requirements_of
-from springpot.host.devices.drivers import driver_of
 from springpot.host.emission.emission import read_emission
 from springpot.host.native.loop_library import Stop
 from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.session.c_loop import scene_step_functions, slide_step_functions
+from springpot.host.session.c_loop import scene_step_functions
 from springpot.host.session.live_warnings import Alarm, LiveWarnings
 from springpot.host.session.log import SessionLog, write_flight
 from springpot.host.session.loop import LoopSettings, LoopState
@@ -71,8 +69,6 @@ class Session:
         emitted = read_emission(given_path(folder), accept_edited)
         plan, self._hash, self._edited = emitted.plan, emitted.hash, list(emitted.edited)
         self._scene = SceneLibrary(given_path(folder))
-        # A place that is given is held, whatever the device could do.
-        self._slides = plan.lateral is not None and place_m is None and driver_of(url).slides
         settings = LoopSettings(
             period_s=plan.dt_s,
             seconds=seconds,
@@ -88,7 +84,6 @@ class Session:
             watchdog_s=plan.watchdog_s,
             max_n=min(plan.max_force_n, settings.max_force_n),
             hash=self._hash,
-            middle_m=_middle_m(plan) if self._slides else None,
         )
         self._zero: Zero = "none" if plan.contact else "first"
         self._file = None if log is None else given_path(log)
@@ -96,10 +91,7 @@ class Session:
         self._warnings = LiveWarnings(plan, alarm)
         self._warned: list[dict[str, Any]] = []
         self._place_m = place_m
-        if self._slides:
-            steps = slide_step_functions(self._scene)
-        else:
-            steps = scene_step_functions(self._scene, place_m)
+        steps = scene_step_functions(self._scene, place_m)
         self._open = partial(
             SessionRunner, steps, url, requirements, settings, viewer=viewer,
             warnings=self._warnings, reconnect_s=reconnect_s, report=self._report,
@@ -116,7 +108,7 @@ class Session:
                                    "hash": self._hash, "edited": self._edited}}  # fmt: skip
             self._log = SessionLog(
                 self._file, self._settings.period_s, self._url, details, zero=self._zero,
-                place_m=self._place_m, slides=self._slides,
+                place_m=self._place_m,
             )  # fmt: skip
         try:
             self._run = self._open(log=self._log)
@@ -210,14 +202,6 @@ class Session:
                          "counts": asdict(run.counts), "scheduler": run.scheduler(),
                          "warnings": self._warned}  # fmt: skip
                 log.finish({"end": metadata})
-
-
-def _middle_m(plan: Plan) -> tuple[float, float]:
-    """Middle of a scene's map, x and y."""
-    law = plan.model.hammerstein
-    assert law is not None and law.places is not None
-    x_m, y_m = (0.5 * (law.places.first_m + law.places.last_m)).tolist()
-    return x_m, y_m
 
 
 def _left_by(error: BaseException | None, state: LoopState) -> str:

@@ -53,17 +53,6 @@ class ObjectMotion:
         _check(self._library.c.sim_object_move(self.state, len(position_m), *arrays))
         return force_n
 
-    def slide(self, position_m: Samples) -> Samples:
-        """Return the true force along x, y and depth (n, 3), N, of a lump at each, (n, 3), m.
-
-        The first place is where it was put; the force along the depth pushes the tool out.
-        """
-        position_m = np.ascontiguousarray(position_m, dtype=np.float64)
-        force_n = np.empty_like(position_m)
-        arrays = map(self._library.array, (position_m, force_n))
-        _check(self._library.c.sim_object_slide(self.state, len(position_m), *arrays))
-        return force_n
-
 
 class SimulatedBench:
     """An object under a force-controlled device at 1 kHz, as its sensors see it."""

@@ -21,13 +21,11 @@ from springpot.host.stability.linear import (
     scene_loop,
     spectral_radius,
 )
-from springpot.host.stability.slides import SlideOutcome, run_slides
 from springpot.host.stability.small_signal import Map, small_signal_map
 from springpot.host.stability.verdict import (
     device_words,
     map_words,
     outcome_words,
-    slide_words,
     why_unbounded,
 )
 from springpot.trainer.faces import Faces
@@ -62,7 +60,7 @@ class Check:
 
 @dataclass(frozen=True, eq=False)
 class Stability(Faces):
-    """The whole check. stiff: plan of the object ten times stiffer. slides: of three axes.
+    """The whole check. stiff: plan of the object ten times stiffer.
 
     >>> stability(model=model).check.stable
     True
@@ -71,7 +69,6 @@ class Stability(Faces):
     check: Check
     stiff: Plan
     outcomes: tuple[Outcome, ...]
-    slides: tuple[SlideOutcome, ...] = ()
 
     def __repr__(self) -> str:
         loop = loop_words(self.check.stable, self.check.spectral_radius)
@@ -93,7 +90,6 @@ class Stability(Faces):
                 "felt_stiffness_npm": self.stiff.coupling.felt_npm,
             },
             "closed_loop": [outcome.as_dict() for outcome in self.outcomes],
-            "slides": [outcome.as_dict() for outcome in self.slides],
             "recommendation": self.recommendation,
         }
 
@@ -106,14 +102,13 @@ class Stability(Faces):
         checked, plan = self.check, self.check.plan
         yield loop_words(checked.stable, checked.spectral_radius)
         yield from outcome_words(self.outcomes, checked.stable)
-        yield from slide_words(self.slides)
         yield from map_words(plan, checked.model_map, checked.scene_map)
         yield from device_words(plan)
 
     def require_bounded(self) -> None:
         """Raise UnsafeError where the linear loop is not stable or the closed loop not bounded."""
         require_stable(self.check.plan)
-        why = why_unbounded(self.check.plan, self.outcomes, self.slides)
+        why = why_unbounded(self.check.plan, self.outcomes)
         if why:
             raise UnsafeError(why)
 
@@ -132,8 +127,7 @@ def stability(plan: Plan) -> Stability:
         scene, hard = (_rendered(item, stack) for item in (plan, stiff))
         checked = _checked(plan, scene.library, scene.model)
         outcomes = tuple(run_closed_loop(scene, hard))
-        slides = tuple(run_slides(plan, scene.library))
-    return Stability(checked, stiff, outcomes, slides)
+    return Stability(checked, stiff, outcomes)
 
 
 def _checked(plan: Plan, library: SceneLibrary, model: SceneLibrary) -> Check:

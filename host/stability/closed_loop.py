@@ -10,7 +10,6 @@ from springpot.codegen.coupling.linear_loop import HAND_MODELS, Hand
 from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.progress import at_step
-from springpot.codegen.scene import ScenePlaces
 from springpot.codegen.short_repr import short_repr
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.simulation.cases import cases, losing_cases, stiff_case
@@ -116,7 +115,7 @@ def lossy_outcomes(scene: Rendered, hand: Hand, more_delay: int) -> Iterator[Out
 def stiff_plan(plan: Plan) -> Plan:
     """The same model ten times stiffer, with the coupling that auto picks for it; of one axis."""
     coupling = replace(plan.scene.coupling, mode="auto")
-    scene = replace(plan.scene, coupling=coupling, places=ScenePlaces())
+    scene = replace(plan.scene, coupling=coupling)
     return make_plan(plan.model.stiffened(STIFFER), scene)
 
 

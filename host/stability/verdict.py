@@ -2,15 +2,11 @@
 
 from collections.abc import Iterator, Sequence
 
-import numpy as np
-
 from springpot.codegen.coupling.linear_loop import HAND_MODELS
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plurals import number_of
-from springpot.codegen.reference.notes import ENERGY
 from springpot.host.stability.closed_loop import MORE_DELAY, Outcome
-from springpot.host.stability.judgement import QUIET_MPS, Grade, device_advice, judge
-from springpot.host.stability.slides import SlideOutcome
+from springpot.host.stability.judgement import Grade, device_advice, judge
 from springpot.host.stability.small_signal import Map
 
 
@@ -50,28 +46,13 @@ def outcome_words(outcomes: Sequence[Outcome], stable: bool) -> Iterator[str]:
         )
 
 
-def slide_words(slides: Sequence[SlideOutcome]) -> Iterator[str]:
-    """Sentences on a hand of three axes; none of a scene of one."""
-    found = {
-        "Not bounded": [item for item in slides if not item.bounded],
-        "Vibrates more and more on": [item for item in slides if item.vibration.grows],
-        "Gives energy on": [item for item in slides if item.gives],
-        "Vibrates above 1 mm/s on": [item for item in slides if item.loud(QUIET_MPS)],
-    }
-    for what, items in found.items():
-        if items:
-            yield f"{what}: {_named(items)}."
-    if slides and not any(found.values()):
-        yield "Slides, holds on a flank and rounds are bounded and quiet with all hands."
-
-
 def map_words(plan: Plan, model_map: Map, scene_map: Map) -> Iterator[str]:
     """Sentences on active cells, of the model and of what stands between it and the hand."""
     active, cells = model_map.active(False)
     if active:
         yield (
             f"The model is not passive in {active} of {cells} small-signal cells: a light hand "
-            "may feel it buzz; hammerstein, or boosted with --monotone, has none."
+            "may feel it buzz; hammerstein has none."
         )
     of_scene, cells = scene_map.active(False)
     if of_scene > active:
@@ -87,39 +68,28 @@ def device_words(plan: Plan) -> Iterator[str]:
     yield f"Coupling {plan.coupling.why}."
 
 
-def why_unbounded(
-    plan: Plan, outcomes: Sequence[Outcome], slides: Sequence[SlideOutcome] = ()
-) -> str:
+def why_unbounded(plan: Plan, outcomes: Sequence[Outcome]) -> str:
     """Why a scene is not to be held, though its linear loop is stable; empty if nothing says so."""
     unbounded = [item.outcome for item in map(judge, outcomes) if item.unbounded]
-    slid = [item for item in slides if item.unbounded]
-    if not unbounded and not slid:
+    if not unbounded:
         return ""
-    found = [_named(unbounded)] * bool(unbounded) + [_named(slid)] * bool(slid)
     return (
-        f"{plan.scene.name}: the closed loop is not bounded on {', '.join(found)}: do not hold "
+        f"{plan.scene.name}: the closed loop is not bounded on {_named(unbounded)}: do not hold "
         f"the device with this scene; {may_do(plan, unbounded)}"
     )
 
 
 def may_do(plan: Plan, faulty: Sequence[Outcome]) -> str:
     """Name what of the scene may be changed, and is not so yet, to mend these outcomes."""
-    unpaid = any(bool(np.any(item.trace.notes & ENERGY)) for item in faulty)
     max_n = plan.max_force_n
     # Half a period less delay, and less of a lost sample: a forest has the period it was fitted at.
     faster = plan.model.regressor is None and any(item.late or item.losses for item in faulty)
     ways = {
-        "device.viscous_nspm, the friction of yours, for without it the account of "
-        "energy cuts the force": (
-            unpaid and plan.energy_acts and not plan.scene.device.viscous_nspm
-        ),
         f"guard.max_force_n above {max_n:.3g} N, which the force reaches, if the device gives it": (
             any(item.max_force_n >= 0.9999 * max_n for item in faulty)  # in float32
         ),
-        "coupling.mode = auto": plan.scene.coupling.mode != "auto" and plan.lateral is None,
-        f"runtime.rate_hz of {2.0 / plan.dt_s:.5g} or more, if the device takes it": (
-            plan.lateral is not None or faster
-        ),
+        "coupling.mode = auto": plan.scene.coupling.mode != "auto",
+        f"runtime.rate_hz of {2.0 / plan.dt_s:.5g} or more, if the device takes it": faster,
         "a passive model (hammerstein)": plan.model.regressor is not None,
         "a device of less delay": plan.loop_device.delay_samples > 0,
     }
@@ -147,20 +117,13 @@ def _differs_by(outcomes: Sequence[Outcome]) -> str:
     soft = max(item.fidelity_percent for item in whole if not item.stiffer)
     lossy = [item for item in outcomes if item.losses is not None and not item.played.ends]
     percent = max((item.fidelity_percent for item in lossy), default=0.0)
-    words = (
+    return (
         f"what is felt differs from the model by at most {soft:.1f} % of peak, with lost samples "
         f"by {percent:.1f} %, with the object ten times stiffer by {stiff:.1f} %"
     )
-    unpaid_n = max((item.losses.unpaid_n for item in lossy if item.losses), default=0.0)
-    if unpaid_n > 0.0:
-        words += (
-            f"; after lost samples the force is up to {unpaid_n:.1f} N less for a moment, where "
-            "the hand has not paid for it"
-        )
-    return words
 
 
-def _named(items: Sequence[Outcome | SlideOutcome]) -> str:
+def _named(items: Sequence[Outcome]) -> str:
     """Each case once, with the hands that it happened to."""
     hands: dict[str, list[str]] = {}
     for item in items:

@@ -12,18 +12,15 @@ from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import member_offset
 from springpot.codegen.progress import counted
-from springpot.codegen.reference.lateral import run_lateral
 from springpot.codegen.reference.run import run_reference
 from springpot.host.metrics import start_up_ramp
 from springpot.host.native.loop_library import NONE, SILENT, UNSENT
 from springpot.host.native.replay import Replay, motions_of
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.session.outcome import NOTE_NAMES, clamped_low
-from springpot.host.validation.parts import SlideError, slide_error
 from springpot.host.validation.ticks import at_samples, samples_of
 from springpot.trainer.recordings.notices import caution
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.slides import LATERAL, is_slide, slide_path
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +38,6 @@ class Compared:
     notes: dict[str, int]
     clamped_low: int
     mismatches: int
-    slides: tuple[SlideError, ...]
 
 
 def compared_all(
@@ -60,33 +56,24 @@ def compared_all(
     ramps = [0] * len(recordings)
     logs: set[int] = set()
     low = 0
-    slides: dict[int, SlideError] = {}
     mismatches = 0
     counts = dict.fromkeys(NOTE_NAMES.values(), 0)
     for motion in counted(motions_of(plan, ticked), "replaying"):
         number = motion.recordings[0]
         first = recordings[number]
-        if is_slide(first) and not is_log_of(first, scene_hash):
-            along_n, notes, differs = _slid(plan, replay, slide_path(ticked[number]))
+        position = motion.depth_m.astype(plan.dtype)
+        velocity = backward_velocity(position, plan.dt_s)
+        force, notes, differs = _pressed(plan, library, replay, position, velocity, first)
+        again = repeat_session(replay, first, scene_hash)
+        if again is None:
             ramps[number] = samples_of(start_up_ramp(notes), first, plan.dt_s)
-            sampled = [at_samples(its, first, plan.dt_s) for its in along_n.astype(float).T]
-            of_scene = 0.0 if plan.lateral is None else float(plan.lateral.anchor.friction)
-            slides[number] = slide_error(first, np.column_stack(sampled), ramps[number], of_scene)
-            force = along_n[:, 2]
         else:
-            position = motion.depth_m.astype(plan.dtype)
-            velocity = backward_velocity(position, plan.dt_s)
-            force, notes, differs = _pressed(plan, library, replay, position, velocity, first)
-            again = repeat_session(replay, first, scene_hash)
-            if again is None:
-                ramps[number] = samples_of(start_up_ramp(notes), first, plan.dt_s)
-            else:
-                logs.add(number)
-                force, notes, others = again
-                differs += others
-            if board is not None:
-                force, others = board.compared(replay, position, velocity)
-                differs += others
+            logs.add(number)
+            force, notes, others = again
+            differs += others
+        if board is not None:
+            force, others = board.compared(replay, position, velocity)
+            differs += others
         mismatches += differs
         low += int(clamped_low(notes, force, float(plan.output.min_n)).sum())
         for bit, name in NOTE_NAMES.items():
@@ -96,7 +83,7 @@ def compared_all(
             predicted[k] = at_samples(force[its].astype(np.float64), recordings[k], plan.dt_s)
     return Compared(
         tuple(predicted[k] for k in range(len(recordings))), tuple(ramps), frozenset(logs),
-        counts, low, mismatches, tuple(slides[k] for k in sorted(slides)),
+        counts, low, mismatches,
     )  # fmt: skip
 
 
@@ -115,15 +102,6 @@ def _pressed(
     places = [] if place_m is None else [(0, place_m)]
     reference = run_reference(plan, position, velocity, predicted_m, places)
     other = bits_differ(force, reference.force_n) | (notes != reference.notes)
-    return force, notes, int(np.sum(other))
-
-
-def _slid(plan: Plan, replay: Replay, path_m: Samples) -> tuple[NDArray[Any], NDArray[Any], int]:
-    """The same along x, y and depth, (n, 3)."""
-    at_m = path_m.astype(replay.dtype)
-    force, notes = replay.slide(at_m)
-    reference = run_lateral(plan, at_m)
-    other = bits_differ(force, reference.force_n).any(axis=1) | (notes != reference.notes)
     return force, notes, int(np.sum(other))
 
 
@@ -150,10 +128,6 @@ def repeat_session(
     channels, call = recording.channels, recording.channels["call"].astype(int)
     force, notes = replay.repeat(channels, recording.place_m)
     other = notes != channels["notes"].astype(int)
-    if force.ndim == 2:
-        for column, name in enumerate(LATERAL[2:]):
-            other |= bits_differ(force[:, column].copy(), channels[name].astype(force.dtype))
-        force = force[:, 2].copy()
     logged = channels["returned_n"].astype(force.dtype)
     other |= bits_differ(force, logged)
     felt = recording.force_n.astype(force.dtype)

@@ -13,7 +13,6 @@ from springpot.codegen.errors import DataError
 from springpot.codegen.short_repr import short_repr
 from springpot.host.native.machine import machine_metadata
 from springpot.host.validation.validation import Validation
-from springpot.trainer.recordings.slides import is_slide
 
 _FOLDER = "validation"
 _METADATA = "result.json"
@@ -23,10 +22,7 @@ _ARRAYS = ("position_m", "measured_n", "predicted_n")  # of a recording
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """One validated recording: time step, three arrays of shape (n,), and x and y, m, if known.
-
-    slides: its places change.
-    """
+    """One validated recording: time step, three arrays of shape (n,), and x and y, m, if known."""
 
     name: str
     dt_s: float
@@ -34,7 +30,6 @@ class Series:
     measured_n: NDArray[np.float64]
     predicted_n: NDArray[np.float64]
     place_m: tuple[float, float] | None = None
-    slides: bool = False
     __repr__ = short_repr
 
 
@@ -52,8 +47,7 @@ def series_of(validation: Validation) -> list[Series]:
     """Return each recording beside the forces of the C."""
     pairs = zip(validation.recordings, validation.predicted_n, strict=True)
     return [
-        Series(r.name, r.dt_s, r.position_m, r.force_n, force_n, r.place_m, is_slide(r))
-        for r, force_n in pairs
+        Series(r.name, r.dt_s, r.position_m, r.force_n, force_n, r.place_m) for r, force_n in pairs
     ]
 
 
@@ -69,7 +63,6 @@ def store_validation(folder: Path, validation: Validation) -> None:
                 **{"name": rec.name, "dt_s": rec.dt_s, "source": rec.source},
                 "hash": rec.content_hash,
                 **({} if rec.place_m is None else {"place_m": list(rec.place_m)}),
-                **({"slides": True} if is_slide(rec) else {}),
             }
             for rec in validation.recordings
         ],
@@ -94,7 +87,6 @@ def read_validation(folder: Path) -> Stored:
                     name=rec["name"],
                     dt_s=rec["dt_s"],
                     place_m=tuple(rec["place_m"]) if "place_m" in rec else None,
-                    slides=rec.get("slides", False),
                     **{name: stored[f"{name}_{i}"] for name in _ARRAYS},
                 )
                 for i, rec in enumerate(metadata["recordings"])

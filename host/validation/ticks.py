@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.slides import LATERAL, is_slide
 
 _SAME_RATE = 1e-3  # apart, relatively: one rate, as `require_compatible` has it
 
@@ -21,14 +20,8 @@ def at_ticks(recording: Recording, dt_s: float) -> Recording:
         return recording
     own_s = np.arange(len(recording.position_m)) * recording.dt_s
     tick_s = np.arange(int(own_s[-1] / dt_s + 1e-6) + 1) * dt_s
-    slides = {
-        name: np.interp(tick_s, own_s, samples)
-        for name, samples in recording.channels.items()
-        if is_slide(recording) and name in LATERAL
-    }
     return replace(
         recording,
-        channels=slides or recording.channels,
         position_m=np.interp(tick_s, own_s, recording.position_m),
         force_n=np.interp(tick_s, own_s, recording.force_n),
         dt_s=dt_s,

@@ -23,7 +23,7 @@ from springpot.host.native.replay import Replay, TickTimes
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.stiffness import SlopeErrors, slope_errors, slope_keys
 from springpot.host.validation.compared import compared_all, is_log_of
-from springpot.host.validation.parts import PlaceError, SlideError, place_errors, require_slides
+from springpot.host.validation.parts import PlaceError, place_errors
 from springpot.host.validation.seen import seen_by
 from springpot.host.validation.ticks import at_samples, at_ticks
 from springpot.trainer.faces import Faces
@@ -33,7 +33,6 @@ from springpot.trainer.recordings.notices import caution
 from springpot.trainer.recordings.quality.noise_floor import NoiseFloor, find_noise_floor
 from springpot.trainer.recordings.quality.signs import sign_doubts
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.slides import is_slide, presses_of
 
 PACED_S = 3.0
 
@@ -45,11 +44,11 @@ class Validation(Faces):
     mismatches: ticks where C and reference, or a board and the C, differ in force or notes, bit for
     bit. floor: of the recordings, logs of sessions apart. ramped: samples of each recording in the
     start-up ramp, which no error counts. model_rmse_n: error of the model itself; rendering_n: RMS
-    of what coupling, guard and limits add to it; None for logs and slides alone, which neither
-    counts. edited: files of the folder that are not as emitted, and were accepted. seen: how many
-    recordings the model was trained on, None where it does not say. places: error of each, if
-    recordings have any. slides: of each recording that slides. clamped_low: ticks at the lower
-    limit of the force, min_n, N; other clamped ones are at the upper limit.
+    of what coupling, guard and limits add to it; None for logs alone, which neither counts. edited:
+    files of the folder that are not as emitted, and were accepted. seen: how many recordings the
+    model was trained on, None where it does not say. places: error of each, if recordings have
+    any. clamped_low: ticks at the lower limit of the force, min_n, N; other clamped ones are at the
+    upper limit.
 
     >>> found = validate("c", recordings)
     >>> found.accuracy.rmse_n < 0.2
@@ -70,7 +69,6 @@ class Validation(Faces):
     edited: tuple[str, ...] = ()
     seen: int | None = None
     places: tuple[PlaceError, ...] = ()
-    slides: tuple[SlideError, ...] = ()
     ramped: tuple[int, ...] = ()
     clamped_low: int = 0
     min_n: float = 0.0
@@ -107,7 +105,6 @@ class Validation(Faces):
             "edited": list(self.edited),
             "seen": self.seen,
             **({"places": [asdict(error) for error in self.places]} if self.places else {}),
-            **({"slides": [asdict(error) for error in self.slides]} if self.slides else {}),
         }
 
 
@@ -129,14 +126,12 @@ def validate(
         raise UsageError("--device: a board knows no place: validate this scene without it")
     for recording in recordings:
         require_compatible(recording, model, plan.dt_s)
-        if is_slide(recording):
-            require_slides(plan, recording)
-        elif plan.has_places and recording.place_m is None and not recording.channels:
+        if plan.has_places and recording.place_m is None and not recording.channels:
             raise DataError(
                 f"{recording.name}: has no place, and this scene has a map of them: give it on "
                 "import, --place X,Y"
             )
-    judged = [item for item in presses_of(recordings) if not is_log_of(item, emitted.hash)]
+    judged = [item for item in recordings if not is_log_of(item, emitted.hash)]
     for doubt in sign_doubts(judged):
         caution(doubt)
     library = SceneLibrary(folder)
@@ -158,12 +153,12 @@ def validate(
 def _with_parts(
     found: Validation, model: Model, plan: Plan, recordings: Sequence[Recording]
 ) -> Validation:
-    """The error in its parts: of the model, and of what renders it; logs and slides apart."""
+    """The error in its parts: of the model, and of what renders it; logs apart."""
     model = replace(model, dt_s=plan.dt_s)  # of a scene with a rate of its own, which is as exact
     errors, added = [], []
     three = zip(recordings, found.predicted_n, found.ramped, strict=True)
-    judged = set(presses_of([r for r in recordings if not is_log_of(r, found.manifest["hash"])]))
-    objects = [of_one for of_one in three if of_one[0] in judged]
+    logs = {r for r in recordings if is_log_of(r, found.manifest["hash"])}
+    objects = [of_one for of_one in three if of_one[0] not in logs]
     alone = limited_each_n(model, [at_ticks(recording, plan.dt_s) for recording, _, _ in objects])
     for (recording, force_n, ramp), ticks_n in zip(objects, alone, strict=True):
         alone_n = at_samples(ticks_n, recording, plan.dt_s)
@@ -199,9 +194,6 @@ def _validated(
     longest = max(ticked, key=lambda recording: len(recording.position_m))
     position = longest.position_m.astype(plan.dtype)
     velocity = backward_velocity(position, plan.dt_s)
-    presses = [k for k, recording in enumerate(recordings) if not is_slide(recording)]
-    pressed = [recordings[k] for k in presses]
-    pressed_n, ramped = [found.force_n[k] for k in presses], [found.ramped[k] for k in presses]
     return Validation(
         accuracy=accuracy([item.force_n for item in recordings], found.force_n, found.ramped),
         mismatches=found.mismatches,
@@ -209,11 +201,10 @@ def _validated(
         ticks=Replay(library).tick_times(position, velocity, plan.dt_s, paced_s),
         predicted_n=found.force_n,
         manifest=library.manifest,
-        floor=find_noise_floor([recordings[k] for k in presses if k not in found.logs]),
+        floor=find_noise_floor([r for k, r in enumerate(recordings) if k not in found.logs]),
         recordings=tuple(recordings),
-        slopes=slope_errors(pressed, pressed_n, ramped),
-        places=place_errors(pressed, pressed_n, ramped),
-        slides=found.slides,
+        slopes=slope_errors(recordings, found.force_n, found.ramped),
+        places=place_errors(recordings, found.force_n, found.ramped),
         ramped=found.ramped,
         clamped_low=found.clamped_low,
         min_n=float(plan.output.min_n),

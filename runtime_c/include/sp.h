@@ -15,8 +15,8 @@
  * never meet. One state belongs to one thread. Send the force in the tick that computed it: one
  * tick of delay costs most of the stiffness that a loop can render stably.
  *
- * Time goes on without samples. Whatever was missed (sp_idle, a sample that is not believed, a long
- * dt_s), the next good sample makes up for: the object's memory, the coupling's proxy and every
+ * Time goes on without samples. Whatever was missed (sp_idle, a sample that is not believed), the
+ * next good sample makes up for: the object's memory, the coupling's proxy and every
  * filter go through those ticks as if the tool had moved evenly since the last good sample, and the
  * force is the model's again at once where that is lower, within 10 ms where it is higher. Such a
  * call takes as many ticks' time as went by. Without a good sample the force never rises; if that
@@ -58,13 +58,6 @@ void sp_reset(sp_state *state);
  * force (N) out. */
 int sp_step(sp_state *state, sp_real position_m, sp_real velocity_mps, sp_real *force_n);
 
-/* springpot any rate begin */
-/* The same over a measured time step dt_s (s), for loops whose ticks come late: what is longer than
- * a tick is sp_idle before it. */
-int sp_step_dt(sp_state *state, sp_real dt_s, sp_real position_m, sp_real velocity_mps,
-               sp_real *force_n);
-
-/* springpot any rate end */
 /* n ticks in order; velocity_mps may be null where the scene needs none. Returns all notes. */
 int sp_run(sp_state *state, uint32_t n, const sp_real *position_m, const sp_real *velocity_mps,
            sp_real *force_n);
@@ -79,16 +72,6 @@ int sp_idle(sp_state *state, sp_real dt_s, sp_real *force_n);
 void sp_place(sp_state *state, sp_real x_m, sp_real y_m);
 
 /* springpot places end */
-/* springpot lateral begin */
-/* sp_step and sp_idle for a tool of three axes, which slides: x, y and depth (m) in, the force on
- * it along x, along y and out of the object (N) out. velocity_mps is not read, and may be null. The
- * place goes with the tool, wherever sp_place was; beyond the map it is SP_NOTE_OUTSIDE. Call
- * sp_reset between these and those for one axis. */
-int sp_step3(sp_state *state, const sp_real position_m[3], const sp_real velocity_mps[3],
-             sp_real force_n[3]);
-int sp_idle3(sp_state *state, sp_real dt_s, sp_real force_n[3]);
-
-/* springpot lateral end */
 /* Replay the golden vectors that were emitted and compare bits: 0, or 1 + the first tick that
  * differs, or one more than there are ticks where NaN is assumed away or a long silence does not
  * latch. Catches a compiler whose defaults change floating-point results. Needs sp_state_size()

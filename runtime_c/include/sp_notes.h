@@ -10,8 +10,7 @@ enum {
     SP_NOTE_CLAMPED = 8,  /* the force was cut to the scene's limits */
     SP_NOTE_RAMPED = 16,  /* the force rises after a start or restart at depth, or a silence */
     SP_NOTE_LATCHED = 32, /* the watchdog tripped: the force goes to zero, until sp_reset */
-    SP_NOTE_LIMITED = 64, /* the force grew faster than a touch makes it: held back */
-    SP_NOTE_ENERGY = 128  /* the force was cut to what the hand has paid for */
+    SP_NOTE_LIMITED = 64  /* the force grew faster than a touch makes it: held back */
 };
 
 enum {

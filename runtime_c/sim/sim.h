@@ -51,11 +51,6 @@ int sim_object_place(sim_object *object_state, double x_m, double y_m);
 int sim_object_move(sim_object *object_state, uint32_t n, const double *position_m,
                     double *force_n);
 
-/* The same in three axes, of the object "lump" alone: position_m and force_n are x, y and depth of
- * each sample, the force along the depth pushes the tool out. */
-int sim_object_slide(sim_object *object_state, uint32_t n, const double *position_m,
-                     double *force_n);
-
 /* An object with a haptic device at rest on its surface: 1 kHz force control by PD, a load cell
  * and an encoder with noise and steps.
  * seed: of the sensors' noise. delay_samples: 0, or 1 when the motor force leaves a tick late. */

@@ -46,12 +46,13 @@ void sim_lump_init(void *material, double stiffer, double step_s)
     sim_lump_place(lump, 0.0, 0.0);
 }
 
-static void put_column(sim_lump *lump, int i)
+static void put_column(sim_lump *lump, int i, double x_m, double y_m)
 {
     double stiffness;
     double slower;
-    ground(lump->first_m[0] + pitch_m * lump->cell[i][0],
-           lump->first_m[1] + pitch_m * lump->cell[i][1], &stiffness, &slower);
+    const int x = i % SIM_LUMP_ACROSS - SIM_LUMP_ACROSS / 2;
+    const int y = i / SIM_LUMP_ACROSS - SIM_LUMP_ACROSS / 2;
+    ground(x_m + pitch_m * x, y_m + pitch_m * y, &stiffness, &slower);
     lump->stiffness_npm[i] = foundation_npm3 * pitch_m * pitch_m * stiffness;
     lump->squeezed_m[i] = 0.0;
     lump->slope[i] = 1.0;
@@ -64,54 +65,21 @@ static void put_column(sim_lump *lump, int i)
 }
 
 /* The sphere above column i; beyond the sphere a metre, which nothing reaches. */
-static void shape(sim_lump *lump, int i)
+static double surface_above_m(int i)
 {
-    double across_m[2];
-    for (int k = 0; k < 2; k++) {
-        across_m[k] = lump->first_m[k] + pitch_m * lump->cell[i][k] - lump->at_m[k];
-    }
-    double far_m = hypot(across_m[0], across_m[1]);
-    double up_m = sqrt(far_m < sphere_m ? sphere_m * sphere_m - far_m * far_m : 0.0);
-    lump->below_m[i] = up_m > 0.0 ? sphere_m - up_m : 1.0;
-    for (int k = 0; k < 2; k++) {
-        lump->lean[k][i] = up_m > 0.0 ? across_m[k] / up_m : 0.0;
-    }
-}
-
-/* Column of a slot along one axis: they are taken again and again, as those of a ring. */
-static int cell_of(int slot, double way_m)
-{
-    const int first = (int)floor(way_m / pitch_m + 0.5) - SIM_LUMP_ACROSS / 2;
-    const int turned = (slot - (first + SIM_LUMP_ACROSS / 2)) % SIM_LUMP_ACROSS;
-    return first + (turned < 0 ? turned + SIM_LUMP_ACROSS : turned);
-}
-
-static void move_sphere(sim_lump *lump, double x_m, double y_m, int fresh)
-{
-    lump->at_m[0] = x_m;
-    lump->at_m[1] = y_m;
-    for (int i = 0; i < SIM_LUMP_COLUMNS; i++) {
-        int x = cell_of(i % SIM_LUMP_ACROSS, x_m - lump->first_m[0]);
-        int y = cell_of(i / SIM_LUMP_ACROSS, y_m - lump->first_m[1]);
-        if (fresh || x != lump->cell[i][0] || y != lump->cell[i][1]) {
-            lump->cell[i][0] = x;
-            lump->cell[i][1] = y;
-            put_column(lump, i);
-        }
-        shape(lump, i);
-    }
+    const double x_m = pitch_m * (i % SIM_LUMP_ACROSS - SIM_LUMP_ACROSS / 2);
+    const double y_m = pitch_m * (i / SIM_LUMP_ACROSS - SIM_LUMP_ACROSS / 2);
+    const double far_m = hypot(x_m, y_m);
+    const double up_m = sqrt(far_m < sphere_m ? sphere_m * sphere_m - far_m * far_m : 0.0);
+    return up_m > 0.0 ? sphere_m - up_m : 1.0;
 }
 
 void sim_lump_place(sim_lump *lump, double x_m, double y_m)
 {
-    lump->first_m[0] = x_m;
-    lump->first_m[1] = y_m;
-    move_sphere(lump, x_m, y_m, 1);
-}
-
-void sim_lump_slide(sim_lump *lump, double x_m, double y_m)
-{
-    move_sphere(lump, x_m, y_m, 0);
+    for (int i = 0; i < SIM_LUMP_COLUMNS; i++) {
+        put_column(lump, i, x_m, y_m);
+        lump->below_m[i] = surface_above_m(i);
+    }
 }
 
 /* What the branches hold of each column as the step begins, m, into held_m. */
@@ -138,7 +106,6 @@ double sim_lump_step(void *material, double tool_m)
     double held_m[SIM_LUMP_COLUMNS];
     double mean_m[SIM_LUMP_COLUMNS];
     double force_n = 0.0;
-    double lateral_n[2] = {0.0, 0.0};
     columns_hold(lump, held_m);
     for (int i = 0; i < SIM_LUMP_COLUMNS; i++) {
         double under_m = tool_m - lump->below_m[i];
@@ -150,8 +117,6 @@ double sim_lump_step(void *material, double tool_m)
         lump->squeezed_m[i] = after_m;
         double pushes_n = lump->stiffness_npm[i] * (lump->slope[i] * after_m - held_m[i]);
         force_n += pushes_n;
-        lateral_n[0] -= pushes_n * lump->lean[0][i];
-        lateral_n[1] -= pushes_n * lump->lean[1][i];
     }
     for (int k = 0; k < SIM_LUMP_BRANCHES; k++) {
         double *memory_m = lump->memory_m[k];
@@ -159,7 +124,5 @@ double sim_lump_step(void *material, double tool_m)
             memory_m[i] += lump->gain[k][i] * (mean_m[i] - memory_m[i]);
         }
     }
-    lump->lateral_n[0] = lump->stiffer * lateral_n[0];
-    lump->lateral_n[1] = lump->stiffer * lateral_n[1];
     return lump->stiffer * force_n;
 }

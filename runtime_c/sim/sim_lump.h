@@ -1,8 +1,7 @@
 /* A soft layer with two stiffer, slower lumps in it, under a sphere that is put down at one place
- * and may slide from there: columns side by side that do not pull on each other (Winkler), each of
- * a spring that stiffens as it is squeezed and three Maxwell branches. A column that relaxes more
- * slowly than the sphere leaves it comes back by itself. The sphere has no friction: a column
- * pushes it along its surface's normal. */
+ *: columns side by side that do not pull on each other (Winkler), each of a spring that stiffens as
+ * it is squeezed and three Maxwell branches. A column that relaxes more slowly than the sphere
+ * leaves it comes back by itself. */
 #ifndef SIM_LUMP_H
 #define SIM_LUMP_H
 
@@ -13,14 +12,10 @@ enum {
 };
 
 typedef struct {
-    double stiffer;                /* 1, factor on the force */
-    double step_s;                 /* s, of one sim_lump_step */
-    double first_m[2];             /* where the sphere was put down, x and y */
-    double at_m[2];                /* where it is */
-    int cell[SIM_LUMP_COLUMNS][2]; /* of each column, from the first place */
+    double stiffer; /* 1, factor on the force */
+    double step_s;  /* s, of one sim_lump_step */
 
     double below_m[SIM_LUMP_COLUMNS];       /* m, the sphere's surface above its lowest point */
-    double lean[2][SIM_LUMP_COLUMNS];       /* 1, slope of that surface along x and y */
     double stiffness_npm[SIM_LUMP_COLUMNS]; /* N/m, slow */
     double slope[SIM_LUMP_COLUMNS];         /* 1, at once within a step, over slow */
     double per_slope[SIM_LUMP_COLUMNS];
@@ -28,7 +23,6 @@ typedef struct {
 
     double squeezed_m[SIM_LUMP_COLUMNS]; /* m, how much each column is, as its spring feels it */
     double memory_m[SIM_LUMP_BRANCHES][SIM_LUMP_COLUMNS]; /* m, to which each has relaxed */
-    double lateral_n[2];                                  /* N, on the tool along x and y */
 } sim_lump;
 
 /* Undeformed and relaxed, the sphere above the place 0, 0. */
@@ -36,9 +30,6 @@ void sim_lump_init(void *material, double stiffer, double step_s);
 
 /* Undeformed and relaxed, the sphere above another place, m. */
 void sim_lump_place(sim_lump *lump, double x_m, double y_m);
-
-/* Slide the sphere to another place, m. What leaves the square around it is forgotten. */
-void sim_lump_slide(sim_lump *lump, double x_m, double y_m);
 
 /* Move the tool to tool_m within the step; returns the force on it, N. */
 double sim_lump_step(void *material, double tool_m);

@@ -143,36 +143,3 @@ int sim_object_move(sim_object *state, uint32_t n, const double *position_m, dou
     }
     return SIM_OK;
 }
-
-static void slide_to(sim_object *state, const double *position_m)
-{
-    sim_lump *lump = &state->material.lump;
-    const double from_m[3] = {lump->at_m[0], lump->at_m[1], state->tool_m};
-    for (uint32_t i = 1; i <= state->substeps; i++) {
-        double share = (double)i / state->substeps;
-        double at_m[3];
-        for (int k = 0; k < 3; k++) {
-            at_m[k] = from_m[k] + share * (position_m[k] - from_m[k]);
-        }
-        sim_lump_slide(lump, at_m[0], at_m[1]);
-        sim_object_substep(state, at_m[2]);
-    }
-    state->tool_m = position_m[2];
-}
-
-int sim_object_slide(sim_object *state, uint32_t n, const double *position_m, double *force_n)
-{
-    if (state == NULL || position_m == NULL || force_n == NULL) {
-        return SIM_NULL;
-    }
-    if (n > UINT32_MAX / 3 || state->step != sim_lump_step || !sim_all_finite(3 * n, position_m)) {
-        return SIM_RANGE;
-    }
-    for (uint32_t i = 0; i < n; i++) {
-        slide_to(state, position_m + 3 * (size_t)i);
-        force_n[3 * (size_t)i] = state->material.lump.lateral_n[0];
-        force_n[3 * (size_t)i + 1] = state->material.lump.lateral_n[1];
-        force_n[3 * (size_t)i + 2] = state->force_n;
-    }
-    return SIM_OK;
-}

@@ -4,23 +4,10 @@
 
 #include "sp_bins.h"
 #include "sp_forest_simd.h"
-#include "sp_forest_wide.h"
 
-void wide_sums(const sp_wide_node *nodes, const uint32_t *roots, uint32_t n_roots, uint32_t depth,
-               uint32_t n, uint32_t n_features, const float *features, int32_t *sums);
 void compact_sums(const void *tables[5], const uint32_t sizes[3], uint32_t simd, uint32_t n,
                   const float *features, uint32_t *sums);
 uint32_t forest_simd(void);
-
-void wide_sums(const sp_wide_node *nodes, const uint32_t *roots, uint32_t n_roots, uint32_t depth,
-               uint32_t n, uint32_t n_features, const float *features, int32_t *sums)
-{
-    for (uint32_t i = 0; i < n; i++) {
-        float slots[SP_WIDE_SLOTS] = {0};
-        memcpy(slots, features + i * n_features, n_features * sizeof(float));
-        sums[i] = sp_wide_sum(nodes, roots, n_roots, depth, slots);
-    }
-}
 
 /* tables: top, nodes, roots, thresholds, their starts; sizes: trees, lanes, features. Without
  * thresholds a feature is its own bin_index. */

@@ -8,12 +8,11 @@
 #include "sp_real.h"
 
 typedef int (*step_function)(void *, sp_real, sp_real, sp_real *);
-typedef int (*step_dt_function)(void *, sp_real, sp_real, sp_real, sp_real *);
 typedef int (*idle_function)(void *, sp_real, sp_real *);
 typedef void (*reset_function)(void *);
 
 typedef struct {
-    void *step, *step_dt, *idle, *reset, *state; /* step_dt: or null */
+    void *step, *idle, *reset, *state;
     double dt_s, depth_m, watchdog_s;
     double min_n, max_n, slew_n;
     int32_t surface; /* positions at or below 0 are free air */
@@ -139,11 +138,9 @@ static void judge(const hostile_scene *scene, hostile_found *found, watched *las
 void hostile(const hostile_scene *scene, uint64_t calls, uint64_t seed, hostile_found *found)
 {
     step_function step;
-    step_dt_function step_dt;
     idle_function idle;
     reset_function reset;
     memcpy(&step, &scene->step, sizeof step);
-    memcpy(&step_dt, &scene->step_dt, sizeof step_dt);
     memcpy(&idle, &scene->idle, sizeof idle);
     memcpy(&reset, &scene->reset, sizeof reset);
     motion m = {.random = seed * 2 + 1, .from = -0.2, .to = -0.2};
@@ -162,9 +159,6 @@ void hostile(const hostile_scene *scene, uint64_t calls, uint64_t seed, hostile_
                                    : pow(10.0, 37.0 * random_share(&m.random));
             sampled = 0;
             notes = idle(scene->state, (sp_real)dt_s, &force_n);
-        } else if (step_dt != NULL && how > 0.7) {
-            dt_s *= random_share(&m.random) < 0.9 ? 2.0 * random_share(&m.random) + 1e-3 : 12.0;
-            notes = step_dt(scene->state, (sp_real)dt_s, x, v, &force_n);
         } else {
             notes = step(scene->state, x, v, &force_n);
         }

@@ -5,7 +5,6 @@
 #include <string.h>
 
 #include "check.h"
-#include "sp_energy.h"
 #include "sp_guard.h"
 #include "sp_guard_velocity.h"
 #include "sp_output.h"
@@ -18,10 +17,6 @@ static const sp_output_config output = {.min_n = (sp_real)0,
                                         .rise = (sp_real)0.25,
                                         .back = (sp_real)0.1,
                                         .fall_n = (sp_real)1.5};
-static const sp_energy_config energy = {.push_n = (sp_real)2,
-                                        .stiffness_npm = (sp_real)500,
-                                        .look_ticks = (sp_real)1,
-                                        .keep = (sp_real)0.9};
 
 static sp_real pattern(uint32_t bits)
 {
@@ -50,20 +45,12 @@ static int gets_past(uint32_t bits)
     const sp_real slow_n = sp_output_force(&output, &rest, 0, (sp_real)1, x, &notes);
     const sp_real fast_n = sp_output_force(&output, &pressed, 0, (sp_real)1, x, &notes);
     const sp_real late_n = sp_output_force(&output, &late, 1, (sp_real)1, x, &notes);
-    sp_energy_state account = {.left_j = (sp_real)1, .position_m = (sp_real)0.005};
-    (void)sp_energy_pay(&energy, &account, (sp_real)12, slow_n, first_m, (sp_real)1, next_m,
-                        next_m);
-    const sp_real left_j = account.left_j;
-    const sp_real waited_n =
-        sp_energy_wait(&energy, &account, x, (sp_real)5, (sp_real)6, (sp_real)6, &notes);
     return !(first_m >= guard.min_m && first_m <= guard.max_m) ||
            !(sp_abs(next_m - (sp_real)0.005) <= guard.jump_m) ||
            (sp_guard_velocity((sp_real)2, x) && !(sp_abs(x) <= (sp_real)2)) ||
            !(slow_n >= (sp_real)0 && slow_n <= (sp_real)3) ||
            !(fast_n >= (sp_real)0 && fast_n <= (sp_real)12) ||
            !(late_n >= (sp_real)0 && late_n <= (sp_real)9) ||
-           !(left_j <= sp_energy_most(&energy, first_m)) ||
-           !(waited_n >= (sp_real)0 && waited_n <= (sp_real)6) ||
            (first_m != (sp_real)0 && sp_abs(first_m) < SP_SMALLEST);
 }
 

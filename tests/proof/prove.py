@@ -79,9 +79,9 @@ def _options() -> argparse.Namespace:
 
 def _report_folder(folder: Path) -> int:
     """Analyse a copy, which keeps Eva's log: the folder stays as it was emitted."""
-    if not (folder / "sp_scene.c").exists():
+    if not (folder / "sp.c").exists():
         told = "give a folder that `springpot emit` wrote, with the prefix sp"
-        print(f"prove: {folder}: no sp_scene.c: {told}", file=sys.stderr)
+        print(f"prove: {folder}: no sp.c: {told}", file=sys.stderr)
         return 2
     shutil.rmtree(_COPY, ignore_errors=True)
     shutil.copytree(folder, _COPY)

@@ -8,7 +8,7 @@ import numpy as np
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import write_model
 from springpot.codegen.model.passive import Damage, Flow, Hammerstein
-from springpot.codegen.scene import Coupling, Guard, Runtime, Scene, Smoothing
+from springpot.codegen.scene import Coupling, Runtime, Scene, Smoothing
 from springpot.trainer.features.fractional import fir_derivatives, gl_taps
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import Fit, FitOptions
@@ -67,7 +67,6 @@ def scene(
     smoothing_s: float = 0.0,
     prefix: str = "sp",
     forest: str = "table",
-    energy: str = "account",
 ) -> Scene:
     return Scene(
         schema=1,
@@ -76,7 +75,6 @@ def scene(
         runtime=Runtime(number=number, prefix=prefix, forest=forest),  # type: ignore[arg-type]
         coupling=Coupling(mode=mode),  # type: ignore[arg-type]
         smoothing=Smoothing(time_constant_s=smoothing_s),
-        guard=Guard(energy=energy),  # type: ignore[arg-type]
     )
 
 

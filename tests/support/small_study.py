@@ -1,73 +1,87 @@
-"""Small studies for tests: of scenes whose models are kept, and of real objects alone."""
+"""A small study: two materials with one method, of stored models; people who type and rate."""
 
-import json
 import shutil
+import time
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
-from springpot.codegen.scene import Scene
-from springpot.host.emission.scene_file import write_scene
-from springpot.host.wings.study.folder import StudyFolder, read_folder, write_study
-from support.paths import ROOT
+import numpy as np
 
-MODELS = ROOT / "tests" / "golden" / "press"
+from springpot import Scene, write_scene
+from springpot.host.wings.study.definition import RENDERED
+from springpot.host.wings.study.plan import StudyPlan, write_plan
+from springpot.host.wings.study.session import ANSWER_COLUMNS, RESPONSE_COLUMNS
+from springpot.host.wings.study.table import growing_table
+from support.paths import TESTS
+
 SOFT, HARD = "ecoflex-00-30", "dragon-skin-10"
+DEVICE = f"sim://{SOFT}?hand=mid"
+STUDY = f"""
+schema = 1
+name = "small"
+seed = 3
+sessions = 2
+practice = 1
+lower_bound = ["soft", "hard"]
+lower_bound_trials = 2
+exclude_repeat_sd_above = 25.0
+exclude_side_difference_above = 25.0
+questions = ["Did it shake?", "What else?"]
+
+[[material]]
+name = "soft"
+scenes.passive = "{SOFT}.toml"
+
+[[material]]
+name = "hard"
+scenes.passive = "{HARD}.toml"
+"""
 
 
-def study_text(method: str, stimuli: list[dict[str, Any]], pairs: list[dict[str, Any]],
-               **keys: Any) -> str:  # fmt: skip
-    """A study file; `sections` among the keys: name -> keys of a section, or a list of them."""
-    sections = {"stimulus": stimuli, "pair": pairs, **keys.pop("sections", {})}
-    top = {"schema": 1, "name": "a small study", "method": method, **keys}
-    lines = [f"{name} = {_toml(value)}" for name, value in top.items()]
-    for name, section in sections.items():
-        for one in section if isinstance(section, list) else [section]:
-            lines.append(f"[[{name}]]" if isinstance(section, list) else f"[{name}]")
-            lines += [f"{key} = {_toml(value)}" for key, value in one.items()]
-    return "\n".join(lines) + "\n"
-
-
-def _toml(value: Any) -> str:
-    if isinstance(value, dict):
-        return "{ " + ", ".join(f"{key} = {_toml(one)}" for key, one in value.items()) + " }"
-    return json.dumps(value)
-
-
-def write_scenes(folder: Path, *names: str) -> None:
-    """Scene files NAME.toml with their models, in a folder."""
-    for name in names:
-        shutil.copyfile(MODELS / f"{name}.spm", folder / f"{name}.spm")
+def write_small_study(folder: Path, text: str = STUDY) -> Path:
+    """A study file with its scenes and models beside it."""
+    for name in (SOFT, HARD):
+        shutil.copyfile(TESTS / "golden" / "press" / f"{name}.spm", folder / f"{name}.spm")
         write_scene(folder / f"{name}.toml", Scene(schema=1, name=name, model=f"{name}.spm"))
-
-
-def planned(folder: Path, text: str, participants: int = 2, *scenes: str) -> StudyFolder:
-    """Plan a study in a folder."""
-    write_scenes(folder, *scenes)
     (folder / "study.toml").write_text(text)
-    write_study(folder / "study.toml", participants, folder / "plan", lambda _done, _of: None)
-    return read_folder(folder / "plan")
+    return folder / "study.toml"
 
 
-def scene_stimulus(name: str, scene: str = SOFT, **keys: Any) -> dict[str, Any]:
-    """A stimulus that is a scene."""
-    return {"name": name, "scene": f"{scene}.toml", **keys}
+def planned_study(folder: Path, participants: int = 2) -> StudyPlan:
+    return write_plan(write_small_study(folder), participants, folder / "plan")
 
 
-def real_stimulus(name: str, simulated: str = SOFT) -> dict[str, Any]:
-    """A real object, with what stands for it."""
-    return {"name": name, "real": f"{name} on the tray", "simulated": f"sim://{simulated}"}
+@dataclass
+class Typist:
+    """Standard input of somebody who presses for a while before each line."""
+
+    lines: list[str]
+    seconds: float = 0.4
+
+    def readline(self) -> str:
+        time.sleep(self.seconds)
+        return self.lines.pop(0) + "\n" if self.lines else ""
 
 
-def real_study(pairs: int = 3, **keys: Any) -> str:
-    """A similarity study of real objects alone: it needs no device, and no compiler."""
-    stimuli = [real_stimulus(f"object {k}") for k in range(pairs + 1)]
-    compared = [{"left": "object 0", "right": f"object {k + 1}"} for k in range(pairs)]
-    return study_text("similarity", stimuli, compared, **keys)
+def rate_study(plan: StudyPlan, shift: dict[str, float], leave: int = 0, sd: float = 5.0) -> None:
+    """Everybody rates all trials, but the last person `leave` of them.
 
-
-def steps_study(method: str, *factors: float, **keys: Any) -> str:
-    """Steps of stiffness above one standard scene, for psychometric methods."""
-    stimuli = [scene_stimulus("standard")]
-    stimuli += [scene_stimulus(f"times {factor:g}", stiffer=factor) for factor in factors]
-    pairs = [{"left": "standard", "right": f"times {factor:g}"} for factor in factors]
-    return study_text(method, stimuli, pairs, **keys)
+    Person 04 and 13 scatter widely, 06 and 13 take sides; shift: points by method.
+    """
+    rng = np.random.default_rng(1)
+    for person in plan.participants:
+        level = rng.normal(80.0, sd)
+        plan.folder(person).mkdir(exist_ok=True)
+        own = [trial for trial in plan.trials if trial.participant == person]
+        own = own[: len(own) - leave * (person == plan.participants[-1])]
+        with growing_table(plan.folder(person) / "responses.csv", RESPONSE_COLUMNS) as (_, append):
+            for trial in own:
+                rating = level + shift.get(trial.method, 0.0) + rng.normal(0.0, sd)
+                if person in ("04", "13"):
+                    rating = (5.0, 95.0, 20.0)[int(trial.session) % 3]
+                if person in ("06", "13") and RENDERED in (trial.left, trial.right):
+                    rating = rating / 2 + 50.0 if trial.left == RENDERED else rating / 2
+                rating = float(np.clip(rating, 0.0, 100.0)) if trial.session != "0" else 0.0
+                append([*trial, f"{rating:g}", "9.0", 0, ""])
+        with growing_table(plan.folder(person) / "answers.csv", ANSWER_COLUMNS) as (_, append):
+            append([person, plan.study.questions[0], "no" if person < "05" else "yes"])

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from codegen.stages.test_lateral import plan_of
 from support.c import golden_forces
 from support.small import press
 
@@ -14,14 +13,12 @@ from springpot.codegen.stages.stage import DOUBLE, REAL, U32, padded
 from springpot.emission import Plan, make_plan
 from springpot.native import SceneLibrary, built
 
-STATE, LATERAL = -3, "lateral"
+STATE = -3
 HOSTILE = (np.nan, np.inf, -np.inf, 3e38, -3e38, 1e30, -1e30, 1e-42, 1.0, -1.0, 0.0)
-NAMES = [*golden_forces.models(), LATERAL]
+NAMES = golden_forces.models()
 
 
 def plan(name: str, number: str) -> Plan:
-    if name == LATERAL:
-        return plan_of(number)
     scene = golden_forces.scene(name, number, "proxy" if number == "float32" else "off")
     return make_plan(golden_forces.model(name), scene, accept_unsafe=True)
 
@@ -33,20 +30,18 @@ class Calls:
         self._library, loaded = library, library.loaded
         self.state: Any = loaded.memory(library.state_bytes, "sp_state")
         self.bytes = np.frombuffer(loaded.ffi.buffer(self.state, library.state_bytes), np.uint8)
-        self.force = loaded.ffi.new(f"{library.real}[3]")
-        self._has = [name for name in ("step", "idle", "step_dt", "step3", "idle3")
-                     if hasattr(loaded.c, f"sp_{name}")]  # fmt: skip
+        self.force = loaded.ffi.new(f"{library.real} *")
+        self._has = ("step", "idle")
 
     def init(self) -> None:
         self._library.function("init")(self.state)
 
-    def all(self, at_m: float, dt_s: float = 1e-3) -> Iterator[tuple[int, list[float]]]:
+    def all(self, at_m: float, dt_s: float = 1e-3) -> Iterator[tuple[int, float]]:
         """Note or error, and the force, of each call; dt_s: of those that take a time."""
-        arguments = {"step": (at_m, 0.0), "idle": (dt_s,), "step_dt": (dt_s, at_m, 0.0),
-                     "step3": ([0.01, 0.0, at_m], [0.0] * 3), "idle3": (dt_s,)}  # fmt: skip
+        arguments = {"step": (at_m, 0.0), "idle": (dt_s,)}
         for name in self._has:
             found = self._library.function(name)(self.state, *arguments[name], self.force)
-            yield found, list(self.force)
+            yield found, self.force[0]
 
 
 @pytest.mark.parametrize("number", ["float32", "float64"])
@@ -61,7 +56,7 @@ def test_memory_that_init_never_saw_is_refused(name: str, number: str) -> None:
             before = calls.bytes.copy()
             for found, force_n in calls.all(0.002):
                 assert found == STATE
-                assert force_n == [0.0] * 3
+                assert force_n == 0.0
             np.testing.assert_array_equal(calls.bytes, before)
 
 
@@ -83,7 +78,7 @@ def test_a_damaged_state_gives_a_force_within_its_limits_and_ends(name: str, num
     random = np.random.default_rng(2)
     planned = plan(name, number)
     places = list(numbers_of(planned))
-    min_n = -float(planned.output.max_n) if name == LATERAL else float(planned.output.min_n)
+    min_n = float(planned.output.min_n)
     with built(planned) as library:
         calls = Calls(library)
         for _ in range(60):
@@ -100,5 +95,4 @@ def test_a_damaged_state_gives_a_force_within_its_limits_and_ends(name: str, num
             for at_m in (0.003, 0.0031, np.nan, 0.0035, -0.001, 0.002):
                 for found, force_n in calls.all(at_m, longer_s):
                     assert found >= 0
-                    for axis_n in force_n:
-                        assert min_n <= axis_n <= float(planned.output.max_n)
+                    assert min_n <= force_n <= float(planned.output.max_n)

@@ -148,7 +148,7 @@ def test_only_the_trainer_and_wings_import_what_fits() -> None:
 
 
 LIGHT = ("cli", "commands.scenes.validate", "native.scene_library", "commands.models.train",
-         "commands.recordings.record", "wings.study.session.presenter")  # fmt: skip
+         "commands.recordings.record", "wings.study.session")  # fmt: skip
 
 
 def test_replaying_and_logging_load_no_fit() -> None:

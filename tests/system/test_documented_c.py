@@ -40,7 +40,7 @@ def test_the_example_in_the_documentation(tmp_path, cxx):
     (tmp_path / "loop.cpp").write_text(example)
     emit(scene(), model_file(tmp_path), tmp_path / "c")
     built = []
-    for name in ("sp_scene", "sp_selftest"):
+    for name in ("sp",):
         source, built_file = tmp_path / "c" / f"{name}.c", tmp_path / f"{name}.o"
         run_compiler([*flags("SP_CFLAGS"), "-c", str(source), "-o", str(built_file)])
         built.append(built_file)
@@ -130,7 +130,7 @@ def test_the_cs_of_a_game_engine(tmp_path: Path) -> None:
     assert drawn in example
     (tmp_path / "Points.cs").write_text(example.replace(drawn, drawn + recovers))
     chosen = replace(scene(), runtime=Runtime(number="float32", prefix="eco"))
-    emit(chosen, model_file(tmp_path), tmp_path / "eco", single=True)
+    emit(chosen, model_file(tmp_path), tmp_path / "eco")
     library = ["-O2", "-shared", "-fPIC", "-o", str(tmp_path / "libeco.so")]
     run_compiler([*library, str(tmp_path / "eco/eco.c"), "-lm"])
     subprocess.run(["mcs", "Points.cs"], cwd=tmp_path, check=True)
@@ -154,7 +154,7 @@ def test_the_module_of_a_web_engine(tmp_path):
     text = (ROOT / "docs" / "how-to" / "game-engine.md").read_text()
     example = re.findall(r"```js\n(.*?)```", text, re.DOTALL)[0]
     eco = scene(prefix="eco")
-    emit(eco, model_file(tmp_path), tmp_path / "eco", single=True)
+    emit(eco, model_file(tmp_path), tmp_path / "eco")
     built = spring("build", tmp_path / "eco", "--wasm", tmp_path / "eco.wasm", "--json")
     assert json.loads(built.stdout)["library"] == str(tmp_path / "eco.wasm")
     (tmp_path / "page.mjs").write_text(

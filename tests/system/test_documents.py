@@ -14,7 +14,7 @@ from support.paths import ROOT
 from springpot.host.cli import springpot
 from springpot.host.emission.scene_file import read_scene
 from springpot.host.recording.protocols import load_protocol
-from springpot.host.wings.study.study_file import read_study
+from springpot.host.wings.study.definition import read_study
 
 TESTED = {
     "python": "test_python_examples.py",
@@ -55,7 +55,6 @@ def test_every_block_is_of_a_kind_that_a_test_looks_at() -> None:
         *PREPARED,
         "README.md",
         "how-to/microcontroller.md",
-        "how-to/study.md",
         "how-to/force-dimension.md",
         "how-to/python.md",  # by test_python_examples.py
         *(f"tutorials/{name}.md" for name in

@@ -78,17 +78,16 @@ class DepthStage(FeatureStage):
     members: tuple[Member, ...] = ()
     n_features = 1
 
+    code = """
+{% block restart %}{% endblock %}
+{% block advance %}{% endblock %}
+{% block features %}
+    features[0] = clipped;
+{% endblock %}
+"""
+
     def tables(self) -> list[str]:
         return []
-
-    def restart(self) -> list[str]:
-        return []
-
-    def advance(self) -> list[str]:
-        return []
-
-    def read(self) -> list[str]:
-        return ["features[0] = clipped;"]
 
     def reference(self, depth: Any, starts: Any) -> Any:
         return depth[:, None]
@@ -98,12 +97,14 @@ class DepthStage(FeatureStage):
 class LineStage(RegressorStage):
     slope: Any
     headers = ()
+    code = """
+{% block force %}
+    const sp_real model_n = slope * features[0];
+{% endblock %}
+"""
 
     def tables(self) -> list[str]:
         return [f"static const sp_real slope = {literal(self.slope)};"]
-
-    def force(self) -> list[str]:
-        return ["const sp_real model_n = slope * features[0];"]
 
     def reference(self, features: Any) -> Any:
         return self.slope * features[:, 0]

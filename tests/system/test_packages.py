@@ -57,7 +57,7 @@ def test_everything_locked_has_a_hash_and_everything_needed_is_locked() -> None:
 
 
 EXTRAS = ("scipy", "sklearn", "joblib", "matplotlib", "jinja2", "can", "cantools", "openpyxl",
-          "nptdms", "m2cgen")  # fmt: skip
+          "nptdms", "m2cgen", "statsmodels")  # fmt: skip
 CODE = (
     "import sys\nfor name in {!r}: sys.modules[name] = None\n"
     "sys.argv = ['springpot', *{!r}]\nfrom springpot.host.cli import main\nmain()"
@@ -94,5 +94,5 @@ def test_what_trains_says_which_extra_it_needs(tmp_path: Path) -> None:
     assert done.returncode == 2
     line = done.stderr.splitlines()[-1]
     assert line.endswith(
-        "is not installed: `pip install 'springpot[train,report,can,files,m2cgen]'`"
+        "is not installed: `pip install 'springpot[train,report,can,files,m2cgen,study]'`"
     ), line

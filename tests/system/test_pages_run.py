@@ -49,17 +49,6 @@ def test_a_page_runs(tmp_path: Path, name: str) -> None:
     run_page(name, tmp_path)
 
 
-@pytest.mark.slow
-def test_the_ten_minutes_of_a_study(tmp_path: Path) -> None:
-    printed = " ".join(run_page("how-to/study.md", tmp_path).split())
-    assert "18, 3 sessions of 4 trials" in printed
-    assert "R1: " in printed
-    assert "trials 216" in printed
-    page = (tmp_path / "rehearsal" / "report" / "report.html").read_text()
-    assert "RF-FD" in page
-    assert "Hammerstein" in page
-
-
 def table_row(name: str, begins: str) -> list[str]:
     """The numbers of a row of a page's table."""
     (row,) = [line for line in (ROOT / "docs" / name).read_text().splitlines()

@@ -1,8 +1,7 @@
 """`make test` has room for what it runs: the stored table is added up, no clock is asked."""
 
 import pytest
-from support.paths import ROOT
-from support.running.speed import REST_TOTAL_S, TOTAL_S, USED_S, chosen, durations_s
+from support.running.speed import REST_TOTAL_S, TOTAL_S, USED_S, chosen
 
 TABLE = {"a.py::one[1]": 3.0, "a.py::one[2]": 2.0, "a.py::two": 1.5, "a.py::three": 9.0}
 CASES = dict.fromkeys([*TABLE, "a.py::new"], ())
@@ -36,5 +35,3 @@ def test_what_is_run_is_within_its_budget(request: pytest.FixtureRequest) -> Non
     fast_s, rest_s = request.config.stash[USED_S]
     assert fast_s <= TOTAL_S
     assert rest_s <= REST_TOTAL_S
-    files = {name.partition("::")[0] for name in durations_s()}
-    assert all((ROOT / file).is_file() for file in files), "make durations: files have moved"

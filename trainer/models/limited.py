@@ -10,7 +10,6 @@ from springpot.codegen.model.model import Model
 from springpot.trainer.models.predict import predict_each_n
 from springpot.trainer.recordings.quality.places import Site, site_words
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.slides import require_presses
 
 _DEEP = 1.5  # times the trained depth: from here on it is said
 _TOO_DEEP = 10.0  # and from here on refused: no extrapolation, but another unit
@@ -19,7 +18,7 @@ _TOO_DEEP = 10.0  # and from here on refused: no extrapolation, but another unit
 def limited_n(model: Model, recording: Recording) -> Samples:
     """Force along a recording's positions, (n,), N, float64, at least 0 where there is a surface.
 
-    Raises DataError for positions ten times deeper than any training press, and for a slide.
+    Raises DataError for positions ten times deeper than any training press.
     """
     return limited_each_n(model, [recording])[0]
 
@@ -29,7 +28,6 @@ def limited_each_n(model: Model, recordings: Sequence[Recording]) -> list[Sample
 
     Raises DataError as `limited_n`.
     """
-    require_presses(recordings)
     for recording in recordings:
         _require_metres(model, recording)
     if not recordings:

@@ -8,7 +8,6 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.slides import is_slide
 
 _LONGEST_PAUSE_S = 600.0
 _LATE = 5  # samples by which clocks of two recordings may overlap
@@ -31,14 +30,14 @@ class DepthMotion:
 def motions(
     recordings: Sequence[Recording], depths_m: Sequence[Samples], surface: bool
 ) -> tuple[DepthMotion, ...]:
-    """Join recordings of one session and place by their times; others, and slides, are one each.
+    """Join recordings of one session and place by their times; others are one each.
 
     In a pause the tool stands above the surface; if the object has none, at the lower of the depths
     at the ends of the pause.
     """
     sessions: dict[Hashable, list[int]] = {}
     for number, recording in enumerate(recordings):
-        alone = recording.start_s is None or not recording.session or is_slide(recording)
+        alone = recording.start_s is None or not recording.session
         key = number if alone else (recording.session, recording.place_m)
         sessions.setdefault(key, []).append(number)
     found = []

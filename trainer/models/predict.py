@@ -7,8 +7,8 @@ import numpy as np
 
 from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.forest.leaves import rounded, used_features
+from springpot.codegen.forest.node_table import forest_table
 from springpot.codegen.forest.traverse import forest_force, table_sums
-from springpot.codegen.forest.wide import forest_table
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.regressors import Forest, Rbf, Regressor
 from springpot.trainer.features.values import feature_values

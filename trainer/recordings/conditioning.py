@@ -8,7 +8,6 @@ import numpy as np
 
 from springpot.codegen.entry_points import required_part
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.slides import is_slide
 
 
 @dataclass(frozen=True)
@@ -78,7 +77,7 @@ def on_one_surface(
     """
     found = [recording.details for recording in recordings]
     met = options.contact_force == "auto" and all("contact_position_m" in each for each in found)
-    placed = any(each.place_m or is_slide(each) for each in recordings)
+    placed = any(each.place_m for each in recordings)
     if not met or placed or len(recordings) < 2:
         return list(recordings), ""
     low_m = max(each["contact_position_m"] - each["contact_uncertainty_m"] for each in found)

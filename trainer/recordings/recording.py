@@ -23,7 +23,6 @@ RECORDING_SUFFIX = ".h5"
 FRAME_SOURCE = "frame"  # source of what a table held
 _COLUMNS = {  # of a table, in which "x" alone might be the position
     **{"x_m": "place_x_m", "y_m": "place_y_m"},
-    **{"x_n": "lateral_x_n", "y_n": "lateral_y_n"},
 }
 _MOST_M = 1.0  # no soft object is pressed farther
 SIGN_RULE = (

@@ -16,17 +16,15 @@ from springpot.codegen.stages.stage import REAL, Member, SceneTicks, numbers
 class DamageCurves:
     """The first n_linear have power 1, the others 3. curves: (J + 1, 2, D).
 
-    healed: of a tick, rate: 1/s, both (D,). worn: M is never less, (D,); None: the object is new.
+    healed: of a tick, (D,). worn: M is never less, (D,); None: the object is new.
     """
 
     curves: Reals
     healed: Reals
-    rate: Reals
     worn: Reals | None
     n_linear: int
 
-    what, headers = "damage", ("sp_damage.h",)
-    measured_headers = ("sp_damage_dt.h",)
+    headers = ("sp_damage.h",)
 
     @property
     def count(self) -> int:
@@ -42,26 +40,6 @@ class DamageCurves:
             array_text("damage", "sp_real", self.curves.reshape(-1, self.count)),
             array_text("healed", "sp_real", self.healed),
             *([] if self.worn is None else [array_text("worn", "sp_real", self.worn)]),
-        ]
-
-    def measured_tables(self) -> list[str]:
-        return [array_text("heal_rate", "sp_real", self.rate)]
-
-    def restart(self, name: str) -> list[str]:
-        return [f"sp_damage_rest({self.count}, {name}_u, state->{name}_deepest);"]
-
-    def advance_lines(self, name: str, measured: bool) -> list[str]:
-        """Lines of a tick that declare `{name}_damage_n`, after `{name}_place` is known."""
-        function, healed = ("sp_damage", "healed")
-        if measured:
-            function, healed = ("sp_damage_dt", "dt_s, heal_rate")
-        worn = "NULL" if self.worn is None else "worn"
-        return [
-            f"sp_real {name}_intact[{self.count}];",
-            f"sp_curve(damage, {self.count}, {name}_place, {name}_intact);",
-            f"const sp_real {name}_damage_n =",
-            f"    {function}({healed}, {worn}, {self.n_linear}, {self.count}, {name}_u,",
-            f"        {name}_intact, state->{name}_deepest);",
         ]
 
     def instructions(self, costs: Costs) -> float:
@@ -100,7 +78,6 @@ def damage_curves(damage: Damage, ticks: SceneTicks) -> DamageCurves:
     return DamageCurves(
         curves=curve_nodes(damage.curve_n[order]).astype(dtype),
         healed=(-np.expm1(-ticks.dt_s * rate)).astype(dtype),
-        rate=rate.astype(dtype),
         worn=pressed.astype(dtype) if ticks.worn else None,
         n_linear=int(np.count_nonzero(damage.power == 1)),
     )

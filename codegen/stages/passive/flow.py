@@ -21,13 +21,11 @@ class FlowBranches:
     """The first n_cubic have power 3, the others 5; function: index into FUNCTIONS. All (F,)."""
 
     loss: Reals
-    rate: Reals
     force_n: Reals
     function: NDArray[np.uint8]
     n_cubic: int
 
-    what, headers = "flow", ("sp_flow.h",)
-    measured_headers = ("sp_flow_dt.h",)
+    headers = ("sp_flow.h",)
 
     @property
     def count(self) -> int:
@@ -46,22 +44,6 @@ class FlowBranches:
             array_text("flow_loss", "sp_real", self.loss),
             array_text("flow_n", "sp_real", self.force_n),
             array_text("flow_function", "uint8_t", self.function),
-        ]
-
-    def measured_tables(self) -> list[str]:
-        return [array_text("flow_rate", "sp_real", self.rate)]
-
-    def restart(self, name: str) -> list[str]:
-        states = f"state->{name}_flow_before, state->{name}_flow"
-        return [f"sp_flow_rest({name}_u, {self.count}, {states});"]
-
-    def advance_lines(self, name: str, measured: bool) -> list[str]:
-        """Lines of a tick that declare `{name}_flow_n`, after `{name}_u` is known."""
-        function, loss = ("sp_flow_dt", "dt_s, flow_rate") if measured else ("sp_flow", "flow_loss")
-        return [
-            f"const sp_real {name}_flow_n =",
-            f"    {function}({loss}, flow_n, flow_function, {self.n_cubic}, {self.count},",
-            f"        {name}_u, state->{name}_flow_before, state->{name}_flow);",
         ]
 
     def instructions(self, costs: Costs) -> float:
@@ -104,7 +86,6 @@ def flow_branches(flow: Flow, ticks: SceneTicks) -> FlowBranches:
     degrees = flow.degree[order].tolist()
     return FlowBranches(
         loss=flow_loss(rate, power, ticks.dt_s).astype(ticks.dtype),
-        rate=flow_loss(rate, power, 1.0).astype(ticks.dtype),
         force_n=flow.force_n[order].astype(ticks.dtype),
         function=np.array([FUNCTIONS.index(degree) for degree in degrees], dtype=np.uint8),
         n_cubic=int(np.count_nonzero(power == 3)),

@@ -20,7 +20,7 @@ def hammerstein_stage(model: Hammerstein, ticks: SceneTicks, follows: str) -> Ha
     """Fold the poles' gains into the branches; the stops' first halves belong to the spring.
 
     The branches are padded to whole vectors of the ticks, with curves of 0. The surface of the
-    ticks, if there is one, recovers if the model's does, or a tool slides on it.
+    ticks, if there is one, recovers if the model's does.
     """
 
     def curves_of(material: Hammerstein) -> dict[str, Reals]:
@@ -49,7 +49,7 @@ def hammerstein_stage(model: Hammerstein, ticks: SceneTicks, follows: str) -> Ha
         flow=flow,
         damage=damage,
         surface=_surface(model, spring_n + slopes_n.sum(axis=0), flow, dtype)
-        if ticks.surface and (model.recovers or ticks.slides)
+        if ticks.surface and model.recovers
         else None,
         pulls=not ticks.surface,
         follows=follows,

@@ -1,6 +1,5 @@
 """The passive model: sp_hammerstein.h, and beside it flow, damage and the surface."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -17,12 +16,12 @@ from springpot.codegen.stages.passive.surface import RecoveringSurface
 from springpot.codegen.stages.stage import (
     DOUBLE,
     REAL,
-    Measured,
     Member,
     Stage,
     Starts,
     segments,
 )
+from springpot.codegen.stages.stage_code import stage_code
 
 
 @dataclass(frozen=True)
@@ -62,6 +61,8 @@ class HammersteinStage(Stage):
     pulls: bool
     follows: str
     placed: PlacedCurves | None = None
+
+    code = stage_code("passive")
 
     @property
     def _beside(self) -> list[FlowBranches | DamageCurves]:
@@ -160,113 +161,6 @@ class HammersteinStage(Stage):
                 },
             ),
         ]
-
-    @property
-    def _play(self) -> str:
-        return f"state->{self.follows}_play" if self.config.n_stops else "NULL"
-
-    def _tick(self, stepped: Callable[[MaxwellBranches], list[str]], measured: bool) -> list[str]:
-        name, capacity = self.follows, self.config.n_branches
-        beside = "".join(f" + {name}_{part.what}_n" for part in self._beside)
-        return [
-            *self._pointers(),
-            *self._where(),
-            f"const sp_curve_place {name}_place = sp_curve_at({name}_u, passive.n_pieces);",
-            f"sp_real {name}_branch[{capacity}];",
-            f"sp_curve(branches, {capacity}, {name}_place, {name}_branch);",
-            *(line for step in self.steps for line in stepped(step)),
-            *(line for part in self._beside for line in part.advance_lines(name, measured)),
-            f"const sp_real {name}_{'passive' if self.pulls else 'held'}_n =",
-            f"    sp_hammerstein_force(&passive, &passive_tables, {name}_u, {name}_place,",
-            f"                         state->{name}_held, {self._play}){beside};",
-            *self._given(),
-        ]
-
-    def _pointers(self) -> list[str]:
-        """Lines that declare what is constant where there are no places."""
-        if self.placed is None:
-            return []
-        stops = "stops, stop_radius" if self.config.n_stops else "NULL, NULL"
-        return [
-            *self.placed.pointers(self.follows),
-            f"const sp_hammerstein_tables passive_tables = {{spring, branches, {stops}}};",
-        ]
-
-    def _where(self) -> list[str]:
-        """Lines that declare `{name}_u`, the share of the depth at which the model is."""
-        name = self.follows
-        share = f"sp_hammerstein_share(&passive, {name})"
-        if self.surface is None:
-            return [f"const sp_real {name}_u = {share};"]
-        return [
-            f"const sp_real {name}_tool = {share};",
-            f"const sp_real {name}_u =",
-            f"    sp_surface_at(stiffest, passive.n_pieces, &state->{name}_surface, {name}_tool);",
-        ]
-
-    def _given(self) -> list[str]:
-        """Lines that keep where the surface is, and give no force that pulls."""
-        name, keep, given = self.follows, [], f"{self.follows}_held_n > (sp_real)0"
-        if self.surface is not None:
-            keep = [
-                f"state->{name}_surface.u = {name}_u;",
-                f"state->{name}_surface.force_n = {name}_held_n;",
-            ]
-            given += f" && !({name}_u > {name}_tool)"
-        if self.pulls:
-            return keep
-        return [
-            *keep,
-            f"const sp_real {name}_passive_n =",
-            f"    {given} ? {name}_held_n : (sp_real)0;",
-        ]
-
-    @property
-    def measured(self) -> Measured:
-        return Measured(
-            headers=(
-                "sp_measured.h",
-                *(h for step in self.steps for h in step.names.measured_headers),
-                *(h for part in self._beside for h in part.measured_headers),
-            ),
-            tables=(
-                *(table for step in self.steps for table in step.measured_tables()),
-                *(table for part in self._beside for table in part.measured_tables()),
-            ),
-            advance=tuple(self._tick(lambda step: step.measured_step(self.follows), True)),
-        )
-
-    def restart(self) -> list[str]:
-        name = self.follows
-        slow = [
-            line
-            for step in self.steps
-            if step.double
-            for line in (
-                f"for (uint32_t i = 0; i < {step.count}; i++) {{",
-                f"    state->{name}_{step.names.prefix}[i] = 0.0;",
-                "}",
-            )
-        ]
-        surface = [
-            f"state->{name}_surface.u = {name}_u;",
-            f"state->{name}_surface.force_n = (sp_real)0;",
-        ]
-        taken = [] if self.placed is None else [*self.placed.take(name), *self._pointers()]
-        resting = ("spring", "branches", "stops")
-        unused = tuple(f"const sp_real *{each} " for each in self.curves if each not in resting)
-        return [
-            *slow,
-            *(line for line in taken if not line.startswith(unused)),
-            f"const sp_real {name}_u = sp_hammerstein_share(&passive, {name});",
-            f"sp_hammerstein_rest(&passive, &passive_tables, {name}_u,",
-            f"                    state->{name}_before, state->{name}_held, {self._play});",
-            *(line for part in self._beside for line in part.restart(name)),
-            *(surface if self.surface else ()),
-        ]
-
-    def advance(self) -> list[str]:
-        return self._tick(lambda step: step.step(self.follows), False)
 
     def instructions(self, costs: Costs) -> float:
         config = self.config

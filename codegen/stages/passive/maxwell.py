@@ -14,7 +14,6 @@ from springpot.codegen.model.formulas import (
     Place,
     loss_and_gain,
     loss_by_depth,
-    rates_by_depth,
     straight_values,
 )
 from springpot.codegen.model.passive import Hammerstein
@@ -25,26 +24,19 @@ from springpot.codegen.stages.stage import SMALLEST, SceneTicks, numbers, padded
 
 @dataclass(frozen=True)
 class _Names:
-    """C of a group: prefix of its tables and states; functions and headers of a tick, and of a
-    measured time step."""
+    """C of a group: prefix of its tables and states; function and headers of a tick."""
 
     prefix: str
     step: str
     headers: tuple[str, ...]
-    measured_step: str
-    measured_headers: tuple[str, ...]
 
 
 _NAMES = {  # by_depth, double
-    (False, False): _Names("branch", "sp_poles_apart", ("sp_poles.h",),
-                           "sp_measured_apart", ("sp_measured.h",)),
-    (False, True): _Names("slow_branch", "sp_slow_poles_apart", ("sp_poles.h", "sp_slow_poles.h"),
-                          "sp_measured_slow_apart", ("sp_measured.h",)),
-    (True, False): _Names("depth_branch", "sp_depth_poles", ("sp_depth.h",),
-                          "sp_depth_poles_dt", ("sp_depth_dt.h",)),
-    (True, True): _Names("slow_depth_branch", "sp_depth_slow_poles", ("sp_depth.h",),
-                         "sp_depth_slow_poles_dt", ("sp_depth_dt.h",)),
-}  # fmt: skip
+    (False, False): _Names("branch", "sp_poles_apart", ("sp_poles.h",)),
+    (False, True): _Names("slow_branch", "sp_slow_poles_apart", ("sp_poles.h", "sp_slow_poles.h")),
+    (True, False): _Names("depth_branch", "sp_depth_poles", ("sp_depth.h",)),
+    (True, True): _Names("slow_depth_branch", "sp_depth_slow_poles", ("sp_depth.h",)),
+}
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,15 +45,12 @@ class MaxwellBranches:
 
     first: column of the first one. by_depth: whether a tick needs the place of the depth. double:
     whether their states are. loss: of a tick, (count,); by depth at the nodes, (J + 1, count).
-    measured: tables of a measured time step by name: per_tau, 1/s, and per_gain, the inverse of
-    what is folded into the curves, (count,); by depth rates, (J + 1, count), 1/s.
     """
 
     first: int
     by_depth: bool
     double: bool
     loss: Reals
-    measured: dict[str, Reals]
 
     @property
     def names(self) -> _Names:
@@ -76,39 +65,6 @@ class MaxwellBranches:
         """Constants of a tick."""
         c_type = "double" if self.double and not self.by_depth else "sp_real"
         return [array_text(f"{self.names.prefix}_loss", c_type, self.loss)]
-
-    def measured_tables(self) -> tuple[str, ...]:
-        """Constants of a measured time step."""
-        return tuple(
-            array_text(f"{self.names.prefix}_{name}", "sp_real", values)
-            for name, values in self.measured.items()
-        )
-
-    def step(self, follows: str, capacity: int = 0) -> list[str]:
-        """Lines of a tick, after `{follows}_branch` is known.
-
-        capacity: of branches, if there are several materials, of which this is `r` of the C.
-        """
-        return self._call(self.names.step, ["loss"], follows, [], capacity)
-
-    def measured_step(self, follows: str) -> list[str]:
-        """Lines of a measured time step, `dt_s`."""
-        return self._call(self.names.measured_step, list(self.measured), follows, ["dt_s"])
-
-    def _call(
-        self, function: str, tables: list[str], follows: str, more: list[str], capacity: int = 0
-    ) -> list[str]:
-        prefix = self.names.prefix
-        constants = [f"{prefix}_{table}" for table in tables]
-        settings = [f"{self.count}", *([f"{follows}_place"] if self.by_depth else []), *more]
-        at = f" + {self.first}" if self.first else ""
-        its = f" + r * {capacity}" if capacity else ""
-        slow = f" + r * {self.count}" if capacity else ""
-        states = [f"{follows}_branch{at}", f"state->{follows}_before{its}{at}"]
-        states += [f"state->{follows}_{prefix}{slow}"] if self.double else []
-        states += [f"state->{follows}_held{its}{at}"]
-        head = ", ".join([*constants, *settings])
-        return [f"{function}({head},", f"    {', '.join(states)});"]
 
     def instructions(self, costs: Costs) -> float:
         """Bound of a tick's."""
@@ -156,18 +112,12 @@ def branch_steps(
         tau_s, ratio, branch_n = model.tau_s[its], model.rate_ratio, model.branch_n[its]
         if depends:
             loss: Reals = loss_by_depth(tau_s, ratio, dt_s, model.nodes).astype(dtype)
-            measured = {"rates": rates_by_depth(tau_s, ratio, model.nodes)}
         else:
             # The gain of a rise within a tick is folded into the curves; what fills has none.
             of_one, gain = loss_and_gain(tau_s, dt_s)
             loss = _filled(of_one, fill).astype(np.float64 if in_double else dtype)
-            measured = {
-                "per_tau": _filled(1.0 / tau_s, fill),
-                "per_gain": _filled(1.0 / gain, fill),
-            }
             branch_n = np.pad(gain[:, None] * branch_n, ((0, fill), (0, 0)))
-        measured = {name: values.astype(dtype) for name, values in measured.items()}
-        steps.append(MaxwellBranches(first, depends, in_double, loss, measured))
+        steps.append(MaxwellBranches(first, depends, in_double, loss))
         slopes_n.append(branch_n)
         first += len(its) + fill
     return tuple(steps), np.concatenate(slopes_n)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.arrays import Real, Reals
-from springpot.codegen.literals import array_text, constant_text, literal
+from springpot.codegen.literals import array_text, constant_text
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.model.places import amounts_at, grid_steps, mixed
 from springpot.codegen.stages.passive.surface import LEAST
@@ -76,28 +76,11 @@ class PlacedCurves:
             constant_text("place_map", self.config),
         ]
 
-    def take(self, name: str) -> list[str]:
-        """Lines that mix the curves of the place that waits, if one does."""
-        states = f"&state->{name}_map, amounts, materials, state->{name}_curves"
-        lines = [f"sp_map_take(&place_map, {states});"]
-        if _STIFFEST in self.sizes:
-            begin = self.begins[_STIFFEST]
-            count, least = self.sizes[_STIFFEST], literal(self.least)
-            lines.append(f"sp_map_raise(state->{name}_curves + {begin}, {count}, {least});")
-        return lines
-
     @property
     def begins(self) -> dict[str, int]:
         """Index at which each array begins among a material's numbers."""
         first = np.cumsum([0, *self.sizes.values()]).tolist()
         return dict(zip(self.sizes, first, strict=False))
-
-    def pointers(self, name: str) -> list[str]:
-        """Lines that declare the mixed arrays under the names of what is constant elsewhere."""
-        return [
-            f"const sp_real *{array} = state->{name}_curves + {begin};"
-            for array, begin in self.begins.items()
-        ]
 
     def _grid(self, place_m: tuple[float, float]) -> tuple[Reals, Reals, Reals]:
         config = self.config

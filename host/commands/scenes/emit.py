@@ -24,11 +24,6 @@ if TYPE_CHECKING:
 @click.option("--model", "model_file", type=PATH, help="Model file; default: the scene's.")
 @click.option("--out", type=PATH, required=True, help="Folder to write.")
 @click.option(
-    "--single",
-    is_flag=True,
-    help="One source and one header, for any project in C or C++; Arduino and PlatformIO library.",
-)
-@click.option(
     "--accept-unsafe",
     is_flag=True,
     help="Emit although a hand would find it unstable, for replay; the manifest says so.",
@@ -59,7 +54,6 @@ def emit_(
     scene_file: Path | None,
     model_file: Path | None,
     out: Path,
-    single: bool,
     accept_unsafe: bool,
     recordings: tuple[str, ...],
     fit: bool,
@@ -70,7 +64,7 @@ def emit_(
     ram: int | None,
     as_json: bool,
 ) -> None:
-    """Emit the C source of a scene, or of a benchmark's pick (keys of --scene override it)."""
+    """Emit a scene as one C source and one header; keys of --scene override a pick's."""
     from springpot.codegen.model.model_file import read_model
     from springpot.host.emission.budget_fit import emit_fitting
     from springpot.host.emission.scene_file import default_scene, model_path, read_scene
@@ -92,9 +86,7 @@ def emit_(
     measured = _recordings(recordings, model_file) if recordings else []
     unmeasured = picked is not None and scene_file is None  # the budget is the pick's, no one's own
     with progress_bar("emit"):
-        emission = emit_fitting(
-            scene, model_file, out, accept_unsafe, measured, fit, unmeasured, single
-        )
+        emission = emit_fitting(scene, model_file, out, accept_unsafe, measured, fit, unmeasured)
     for notice in emission.notices:
         say(notice)
     print_result(emission.as_dict(), as_json, emission_rows(emission))

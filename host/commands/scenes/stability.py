@@ -15,7 +15,6 @@ from springpot.host.console.output import json_option, print_result, progress_ba
 if TYPE_CHECKING:
     from springpot.host.stability.check import Stability
     from springpot.host.stability.closed_loop import Outcome
-    from springpot.host.stability.slides import SlideOutcome
     from springpot.host.stability.small_signal import Map
 
 
@@ -71,7 +70,6 @@ def stability_rows(found: Stability) -> dict[str, str]:
     rows |= {
         "cases": f"{len(judged) - len(doubtful)} of {len(judged)} are good with three hands and "
         "two delays; --report FILE.html shows all, --json lists them",
-        **_slide_rows(found),
         "spectral radius": f"{checked.spectral_radius:.4f}",
         "device": checked.plan.loop_device.words(checked.plan.dt_s),
         "active cells, model": f"{_cells(checked.model_map)}; scene {_cells(checked.scene_map)}",
@@ -81,25 +79,12 @@ def stability_rows(found: Stability) -> dict[str, str]:
     return rows
 
 
-def _slide_rows(found: Stability) -> dict[str, str]:
-    """The extremes of a hand of three axes, of a scene that slides."""
-    if not found.slides:
-        return {}
-    fastest = max(found.slides, key=lambda item: item.hf_speed_mps)
-    strongest = max(found.slides, key=lambda item: item.max_force_n)
-    return {
-        "slides": f"{len(found.slides)} with three hands and two delays: at most "
-        f"{1e3 * fastest.hf_speed_mps:.2f} mm/s above 15 Hz on a hold ({_named(fastest)}), "
-        f"{strongest.max_force_n:.2f} N"
-    }
-
-
 def _cells(found: Map) -> str:
     inside, outside = found.active(False), found.active(True)
     return f"{inside[0]} of {inside[1]}, beyond the trained depth {outside[0]} of {outside[1]}"
 
 
-def _named(outcome: Outcome | SlideOutcome) -> str:
+def _named(outcome: Outcome) -> str:
     return f"{outcome.case}, {outcome.hand}, {outcome.delay_samples} late"
 
 
@@ -109,7 +94,7 @@ def _figures(outcome: Outcome) -> str:
         found = outcome.losses
         return (
             f"{found.error_n:.2f} N off 10 ms after samples are back, {found.above_n:.2f} N above "
-            f"after 5 ms, {found.unpaid_n:.2f} N not paid for; "
+            f"after 5 ms; "
             f"{1e3 * found.returned_j:.1f} mJ returned of {1e3 * found.stored_j:.1f} stored"
         )
     return (

@@ -65,8 +65,8 @@ def _parts(validation: Validation) -> str:
     if alone_n is None or added_n is None:
         return "not known"
     words = f"{alone_n:.4g} N; coupling, guard and limits change its force by {added_n:.4g} N (RMS)"
-    if validation.felt or validation.slides:
-        words += ", logs of sessions and slides left out"
+    if validation.felt:
+        words += ", logs of sessions left out"
     coupling = validation.manifest.get("coupling", {})
     if added_n > alone_n and coupling.get("mode", "off") != "off":
         felt = 1e-3 * coupling["felt_stiffness_npm"]
@@ -91,7 +91,7 @@ def validation_rows(validation: Validation) -> dict[str, str]:
     from springpot.host.metrics import error_ratios, ratio_rows
     from springpot.host.session.outcome import notes_in_words
     from springpot.host.stiffness import slope_keys, slope_words
-    from springpot.host.validation.parts import place_line, slide_line
+    from springpot.host.validation.parts import place_line
     from springpot.host.validation.seen import accepted_words, seen_line
 
     found, ticks, felt = validation.accuracy, validation.ticks, validation.felt
@@ -111,7 +111,7 @@ def validation_rows(validation: Validation) -> dict[str, str]:
     }
     rows = {name: text for name, text in rows.items() if text and (felt or name != "compared")}
     differ = f"{validation.mismatches} ticks differ"
-    by_place, slides = place_line(validation.places), slide_line(validation.slides)
+    by_place = place_line(validation.places)
     if len(felt) < len(validation.predicted_n):
         rows |= {
             "RMSE": f"{found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak",
@@ -119,7 +119,6 @@ def validation_rows(validation: Validation) -> dict[str, str]:
             **ratio_rows(error_ratios(found, validation.floor)),
             "slope error": slope_words(slope_keys(validation.slopes)),
             **({"by place": by_place} if by_place else {}),
-            **({"slides": slides} if slides else {}),
             "RMSE, mean of recordings": f"{found.mean_recording_rmse_n:.4g} N{spread}",
             "mean error": f"{found.mean_error_n:+.4g} N (the C less the measured force)",
             "maximum error": f"{found.max_abs_error_n:.4g} N; 99 %: {found.p99_abs_error_n:.4g} N",

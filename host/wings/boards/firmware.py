@@ -19,7 +19,7 @@ from springpot.emission import (
     write_checksums,
 )
 from springpot.host.wings.boards.boards import Board, compiler_of
-from springpot.native import PORT_MCU, PORT_WIRE, CompilerError, flags, port_headers, scene_files
+from springpot.native import PORT_MCU, PORT_WIRE, CompilerError, flags, port_headers, scene_prefix
 
 TRANSDUCER = "sp_transducer.c"  # the user's encoder and drive
 _COMMON = ("sp_firmware.c", "sp_port.c", TRANSDUCER)
@@ -51,7 +51,7 @@ def build_firmware(
         write_checksums(aside)
         if is_edited(out, TRANSDUCER):
             shutil.copyfile(out / TRANSDUCER, aside / TRANSDUCER)
-        sources = (*scene_files(folder).sources, *_COMMON, "sp_wire.c", *board.sources)
+        sources = (f"{scene_prefix(folder)}.c", *_COMMON, "sp_wire.c", *board.sources)
         _linked(board, aside, sources, state_bytes(plan), strict)
     return out / _NAME
 
@@ -63,7 +63,7 @@ def build_batch(folder: Path, board: Board, out: Path) -> Path:
     for name in ("sp_batch.c", "sp_port.c", "sp_transducer.c", *_headers(), *board.sources):
         _port_file(name, plan, out)
     ports = ("sp_batch.c", "sp_port.c", "sp_transducer.c", *board.sources)
-    sources = (*scene_files(folder).sources, *ports)
+    sources = (f"{scene_prefix(folder)}.c", *ports)
     return _linked(board, out, sources, state_bytes(plan))
 
 
@@ -73,7 +73,7 @@ def _headers() -> list[str]:
 
 def _copy(folder: Path, out: Path, plan: Plan) -> None:
     out.mkdir(parents=True, exist_ok=True)
-    for file in [*folder.glob("*.h"), *(folder / name for name in scene_files(folder).sources)]:
+    for file in [*folder.glob("*.h"), folder / f"{scene_prefix(folder)}.c"]:
         shutil.copyfile(file, out / file.name)
     for name, text in port_headers(folder, plan.real).items():
         (out / name).write_text(text)

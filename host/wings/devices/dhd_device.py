@@ -57,11 +57,6 @@ class DhdDevice(OpenedDevice):
         self._url, self._address, self._required = address.url, address, requirements
         self._axis, self._sign = _axis(address)
         self._walls_npm = address.number("walls_npm", 0.0, 0.0, _MAX_WALL_NPM)
-        if self._walls_npm and requirements.middle_m is not None:
-            raise UsageError(
-                f"{address.url}: walls_npm holds the tool on a line, and this scene lets it slide: "
-                "leave walls_npm out, or give --place"
-            )
         if self._watched and requirements.rate_hz * _WATCHDOG_STEP_S * _MAX_STEPS < 2:
             raise UsageError(
                 f"{self._url}: its watchdog waits {1e3 * _WATCHDOG_STEP_S * _MAX_STEPS:.0f} ms at "
@@ -120,8 +115,6 @@ class DhdDevice(OpenedDevice):
                 "sign": self._sign,
                 "surface_m": address.number("surface_mm", 1e3 * required.surface_m, -1e3, 1e3)
                 / 1e3,
-                "slides": required.middle_m is not None,
-                "middle_m": required.middle_m or (0.0, 0.0),
                 "line_m": self._position_m(),
                 "wall_npm": self._walls_npm,
                 "max_n": required.max_n,

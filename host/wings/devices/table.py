@@ -12,5 +12,5 @@ ODRIVE = Driver(
 DHD = Driver(
     "dhd://, the first Force Dimension device, or dhd://1, the second",
     f"{_HERE}.dhd_device:DhdDevice",
-    has_default=True, holds_weight=True, own_frame=True, slides=True, place=4,
+    has_default=True, holds_weight=True, own_frame=True, place=4,
 )  # fmt: skip

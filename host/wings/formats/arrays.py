@@ -20,8 +20,8 @@ from springpot.modelling import (
     choose_unit,
     guess_column,
     pair_columns,
-    place_or_slide,
     read_apart,
+    require_one_place,
     split_unit,
     stated_rate_hz,
     wanted_columns,
@@ -78,7 +78,6 @@ def _read_arrays(path: Path, kind: str, columns: ColumnMap) -> tuple[list[RawCha
         metadata["time"] = {"unit": f"{rate_hz:g} Hz", "from": "map"}
         found = f"time = samples counted at the stated {rate_hz:g} Hz, {found}"
     guess = f"{kind.upper()} file: {found}"
-    place_m, slide = _place_or_slide(path, arrays, len(scaled["force"]))
     raw = RawChannels(
         name=path.stem,
         time_s=scaled["time"],
@@ -88,27 +87,23 @@ def _read_arrays(path: Path, kind: str, columns: ColumnMap) -> tuple[list[RawCha
         source=str(path),
         line_of=lambda sample: sample + 1,
         details={"columns": guess, "units": metadata},
-        place_m=place_m,
-        beside=slide,
+        place_m=_place_m(path, arrays, len(scaled["force"])),
     )
     return [raw], guess
 
 
-def _place_or_slide(
-    path: Path, arrays: list[_Array], samples: int
-) -> tuple[tuple[float, float] | None, dict[str, Samples]]:
-    """Place that arrays such as place_x_mm and place_y_mm state, or the channels of a slide."""
+def _place_m(path: Path, arrays: list[_Array], samples: int) -> tuple[float, float] | None:
+    """Place that arrays such as place_x_mm and place_y_mm state, m; None without them."""
     names, units = _labels(arrays), [array.unit for array in arrays]
     place = pair_columns(path, names, units, "place", "position")
-    lateral = pair_columns(path, names, units, "lateral", "force") if place else ()
-    for index, _ in (*place, *lateral):
+    for index, _ in place:
         if len(arrays[index].values) != samples:
             raise DataError(
                 f"{path}: {arrays[index].name!r} has {len(arrays[index].values)} samples, force "
                 f"{samples}: give as many"
             )
-    found = [arrays[index].values * to_si for index, to_si in (*place, *lateral)]
-    return place_or_slide(np.column_stack(found)) if found else (None, {})
+    found = [arrays[index].values * to_si for index, to_si in place]
+    return require_one_place(str(path), np.column_stack(found)) if found else None
 
 
 def _load(path: Path, kind: str) -> list[_Array]:

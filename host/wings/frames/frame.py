@@ -17,7 +17,7 @@ from springpot.modelling import (
     RawChannels,
     choose_unit,
     pair_columns,
-    place_or_slide,
+    require_one_place,
     split_unit,
     stated_hz,
 )
@@ -28,8 +28,7 @@ _MAX_SHOWN = 200  # letters of all names
 def frame_channels(frame: Any, name: str, columns: Mapping[Quantity, Hashable]) -> RawChannels:
     """Three columns of a table, in SI units; columns: as `Recording.from_frame` takes them.
 
-    Columns of a place (place_x_mm, place_y_mm) and of the force along them (lateral_x_n,
-    lateral_y_n) are read as an import reads them. Raises UsageError
+    Columns of a place (place_x_mm, place_y_mm) are read as an import reads them. Raises UsageError
     for what is no table and for a column that is not there, DataError for a unit.
     """
     labels = _labels(frame)
@@ -62,7 +61,6 @@ def frame_channels(frame: Any, name: str, columns: Mapping[Quantity, Hashable]) 
     if rate_hz is not None:
         scaled["time"] = np.arange(len(scaled["force"])) / rate_hz
         units["time"] = {"unit": f"{rate_hz:g} Hz", "from": "map"}
-    place_m, slide = _place_or_slide(frame, name, labels)
     return RawChannels(
         name,
         scaled["time"],
@@ -72,29 +70,25 @@ def frame_channels(frame: Any, name: str, columns: Mapping[Quantity, Hashable]) 
         FRAME_SOURCE,
         lambda sample: sample,
         {"units": units},
-        place_m=place_m,
-        beside=slide,
+        place_m=_place_m(frame, name, labels),
         in_python=True,
     )
 
 
-def _place_or_slide(
-    frame: Any, name: str, labels: Sequence[Hashable]
-) -> tuple[tuple[float, float] | None, dict[str, Samples]]:
-    """Place that columns such as place_x_mm and place_y_mm state, or the channels of a slide.
+def _place_m(frame: Any, name: str, labels: Sequence[Hashable]) -> tuple[float, float] | None:
+    """Place that columns such as place_x_mm and place_y_mm state, m; None without them.
 
-    Raises DataError for one of them alone, and for its unit.
+    Raises DataError for one of them alone, for its unit, and for a place that changes.
     """
     names = [str(label) for label in labels]
     place = pair_columns(Path(name), names, [], "place", "position")
     if not place:
-        return None, {}
-    lateral = pair_columns(Path(name), names, [], "lateral", "force")
+        return None
     found = [
         given_numbers(np.asarray(frame[labels[index]]), f"{name}, {labels[index]}") * to_si
-        for index, to_si in (*place, *lateral)
+        for index, to_si in place
     ]
-    return place_or_slide(np.column_stack(found))
+    return require_one_place(name, np.column_stack(found))
 
 
 def _labels(frame: Any) -> list[Hashable]:

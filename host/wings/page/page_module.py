@@ -50,5 +50,4 @@ def _declared(with_map: bool) -> tuple[str, ...]:
 
 
 def _sources(plan: Plan, with_map: bool) -> list[str]:
-    touch = "sp_page_slid" if plan.lateral is not None else "sp_page_held"
-    return [f"{name}.c" for name in (*_declared(with_map), *([touch] if with_map else []))]
+    return [f"{name}.c" for name in (*_declared(with_map), *(["sp_page_held"] if with_map else []))]

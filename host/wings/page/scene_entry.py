@@ -109,10 +109,9 @@ def module_of(text: str) -> bytes:
 def _tick_of(folder: Path, plan: Plan, with_map: bool) -> str:
     """Return the C function of one tick, as it was emitted: of three axes where the tool slides."""
     prefix = plan.scene.runtime.prefix
-    sources = [folder / f"{prefix}_scene.c", folder / f"{prefix}.c"]
-    text = next(file for file in sources if file.exists()).read_text()
-    one, *three = re.findall(r"^/\* One tick with .*?^}$", text, re.MULTILINE | re.DOTALL)
-    return str(three[0] if three and with_map else one)
+    text = (folder / f"{prefix}.c").read_text()
+    (one,) = re.findall(r"^/\* One tick with .*?^}$", text, re.MULTILINE | re.DOTALL)
+    return str(one)
 
 
 def _what(emitted: Emitted) -> str:

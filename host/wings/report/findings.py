@@ -13,11 +13,9 @@ from springpot.host.wings.report.relaxation import Hold, relaxed_share, settled_
 from springpot.validation import (
     SCORED_ABOVE_N,
     PlaceError,
-    SlideError,
     floor_words,
     geometric_mean,
     place_line,
-    slide_line,
 )
 
 _MOSTLY = 0.9  # of samples nearer than a hand can tell: good; below half: bad
@@ -88,16 +86,6 @@ def by_place_findings(errors: Sequence[PlaceError]) -> Iterator[SceneFinding]:
     todo = "record sites nearer to each other there, as far apart as the smallest lump's radius"
     grade = Grade.LOOK if apart else Grade.GOOD
     yield SceneFinding("Places", grade, place_line(errors), todo if apart else "")
-
-
-def slide_findings(errors: Sequence[SlideError]) -> Iterator[SceneFinding]:
-    """Yield how far off slides are; nothing without one."""
-    if not errors:
-        return
-    off = max(error.rmse_percent_of_peak for error in errors) > _SLID_PERCENT
-    todo = "record sites nearer to each other on their way, and set places.friction to theirs"
-    grade = Grade.LOOK if off else Grade.GOOD
-    yield SceneFinding("Slides", grade, slide_line(errors), todo if off else "")
 
 
 def relaxation_finding(plan: Plan, hold: Hold, recorded: Hold | None) -> SceneFinding:

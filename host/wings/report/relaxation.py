@@ -48,7 +48,7 @@ def scene_hold(plan: Plan, replay: Replay) -> Hold:
 
 def recorded_hold(series: Sequence[Series]) -> Hold | None:
     """The longest stretch, of a second at least, in which a press holds under load."""
-    presses = [item for item in series if not item.slides]
+    presses = list(series)
     found = [hold for item in presses if (hold := _longest_hold(item)) is not None]
     return max(found, key=lambda hold: hold.seconds, default=None)
 

@@ -25,7 +25,6 @@ from springpot.host.wings.report.findings import (
     by_place_findings,
     code_findings,
     relaxation_finding,
-    slide_findings,
     stability_finding,
 )
 from springpot.host.wings.report.place_figure import place_figure
@@ -36,7 +35,6 @@ from springpot.native import Replay, SceneLibrary
 from springpot.validation import (
     JND_WORDS,
     PlaceError,
-    SlideError,
     Stored,
     floor_words,
     read_validation,
@@ -76,7 +74,6 @@ def write_report(folder: Path) -> Path:
         "findings": [
             *accuracy_findings(result, mean_error_n, speeds),
             *by_place_findings(places),
-            *slide_findings([SlideError(**each) for each in result.get("slides", [])]),
             relaxation_finding(plan, hold, recorded),
             stability_finding(checked),
             *code_findings(result, manifest),

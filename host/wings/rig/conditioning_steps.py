@@ -10,7 +10,7 @@ import numpy as np
 
 from springpot import Conditioning, DataError, Recording, UsageError
 from springpot.basics import Samples
-from springpot.modelling import LATERAL, ContactPoint, find_contact, require_signs
+from springpot.modelling import find_contact, require_signs
 
 _SMOOTH_S = 0.02  # over which acceleration is taken from positions
 _MIN_WINDOW = 7
@@ -48,11 +48,6 @@ def _aligned(recording: Recording, messages: list[str]) -> Recording:
     def shifted(force_n: Samples) -> Samples:
         return np.asarray(CubicSpline(time_s, force_n)(time_s[inside] + skew_s))
 
-    of_cell = LATERAL[2:]  # one cell feels the force along all axes
-    beside = {
-        name: shifted(samples) if name in of_cell else samples[inside]
-        for name, samples in recording.channels.items()
-    }
     messages.append(
         f"{recording.name}: force shifted by {skew_s * 1e3:g} ms against position, "
         f"{(~inside).sum()} samples at the end cut"
@@ -61,7 +56,7 @@ def _aligned(recording: Recording, messages: list[str]) -> Recording:
         recording,
         position_m=recording.position_m[inside],
         force_n=shifted(recording.force_n),
-        channels=beside,
+        channels={name: samples[inside] for name, samples in recording.channels.items()},
         position_delay_s=0.0,
         force_delay_s=0.0,
         details={**recording.details, "aligned_s": skew_s},
@@ -137,9 +132,6 @@ def _from_contact(recording: Recording, options: Conditioning, messages: list[st
     details = {**recording.details, "tare_n": found.tare_n}
     position_m = recording.position_m
     messages.append(f"{recording.name}: tare of {found.tare_n:.4g} N taken off")
-    channels = recording.channels
-    if stated_n is None:
-        channels = _without_lateral_tare(recording, found, messages)
     if options.contact_force is not None:
         position_m = position_m - found.position_m
         details |= {
@@ -152,20 +144,4 @@ def _from_contact(recording: Recording, options: Conditioning, messages: list[st
             f"where force passes {found.threshold_n:.3g} N"
         )
     force_n = recording.force_n - found.tare_n
-    return replace(
-        recording, position_m=position_m, force_n=force_n, channels=channels, details=details
-    )
-
-
-def _without_lateral_tare(
-    recording: Recording, found: ContactPoint, messages: list[str]
-) -> dict[str, Samples]:
-    """Channels of a slide: its cell has an offset along x and y too, which the air shows."""
-    free = recording.position_m < found.position_m - found.uncertainty_m
-    channels = dict(recording.channels)
-    for name in LATERAL[2:]:
-        if name in channels and free.any():
-            tare_n = float(np.median(channels[name][free]))
-            channels[name] = channels[name] - tare_n
-            messages[-1] += f", {tare_n:.4g} N along {name[0]}"
-    return channels
+    return replace(recording, position_m=position_m, force_n=force_n, details=details)

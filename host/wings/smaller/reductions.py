@@ -17,7 +17,6 @@ from springpot.modelling import (
     predict_each_n,
     regressor_force,
     require_compatible,
-    require_presses,
 )
 from springpot.native import Replay, SceneLibrary, replayed_accuracy
 from springpot.validation import rms
@@ -54,7 +53,6 @@ def best_reductions(
     emit: writes a scene with a model's file into a folder, and measures it.
     """
     tick_s = make_plan(model, scene, accept_unsafe).dt_s
-    require_presses(recordings)
     for recording in recordings:
         require_compatible(recording, model, tick_s)
     candidates = list(pruned_models(model))

@@ -1,12 +1,18 @@
-"""study.toml: what is compared with what, how people are asked, how often, and in which order."""
+"""study.toml: materials and their rendered models, sessions, rules, questions."""
 
-from dataclasses import dataclass, field
-from typing import Annotated, ClassVar, Literal
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import Annotated, ClassVar, Literal, NamedTuple
 
 from annotated_types import Gt, Interval
+from pydantic import TypeAdapter
 
-MethodName = Literal["similarity", "constant", "staircase", "quest+", "abx", "same-different"]
-ADAPTIVE = ("staircase", "quest+")
+from springpot import UsageError
+from springpot.console import checked_keys, toml_as_json
+
+UPPER_BOUND, LOWER_BOUND, RENDERED = "REAL", "lower bound", "rendered"
+_MAX_BYTES = 1_000_000
+_Positive = Annotated[float, Gt(0)]
 
 
 class _Closed:
@@ -16,153 +22,106 @@ class _Closed:
 
 
 @dataclass(frozen=True)
-class Stimulus(_Closed):
-    """Something to press: an emitted scene (a scene file or an emitted folder), or a real object.
-
-    stiffer: the force at a depth is the scene's at so many times that depth. level: its place on
-    the scale that a psychometric function is drawn over; by default `stiffer`. max_depth_mm: how
-    deep it may be pressed; by default the scene's trained depth. simulated: URL of the object that
-    stands for a real one when people are simulated.
-    """
+class StudyMaterial(_Closed):
+    """A real object, and its renderings: method -> scene file, beside the study file."""
 
     name: str
-    scene: str | None = None
-    real: str | None = None
-    stiffer: Annotated[float, Interval(gt=0, le=100)] = 1.0
-    level: float | None = None
-    max_depth_mm: Annotated[float, Gt(0)] | None = None
-    simulated: str | None = None
-
-    @property
-    def at_level(self) -> float:
-        return self.stiffer if self.level is None else self.level
+    scenes: dict[str, str]
 
 
-@dataclass(frozen=True)
-class ComparedPair(_Closed):
-    """One condition. left, right: names of stimuli; of psychometric methods standard, comparison.
+class Condition(NamedTuple):
+    """What a trial compares. first: a real object; second: another one, or RENDERED."""
 
-    repeats: trials of it in a session. sides: "balanced" swaps left and right in half of them.
-    factors: levels for the analysis of variance; a pair without is left out of that.
-    series: pairs of one psychometric function, or of one staircase.
-    """
-
-    left: str
-    right: str
-    repeats: Annotated[int, Interval(ge=1, le=1000)] = 1
-    sides: Literal["balanced", "fixed"] = "balanced"
-    factors: dict[str, str] = field(default_factory=dict)
-    series: str = ""
-
-    @property
-    def title(self) -> str:
-        return f"{self.left} | {self.right}"
-
-
-@dataclass(frozen=True)
-class StaircaseRule(_Closed):
-    """One up, `down` down, on the levels of a series, from the easiest.
-
-    down 2 settles at 70.7 % correct, 3 at 79.4 %. It ends after so many reversals, of which the
-    first `skipped` do not count, or after so many trials.
-    """
-
-    down: Literal[2, 3] = 2
-    reversals: Annotated[int, Interval(ge=4, le=100)] = 12
-    skipped: Annotated[int, Interval(ge=0, le=50)] = 4
-    trials: Annotated[int, Interval(ge=4, le=1000)] = 80
-
-
-@dataclass(frozen=True)
-class QuestRule(_Closed):
-    """How many trials of QUEST+ a series gets."""
-
-    trials: Annotated[int, Interval(ge=4, le=1000)] = 40
-
-
-@dataclass(frozen=True)
-class StudyLimits(_Closed):
-    """When people are warned: beyond a depth, by default the trained one; warn_speed: x trained."""
-
-    warn_depth_mm: Annotated[float, Gt(0)] | None = None
-    warn_speed: Annotated[float, Gt(0)] = 4.0
-
-
-@dataclass(frozen=True)
-class Exclude(_Closed):
-    """Rules that are decided before the data; None: no such rule.
-
-    repeat_sd_above: mean over conditions of the standard deviation of repeated answers.
-    side_difference_above: mean answer with the first stimulus left less that with it right.
-    """
-
-    repeat_sd_above: Annotated[float, Gt(0)] | None = None
-    side_difference_above: Annotated[float, Gt(0)] | None = None
-
-
-@dataclass(frozen=True)
-class EquivalenceRule(_Closed):
-    """Two conditions are alike when their means differ by less than `margin`, in answers.
-
-    sd: standard deviation of one person's difference between two conditions that the plan expects.
-    """
-
-    margin: Annotated[float, Gt(0)]
-    sd: Annotated[float, Gt(0)] | None = None
-
-
-@dataclass(frozen=True)
-class Question(_Closed):
-    """Asked at the end. choices: numbered answers; none: free text."""
-
-    text: str
-    choices: list[str] = field(default_factory=list)
+    method: str
+    material: str
+    first: str
+    second: str
 
 
 @dataclass(frozen=True)
 class Study(_Closed):
-    """A whole study file.
+    """A study file.
 
-    practice: trials before the first session that do not count. trial_minutes: what the plan
-    reckons with. ask: the question of a trial, where the method's own does not serve.
+    seed: of orders and sides. practice: trials before the first session, which do not count.
+    lower_bound: the two materials that differ most, compared so many times a session.
+    exclude_repeat_sd_above, exclude_side_difference_above: points of the rating beyond which a
+    participant is left out, see `report.consistency`. warn_depth, warn_speed: times the trained
+    depth and speed, beyond which the participant is warned.
     """
 
     schema: Literal[1]
     name: str
-    method: MethodName
-    stimulus: list[Stimulus]
-    pair: list[ComparedPair]
-    sessions: Annotated[int, Interval(ge=1, le=100)] = 1
-    order: Literal["random", "williams"] = "random"
-    practice: Annotated[int, Interval(ge=0, le=100)] = 0
-    trial_minutes: Annotated[float, Gt(0)] = 1.0
-    ask: str | None = None
-    staircase: StaircaseRule = field(default_factory=StaircaseRule)
-    quest: QuestRule = field(default_factory=QuestRule)
-    limits: StudyLimits = field(default_factory=StudyLimits)
-    exclude: Exclude = field(default_factory=Exclude)
-    equivalence: EquivalenceRule | None = None
-    question: list[Question] = field(default_factory=list)
-
-    def stimulus_of(self, name: str) -> Stimulus:
-        """Return the stimulus of that name."""
-        return next(stimulus for stimulus in self.stimulus if stimulus.name == name)
+    seed: Annotated[int, Interval(ge=0, le=2**32 - 1)]
+    sessions: Annotated[int, Interval(ge=1, le=100)]
+    material: list[StudyMaterial]
+    practice: Annotated[int, Interval(ge=0, le=1000)] = 0
+    lower_bound: tuple[str, str] | None = None
+    lower_bound_trials: Annotated[int, Interval(ge=1, le=100)] = 1
+    exclude_repeat_sd_above: _Positive | None = None
+    exclude_side_difference_above: _Positive | None = None
+    warn_depth: _Positive = 1.0
+    warn_speed: _Positive = 4.0
+    questions: list[str] = field(default_factory=list)
 
     @property
-    def all_series(self) -> tuple[str, ...]:
-        """Names of all series, in the file's order."""
-        return tuple(dict.fromkeys(pair.series for pair in self.pair))
-
-    def pairs_of(self, series: str) -> list[int]:
-        """Return indices of the pairs of a series."""
-        return [k for k, pair in enumerate(self.pair) if pair.series == series]
-
-    def step(self, pair: int) -> float:
-        """Return how far the comparison's level is from the standard's: the greater, the easier."""
-        standard, comparison = self.pair[pair].left, self.pair[pair].right
-        return abs(self.stimulus_of(comparison).at_level - self.stimulus_of(standard).at_level)
+    def materials(self) -> list[str]:
+        """Levels of the factor Material."""
+        return [material.name for material in self.material]
 
     @property
-    def adaptive(self) -> bool:
-        """Whether levels depend on earlier answers."""
-        return self.method in ADAPTIVE
+    def methods(self) -> list[str]:
+        """Levels of the factor Method: the renderings, then REAL, two blocks of one material."""
+        return [*self.material[0].scenes, UPPER_BOUND]
+
+    def conditions(self) -> list[Condition]:
+        """Return each condition once: all methods of each material, then the lower bound."""
+        found = []
+        for name in self.materials:
+            real = f"real {name}"
+            found += [Condition(method, name, real, real if method == UPPER_BOUND else RENDERED)
+                      for method in self.methods]  # fmt: skip
+        if self.lower_bound is not None:
+            both = [f"real {name}" for name in self.lower_bound]
+            found.append(Condition(LOWER_BOUND, " | ".join(self.lower_bound), *both))
+        return found
+
+    def session_trials(self) -> list[Condition]:
+        """Return the conditions of a session, not yet in order."""
+        again = self.conditions()[-1:] if self.lower_bound is not None else []
+        return self.conditions() + again * (self.lower_bound_trials - 1)
+
+
+_ADAPTER = TypeAdapter(Study)
+
+
+def read_study(file: Path) -> Study:
+    """Read a study file. Raises UsageError that names the key, its value and what it may be."""
+    study = checked_keys(
+        _ADAPTER, toml_as_json(file, _MAX_BYTES, "study file"), str(file),
+        lambda place: [key.name for key in fields(StudyMaterial if place else Study)],
+    )  # fmt: skip
+    if problem := _problem(study):
+        raise UsageError(f"{file}: {problem}")
+    return study
+
+
+def _problem(study: Study) -> str:
+    """Return the first thing that types alone do not refuse, or an empty text."""
+    names = study.materials
+    if not names or not study.material[0].scenes:
+        return "material: no scene: add a [[material]] with scenes for every object"
+    methods, most, found = study.methods[:-1], len(study.session_trials()), list[str]()
+    for one in study.material:
+        if names.count(one.name) > 1 or not one.name.strip() or not one.name.isprintable():
+            found.append(f"material {one.name!r}: give every material a printable name of its own")
+        if list(one.scenes) != methods:
+            found.append(f"material {one.name!r}: give it scenes of {', '.join(methods)}")
+    for method in methods:
+        if not method.replace("-", "").isalnum() or method == UPPER_BOUND:
+            found.append(f"method {method!r}: give letters, digits and hyphens, and not REAL")
+    for name in study.lower_bound or ():
+        if name not in names:
+            found.append(f"lower_bound: no material {name!r}: known here are {', '.join(names)}")
+    if study.practice > most:
+        found.append(f"practice: {study.practice} trials: a session has {most}, give no more")
+    return found[0] if found else ""

@@ -12,7 +12,7 @@ from springpot.native import (
     first_error,
     flags,
     missing_tools,
-    scene_files,
+    scene_prefix,
     toolchain,
 )
 
@@ -33,14 +33,14 @@ def scene_module(
 
     It exports every function of the scene's header and `exports`: see `wasm_module`.
     """
-    scene = [folder / name for name in scene_files(folder).sources]
+    scene = folder / f"{scene_prefix(folder)}.c"
     functions = scene_functions(folder)
-    return wasm_module([*scene, *sources], [folder, *include], [*functions, *exports])
+    return wasm_module([scene, *sources], [folder, *include], [*functions, *exports])
 
 
 def scene_functions(folder: Path) -> list[str]:
     """Names of the C functions that an emitted folder's header declares."""
-    prefix = scene_files(folder).prefix
+    prefix = scene_prefix(folder)
     header = (folder / f"{prefix}.h").read_text(encoding="utf-8")
     return re.findall(rf"^\w[\w *]*?\b({prefix}_\w+)\(", header, re.MULTILINE)
 

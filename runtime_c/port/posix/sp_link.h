@@ -20,16 +20,14 @@ typedef struct {
     double position_m;
     double velocity_mps;
     double measured_n;   /* NaN where the device measures no force */
-    double lateral_m[2]; /* x and y: of links whose tool has three axes, which set them */
     uint64_t arrived_ns; /* of CLOCK_MONOTONIC */
 } sp_motion;
 
 typedef struct sp_link sp_link;
 struct sp_link {
-    int fd;              /* to wait on, or -1: a sample is there whenever it is asked for */
-    int ready;           /* takes forces; 0 until the device has answered a reset */
-    int released;        /* set by the loop: nothing holds the tool, no force acts on any axis */
-    double lateral_n[2]; /* likewise, before a write: force on the tool along x and y */
+    int fd;       /* to wait on, or -1: a sample is there whenever it is asked for */
+    int ready;    /* takes forces; 0 until the device has answered a reset */
+    int released; /* set by the loop: nothing holds the tool, no force acts on any axis */
 
     /* Take all that has come: how many samples were new, the newest `capacity` of them at
      * motions, in order; or negative. */

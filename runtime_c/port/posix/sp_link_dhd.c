@@ -8,10 +8,9 @@
 /* springpot declarations begin */
 /* A Force Dimension device through the functions of its SDK, which one thread calls at a time.
  * position = sign * p[axis] - surface_m. The other axes are free, or drawn to a line by springs of
- * wall_npm, each of max_n at most; or, where slides is 1, they are x and y: the next axis and the
- * one after it, of which the device's zero is at middle_m. weight_n acts upwards, along the last
- * axis, beside all else. Both rise within a second, from zero after each reset or pause. A call
- * that takes longer than max_call_s trips the link: meanwhile the last force stayed. */
+ * wall_npm, each of max_n at most. weight_n acts upwards, along the last axis, beside all else.
+ * Both rise within a second, from zero after each reset or pause. A call that takes longer than
+ * max_call_s trips the link: meanwhile the last force stayed. */
 typedef struct {
     int (*get_position)(double *, double *, double *, char);
     int (*get_linear_velocity)(double *, double *, double *, char);
@@ -24,8 +23,6 @@ typedef struct {
     int32_t axis;
     double sign;
     double surface_m;
-    int32_t slides;
-    double middle_m[2];
     double line_m[3];
     double wall_npm;
     double max_n;
@@ -159,9 +156,6 @@ static int read_device(sp_link *link, uint64_t now_ns, sp_motion *motion, uint32
         motion->position_m = dhd->sign * at_m[dhd->axis] - dhd->surface_m;
         motion->velocity_mps = dhd->sign * at_mps[dhd->axis];
         motion->measured_n = (double)NAN;
-        for (int k = 0; k < 2; k++) {
-            motion->lateral_m[k] = at_m[(dhd->axis + 1 + k) % AXES] + dhd->middle_m[k];
-        }
         motion->arrived_ns = now_ns;
     }
     return self->tripped ? SP_LINK_TRIPPED : fresh;
@@ -202,9 +196,6 @@ static int write_device(sp_link *link, uint64_t now_ns, double force_n)
         force[i] = link->released ? 0.0 : held_n(self, now_ns, i);
     }
     force[dhd->axis] -= dhd->sign * force_n;
-    for (int k = 0; k < 2 && dhd->slides; k++) {
-        force[(dhd->axis + 1 + k) % AXES] += link->lateral_n[k];
-    }
     const int put = dhd->set_force(force[0], force[1], force[2], (char)dhd->id);
     link->saturated += put > 0;
     self->untaken = put < 0 ? self->untaken + 1 : 0;

@@ -25,7 +25,6 @@
 
 #include "sp_link.h"
 #include "sp_real.h"
-#include "sp_slide.h"
 
 /* springpot declarations begin */
 enum { /* why a loop ended */
@@ -65,10 +64,6 @@ typedef struct {         /* one period; doubles throughout, so that a table of r
     double age_s;      /* of the sample when the scene was given it; NaN without a new one */
     double lateness_s; /* of the tick behind its deadline */
     double tick_s;     /* time that the scene's call took */
-    double x_m;        /* of a scene that slides, beside position_m; else 0 */
-    double y_m;
-    double x_n; /* and beside returned_n: on the tool; sent where that is, else zero is */
-    double y_n;
 } sp_row;
 
 typedef struct {
@@ -77,7 +72,6 @@ typedef struct {
     void *reset; /* void (void *state) */
     void *state;
     double *measured_n; /* where a state wants the measured force before each step, or null */
-    sp_slide *slide;    /* the state, of a scene that slides; or null */
     double period_s;
     double seconds; /* 0: until it is stopped */
     double max_force_n;

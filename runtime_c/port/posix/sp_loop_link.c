@@ -59,8 +59,6 @@ void sp_loop_stop_device(sp_loop *self)
     while (self->link != NULL && taken < ZEROS) {
         const uint64_t now_ns = sp_loop_now();
         self->link->released = 1;
-        self->link->lateral_n[0] = 0.0;
-        self->link->lateral_n[1] = 0.0;
         const int put = self->link->write(self->link, now_ns, 0.0);
         if (put == SP_LINK_GONE) {
             sp_loop_lose_link(self);

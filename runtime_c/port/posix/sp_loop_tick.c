@@ -42,18 +42,6 @@ static void take_sample(sp_loop *self, uint64_t now_ns, int fresh)
     row->measured_n = self->motion.measured_n;
 }
 
-/* What passes beside the depth, of a scene that slides. */
-static void keep_lateral(sp_loop *self)
-{
-    const sp_slide *slide = self->config.slide;
-    if (slide != NULL) {
-        self->row.x_m = slide->lateral_m[0];
-        self->row.y_m = slide->lateral_m[1];
-        self->row.x_n = slide->lateral_n[0];
-        self->row.y_n = slide->lateral_n[1];
-    }
-}
-
 /* The scene's call of this period. */
 static void call_scene(sp_loop *self, int fresh)
 {
@@ -73,11 +61,6 @@ static void call_scene(sp_loop *self, int fresh)
         if (self->config.measured_n != NULL) {
             *self->config.measured_n = self->motion.measured_n;
         }
-        if (self->config.slide != NULL) {
-            for (int k = 0; k < 2; k++) {
-                self->config.slide->lateral_m[k] = self->motion.lateral_m[k];
-            }
-        }
         notes = self->step(self->config.state, position_m, velocity_mps, &force_n);
         /* As the device said it. What the scene was given is that as sp_real: gcc 12 drops the
          * rounding of two such numbers side by side that are made double again. */
@@ -91,7 +74,6 @@ static void call_scene(sp_loop *self, int fresh)
     row->call = call;
     row->notes = notes;
     row->returned_n = (double)force_n;
-    keep_lateral(self);
     const int latched = notes >= 0 && (notes & self->config.latched_note);
     self->trips += latched && !self->latched;
     self->latched = latched;
@@ -113,11 +95,7 @@ static void check_limits(sp_loop *self)
     if (self->reason || !sp_loop_at_work(self)) {
         return;
     }
-    const double length_n =
-        sqrt(row->returned_n * row->returned_n + row->x_n * row->x_n + row->y_n * row->y_n);
-    /* The scene limits the length of a force, whose parts it then rounds. */
-    const double given_max_n = self->config.slide != NULL ? 1.000001 * max_n : max_n;
-    if (is_beyond(length_n, given_max_n) ||
+    if (is_beyond(row->returned_n, max_n) ||
         (!isnan(row->measured_n) && is_beyond(row->measured_n, max_n))) {
         self->reason = SP_STOP_FORCE;
     } else if (row->position_m > self->config.max_depth_m) {
@@ -167,10 +145,7 @@ static int send_force(sp_loop *self, int behind, int *put)
     const double force_n = silent ? 0.0 : self->row.returned_n;
     *put = 1;
     if (self->link != NULL && (silent || !behind)) {
-        const double way = self->config.reversed ? -1.0 : 1.0;
         self->link->released = silent || self->latched;
-        self->link->lateral_n[0] = silent ? 0.0 : way * self->row.x_n; /* which may be no number */
-        self->link->lateral_n[1] = silent ? 0.0 : way * self->row.y_n;
         *put = self->link->write(self->link, sp_loop_now(),
                                  self->config.reversed ? -force_n : force_n);
         if (*put == 0) {
@@ -192,8 +167,6 @@ static void call_of(sp_loop *self, const sp_period *period, uint64_t now_ns, int
     if (!sp_loop_at_work(self)) {
         self->row.call = SP_CALL_NONE;
         self->row.returned_n = 0.0;
-        self->row.x_n = 0.0;
-        self->row.y_n = 0.0;
         self->row.position_m = fresh ? self->motion.position_m : self->row.position_m;
         self->row.velocity_mps = fresh ? self->motion.velocity_mps : self->row.velocity_mps;
     } else {

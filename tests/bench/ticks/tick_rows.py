@@ -56,7 +56,7 @@ def scene_rows(model: Model, names: dict[int, str], folder: Path, **overrides: A
     for cap, what in names.items():
         library = folder / f"simd{cap}.so"
         begin = time.perf_counter()
-        compiled([folder / "c" / "sp_scene.c"], library, [f"-I{folder / 'c'}", f"-DSP_SIMD={cap}"])
+        compiled([folder / "c" / "sp.c"], library, [f"-I{folder / 'c'}", f"-DSP_SIMD={cap}"])
         compile_s = time.perf_counter() - begin
         rows.append(
             Row(what, library, "sp_step", emission.ram_bytes, "sp_init",

@@ -10,11 +10,10 @@ from sklearn.ensemble import ExtraTreesRegressor, RandomForestRegressor
 from support.paths import C_TESTS
 
 from springpot import UsageError
-from springpot.codegen.forest import compact as compact_layout, wide as wide_layout
+from springpot.codegen.forest import compact as compact_layout, node_table
 from springpot.codegen.forest.compact import CompactForest, compact_forest
 from springpot.codegen.forest.leaves import quantisation_over, rounded, used_features
-from springpot.codegen.forest.traverse import compact_sums, feature_bins, forest_force
-from springpot.codegen.forest.wide import ForestTable
+from springpot.codegen.forest.traverse import compact_sums, feature_bins, forest_force, table_sums
 from springpot.host.native.compiler import shared_library
 from springpot.modelling import Forest, Quantisation
 from springpot.native import INCLUDE, SOURCE, CLibrary
@@ -24,7 +23,6 @@ from springpot.trainer.models.forests import forest_ir
 HARNESS = C_TESTS / "forest_harness.c"
 N_FEATURES = 10
 DECLARATIONS = """
-void wide_sums(void *, uint32_t *, uint32_t, uint32_t, uint32_t, uint32_t, float *, int32_t *);
 void compact_sums(void **, uint32_t *, uint32_t, uint32_t, float *, uint32_t *);
 uint32_t forest_simd(void);
 """
@@ -68,19 +66,6 @@ def c_sums(forest: CompactForest, features: np.ndarray, simd: int) -> np.ndarray
     return sums
 
 
-def wide_sums(table: ForestTable, features: np.ndarray) -> np.ndarray:
-    ffi, library = harness()
-    nodes = np.zeros(len(table.value), dtype=[("value", "<f4"), ("link", "<u4")])
-    nodes["value"], nodes["link"] = table.value, table.link
-    sums = np.empty(len(features), dtype=np.int32)
-    library.wide_sums(
-        ffi.from_buffer(nodes), ffi.from_buffer("uint32_t[]", table.roots), len(table.roots),
-        table.depth, len(features), features.shape[1],
-        ffi.from_buffer("float[]", features), ffi.from_buffer("int32_t[]", sums),
-    )  # fmt: skip
-    return sums.astype(np.uint32)
-
-
 def labelled(forest: Forest) -> Forest:
     """Leaves with random labels of all 16 bits for forces: equal sums mean equal leaves."""
     labels = np.random.default_rng(9).integers(1, 2**16 - 1, len(forest.feature))
@@ -111,8 +96,8 @@ def assert_same_leaves(
     compact = compact_forest(marked, np.float64)
     for simd in variants():
         np.testing.assert_array_equal(c_sums(compact, used, simd), expected)
-    table = wide_layout.forest_table(marked, np.float64)
-    np.testing.assert_array_equal(wide_sums(table, used), expected)
+    table = node_table.forest_table(marked, np.float64)
+    np.testing.assert_array_equal(table_sums(table, used), expected)
 
 
 @pytest.mark.parametrize("kind", [RandomForestRegressor, ExtraTreesRegressor])
@@ -179,23 +164,13 @@ def test_a_forest_of_one_leaf_still_renders() -> None:
     assert forest_force(compact, c_sums(compact, np.zeros((1, 0), dtype=np.float32), 0))[0] == 2.5
 
 
-def test_too_big_a_tree_takes_the_wide_nodes() -> None:
-    model = fitted(trees=2, leaf=1, rows=12_000)
-    forest = labelled(forest_ir(model))
-    assert compact_forest(forest, np.float32) is None
-    features = random_features(2000, 12)
-    expected = forest.value_n[model.apply(features) + forest.roots].sum(axis=1)
-    table = wide_layout.forest_table(forest, np.float32)
-    np.testing.assert_array_equal(wide_sums(table, features), expected)
-
-
 def test_too_many_features_are_refused() -> None:
     rng = np.random.default_rng(0)
     features = rng.normal(size=(400, 16)).astype(np.float32)
     model = RandomForestRegressor(n_estimators=20, random_state=0).fit(features, features.sum(1))
     assert compact_forest(forest_ir(model), np.float32) is None
     with pytest.raises(UsageError, match="16 features"):
-        wide_layout.forest_table(forest_ir(model), np.float32)
+        node_table.forest_table(forest_ir(model), np.float32)
 
 
 def test_ranks_are_those_of_a_whole_search_however_far_a_feature_jumps() -> None:

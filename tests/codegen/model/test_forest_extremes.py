@@ -7,9 +7,10 @@ import numpy as np
 import pytest
 from support.small import scene, small_model
 
+from springpot.codegen.emit.files import manifest_text
 from springpot.codegen.model.forest_extremes import forest_extremes, forest_step
 from springpot.codegen.plan.force_facts import force_facts
-from springpot.emission import make_plan, manifest_text
+from springpot.emission import make_plan
 from springpot.modelling import Forest, Quantisation
 
 GRID = 8  # thresholds lie between its lines
@@ -94,7 +95,7 @@ def test_a_search_that_is_cut_short_still_bounds() -> None:
 
 def test_the_manifest_has_them_with_the_devices_step() -> None:
     plan = make_plan(small_model(), scene())
-    facts = json.loads(manifest_text(plan, force_facts(plan), []))["forest"]
+    facts = json.loads(manifest_text(plan, force_facts(plan)))["forest"]
     assert facts["exact"]
     assert facts["min_n"] <= 0.01 < facts["max_n"]
     assert facts["resolution_m"] == pytest.approx(1e-5)

@@ -22,20 +22,16 @@ KINDS = {
     "recursive quantised": ("rf-fd", replace(OPTIONS, engine="recursive", round_features=True)),
     "lags": ("rf-history", OPTIONS),
     "lags quantised": ("rf-history", replace(OPTIONS, round_features=True)),
-    "boosted": ("boosted", OPTIONS),
     "rbf": ("rbf-fd", OPTIONS),
     "rbf fir-fast": ("rbf-fd", replace(OPTIONS, engine="fir-fast")),
     "position and velocity": ("rbf-pv", OPTIONS),
     "passive": ("hammerstein", OPTIONS),
-    "hybrid": ("hybrid", OPTIONS),
-    "hybrid derivatives": ("hybrid", replace(OPTIONS, engine="recursive")),
     "springpot": ("springpot", OPTIONS),
 }
 
 
 def forces(model: Model, *motions_m: np.ndarray) -> list[np.ndarray]:
-    # Steps of an encoder do not scale with the object: no account of energy.
-    asked = replace(scene(), guard=Guard(outside="fallback", energy="off"))
+    asked = replace(scene(), guard=Guard(outside="fallback"))
     plan = make_plan(model, asked, accept_unsafe=True)
     with built(plan) as library:
         return [library.new_state().run(x, np.zeros_like(x))[0] for x in motions_m]

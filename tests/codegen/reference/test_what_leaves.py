@@ -10,7 +10,6 @@ from support.c import golden_forces
 from support.paths import C_TESTS
 from support.small import scene
 
-from springpot import Guard
 from springpot.emission import LATCHED, make_plan
 from springpot.host.native.compiler import shared_library
 from springpot.native import INCLUDE, CLibrary, Replay, built
@@ -18,7 +17,7 @@ from springpot.native import INCLUDE, CLibrary, Replay, built
 CALLS = 100_000_000 if os.environ.get("SPRINGPOT_SOAK") else 1_000_000
 DECLARATIONS = """
 typedef struct {
-    void *step, *step_dt, *idle, *reset, *state;
+    void *step, *idle, *reset, *state;
     double dt_s, depth_m, watchdog_s;
     double min_n, max_n, slew_n;
     int32_t surface;
@@ -40,20 +39,18 @@ def harness(real: str) -> CLibrary:
 
 def found_in(
     name: str, mode: str, number: str = "float32", contact: str = "surface",
-    energy: str = "account", smoothing_s: float = 0.0, velocity: str = "estimate",
+    smoothing_s: float = 0.0, velocity: str = "estimate",
 ) -> dict[str, int]:  # fmt: skip
     """Counts of hostile_found over CALLS calls of one scene."""
     chosen = scene(number=number, mode=mode, smoothing_s=smoothing_s)
-    chosen = replace(
-        chosen, guard=Guard(energy=energy), device=replace(chosen.device, velocity=velocity)
-    )
+    chosen = replace(chosen, device=replace(chosen.device, velocity=velocity))
     plan = make_plan(replace(golden_forces.model(name), contact=contact), chosen)
     tool = harness("float" if number == "float32" else "double")
     found = tool.ffi.new("hostile_found *")
     with built(plan) as library:
         state = library.new_state()
         told = tool.ffi.new("hostile_scene *")
-        for call in ("step", "idle", "reset", *(("step_dt",) if plan.any_rate else ())):
+        for call in ("step", "idle", "reset"):
             setattr(told, call, tool.ffi.cast("void *", library.address(call)))
         told.state = tool.ffi.cast("void *", state.address)
         told.dt_s, told.depth_m = plan.dt_s, plan.model.trained.max_m
@@ -65,12 +62,11 @@ def found_in(
 
 
 FAST = [("hammerstein", {"mode": mode}) for mode in ("off", "tool", "proxy")]
-FAST += [("hammerstein", {"mode": "off", "energy": energy}) for energy in ("note", "off")]
 SLOW = [
     *((name, {"mode": mode, "number": number})
       for name in golden_forces.models() for number, mode in golden_forces.EACH_MODE),
     ("rbf-pv", {"mode": "proxy", "contact": "always", "velocity": "device"}),
-    ("hybrid", {"mode": "tool", "contact": "always", "smoothing_s": 8e-4}),
+    ("hammerstein", {"mode": "tool", "contact": "always", "smoothing_s": 8e-4}),
     ("hammerstein", {"mode": "off", "smoothing_s": 0.02}),
     ("rf-fd", {"mode": "proxy", "velocity": "device"}),
 ]  # fmt: skip
@@ -80,7 +76,7 @@ SLOW = [
     ("name", "options"), [*FAST, *(pytest.param(*each, marks=pytest.mark.slow) for each in SLOW)]
 )
 def test_no_call_breaks_what_a_hand_is_owed(name: str, options: dict[str, str | float]) -> None:
-    """With any coupling, account of energy, kind and number, and with what few scenes have."""
+    """With any coupling, kind and number, and with what few scenes have."""
     found = found_in(name, **options)  # type: ignore[arg-type]
     assert not any(found[broken] for broken in BROKEN), found
     # The calls visited what the laws are about.

@@ -19,7 +19,7 @@ from support.small import (
 )
 
 from springpot import Model
-from springpot.codegen.emit.files import emit_files
+from springpot.codegen.plan.units import planned_headers
 from springpot.emission import make_plan, run_reference
 from springpot.native import built
 
@@ -75,17 +75,6 @@ def test_the_emitted_force_is_the_fitted_one(law: str, slow: bool) -> None:
     assert np.abs(force_n - wanted_n)[contact].max() < 1e-6 * wanted_n.max()
 
 
-@pytest.mark.parametrize("slow", [False, True])
-@pytest.mark.parametrize("law", LAWS)
-def test_a_measured_step_is_the_planned_one(law: str, slow: bool) -> None:
-    plan = make_plan(model_of("hammerstein", law, slow), scene(), accept_unsafe=True)
-    with built(plan) as library:
-        planned = library.new_state().run(press(1.0))[0]
-        state = library.new_state()
-        measured = [state.step_dt(DT_S, x)[0] for x in press(1.0)]
-    assert np.abs(measured - planned).max() < 1e-5 * np.ptp(planned)
-
-
 @pytest.mark.parametrize(("law", "share"), [("rates", 2e-3), ("inverse", 2e-3), ("all", 5e-3)])
 def test_half_the_time_step_gives_nearly_the_same_force(law: str, share: float) -> None:
     passive = model_of("hammerstein", law).hammerstein
@@ -96,16 +85,16 @@ def test_half_the_time_step_gives_nearly_the_same_force(law: str, share: float) 
 
 
 HEADERS = {
-    "rates": {"sp_depth.h", "sp_depth_dt.h"},
-    "flow": {"sp_flow.h", "sp_flow_dt.h"},
-    "damage": {"sp_damage.h", "sp_damage_dt.h"},
+    "rates": {"sp_depth.h"},
+    "flow": {"sp_flow.h"},
+    "damage": {"sp_damage.h"},
 }
 
 
 @pytest.mark.parametrize("law", HEADERS)
 def test_a_law_brings_its_headers_and_no_other(law: str) -> None:
     plain, special = (
-        set(emit_files(make_plan(model, scene(), accept_unsafe=True)))
+        set(planned_headers(make_plan(model, scene(), accept_unsafe=True)))
         for model in (passive_model(), model_of("hammerstein", law))
     )
     own = {"sp_surface.h", "sp_stops.h"}
@@ -139,7 +128,7 @@ def test_hours_of_relaxation_are_those_of_float64(ticks: float) -> None:
 
 def test_only_slow_branches_bring_doubles() -> None:
     names = {
-        limit: set(emit_files(make_plan(slow_model(limit), scene(), accept_unsafe=True)))
+        limit: set(planned_headers(make_plan(slow_model(limit), scene(), accept_unsafe=True)))
         for limit in (0.99e5, 1.01e5)
     }
     assert names[1.01e5] - names[0.99e5] == {"sp_slow_poles.h"}

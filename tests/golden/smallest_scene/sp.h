@@ -1,9 +1,9 @@
-/* springpot 0.1.0 b5e9119d1855d110254c7187a3194cd7fbc4472705b0a681ccc403415f1380fa */
+/* springpot 0.1.0 8da1013035c20e5131a283bf0b9b71dacf7ddc6f62608746f1ea44f2340a4ad1 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
- * The loop of a haptic device, at the rate that sp_scene.h and sp_manifest() state:
+ * The loop of a haptic device, at the rate SP_RATE_HZ:
  *
- *     static sp_state state;                  (from sp_scene.h; on a PC, sp_state_size() bytes)
+ *     static sp_state state;
  *     sp_init(&state);
  *     every period:  sp_step(&state, position_m, velocity_mps, &force_n);
  *     no sample came: sp_idle(&state, period_s, &force_n);
@@ -16,15 +16,20 @@
  * never meet. One state belongs to one thread. Send the force in the tick that computed it: one
  * tick of delay costs most of the stiffness that a loop can render stably.
  *
- * Time goes on without samples. Whatever was missed (sp_idle, a sample that is not believed, a long
- * dt_s), the next good sample makes up for: the object's memory, the coupling's proxy and every
+ * Time goes on without samples. Whatever was missed (sp_idle, a sample that is not believed), the
+ * next good sample makes up for: the object's memory, the coupling's proxy and every
  * filter go through those ticks as if the tool had moved evenly since the last good sample, and the
  * force is the model's again at once where that is lower, within 10 ms where it is higher. Such a
  * call takes as many ticks' time as went by. Without a good sample the force never rises; if that
  * lasts for longer than the watchdog's time, or comes again and again, it goes to zero and stays
  * there until sp_reset.
  *
- * What a call returns: 0, fine; positive, notes (bits, in sp_notes.h): the force is safe; negative,
+ * This header and sp.c are the whole scene: add both to any project, as C11, or as C++17 with
+ * the source renamed to sp.cpp. What they need of a compiler they say themselves: no flag has to
+ * be set, and -ffast-math is refused. Call sp_selftest() once on the device, before the first
+ * force: it finds a compiler that changes floating-point results all the same.
+ *
+ * What a call returns: 0, fine; positive, notes (bits, below): the force is safe; negative,
  * misuse: nothing has changed, and *force_n was not written.
  */
 #ifndef SP_H
@@ -32,7 +37,28 @@
 
 #include <stdint.h>
 
-#include "sp_notes.h"
+#ifndef SP_NOTES_H
+#define SP_NOTES_H
+
+/* springpot declarations begin */
+enum {
+    SP_NOTE_HELD = 1,     /* the sample was missing or not believable: the last good one was held */
+    SP_NOTE_RESYNC = 2,   /* a new position was taken as true: history restarts at it */
+    SP_NOTE_OUTSIDE = 4,  /* outside the trained depth: the model saw the nearest trained one */
+    SP_NOTE_CLAMPED = 8,  /* the force was cut to the scene's limits */
+    SP_NOTE_RAMPED = 16,  /* the force rises after a start or restart at depth, or a silence */
+    SP_NOTE_LATCHED = 32, /* the watchdog tripped: the force goes to zero, until sp_reset */
+    SP_NOTE_LIMITED = 64  /* the force grew faster than a touch makes it: held back */
+};
+
+enum {
+    SP_ERROR_NULL = -1,      /* a pointer that is needed is null */
+    SP_ERROR_TIME_STEP = -2, /* a time step that is not finite, not positive, or too long */
+    SP_ERROR_STATE = -3      /* memory that is no state: call sp_init first */
+};
+/* springpot declarations end */
+
+#endif
 
 #ifdef __cplusplus
 extern "C" {
@@ -72,6 +98,50 @@ int sp_idle(sp_state *state, float dt_s, float *force_n);
  * bytes of stack more than a tick. */
 int sp_selftest(void);
 /* springpot declarations end */
+
+/* A loop can check that the scene was made for it:
+ * _Static_assert((int)SP_RATE_HZ == 1000, "emit the scene with the rate of this loop"); */
+#define SP_RATE_HZ 1000
+#define SP_DT_S 0.001f
+#define SP_MAX_FORCE_N 12.0f
+#define SP_TRAINED_DEPTH_M 0.01f
+#define SP_WATCHDOG_S 0.02f
+#define SP_STATE_BYTES 184
+
+/* What one tick hands to the next, here so that a state can be allocated: not to be read, nor
+ * written, but by the functions above. */
+typedef struct {
+    float silent_s; /* since the last good sample; 0 once it is latched */
+    float lost_s;   /* silence that good samples have not yet made up for */
+    uint32_t latched;
+} sp_silence_state;
+
+typedef struct {
+    float good_m;
+    float suspect_m;
+    uint32_t agreeing;
+    uint32_t started;
+} sp_guard_state;
+
+typedef struct {
+    float given_n; /* by the last call: from here the force grows */
+    float share;   /* 0 .. 1, of the model's force that is given */
+    float rise;    /* of the share in a tick */
+} sp_output_state;
+
+struct sp_state {
+    uint32_t begun;
+    sp_silence_state silence;
+    sp_guard_state guard;
+    float history[2 * 16];
+    uint32_t newest;
+    uint32_t simd;
+    uint32_t bins[1];
+    sp_output_state output;
+};
+
+/* Fails where a header of another number type or version was included first. */
+typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 184 ? 1 : -1];
 
 #ifdef __cplusplus
 }

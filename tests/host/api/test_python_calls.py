@@ -32,7 +32,7 @@ def test_emit_writes_what_the_command_writes(tmp_path, folder):
     assert spring("emit", "--scene", file, "--out", tmp_path / "c").returncode == 0
     springpot.emit(tmp_path / "again", scene=str(file))
     for other in (tmp_path / "c", tmp_path / "again"):
-        for name in ("sp_scene.c", "manifest.json", "from/model.spm"):
+        for name in ("sp.c", "manifest.json", "from/model.spm"):
             assert (other / name).read_bytes() == (folder / name).read_bytes()
 
 

@@ -31,7 +31,7 @@ def test_no_command_takes_an_empty_word(tmp_path: Path, monkeypatch: pytest.Monk
     monkeypatch.chdir(tmp_path)
     given = list(commands(command_line))
     assert ("import", "") in given
-    assert ("study", "run", "--out=") in given or ("study", "plan", "--out=") in given
+    assert ("study", "plan", "--out=") in given
     for words in given:
         done = spring(*words)
         assert done.returncode == 2, words

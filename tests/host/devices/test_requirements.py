@@ -57,7 +57,7 @@ KEYS: dict[str, Any] = {
 def test_a_driver_gets_the_keys_of_the_scene_as_they_stand() -> None:
     asked: dict[str, Any] = {
         "rate_hz": 2000.0, "watchdog_s": 0.03, "max_n": 9.0, "hash": "h", "presses": True,
-        "senses": True, "examined": True, "middle_m": (0.01, 0.02),
+        "senses": True, "examined": True,
     }  # fmt: skip
     device = Device(surface_mm=3.0, mass_kg=5.0, **KEYS)
     required = requirements_of(device, **asked)
@@ -71,7 +71,7 @@ def test_without_keys_nothing_is_scaled_turned_moved_or_held_up() -> None:
         "rate_hz": 1000.0, "watchdog_s": 0.02, "max_n": 12.0, "hash": "", "presses": False,
         "senses": False, "examined": False, "surface_m": 0.0, "m_per_turn": None,
         "sign": 1, "force_sign": 1, "zero_turns": 0.0, "max_torque_nm": None, "nm_per_a": None,
-        "effector_mass_kg": None, "weight_n": 0.0, "middle_m": None,
+        "effector_mass_kg": None, "weight_n": 0.0,
     }  # fmt: skip
     assert repr(required) == "DeviceRequirements(rate_hz=1000.0, watchdog_s=0.02, max_n=12.0)"
     with pytest.raises(dataclasses.FrozenInstanceError):

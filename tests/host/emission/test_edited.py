@@ -29,7 +29,7 @@ def folder(emitted: Path, tmp_path: Path) -> Path:
 
 def raise_the_clamp(folder: Path) -> None:
     """A thousand times the force that the recordings say."""
-    source = folder / "sp_scene.c"
+    source = folder / "sp.c"
     text = source.read_text()
     raised, places = re.subn(
         r"([\d.]+)f(?=, +/\* max_n \*/)", lambda found: f"{1e3 * float(found[1])}f", text
@@ -57,7 +57,7 @@ def test_a_raised_clamp_is_refused(name: str, folder: Path, emitted: Path) -> No
     assert done.returncode == 3
     assert done.stdout == ""
     assert done.stderr.count("\n") == 1
-    assert f"{folder}/sp_scene.c: not as springpot emitted it: `springpot emit`" in done.stderr
+    assert f"{folder}/sp.c: not as springpot emitted it: `springpot emit`" in done.stderr
     assert "--accept-edited" in done.stderr
     assert sorted(path.name for path in folder.parent.iterdir()) == ["c"]
 
@@ -71,9 +71,9 @@ def test_python_refuses_it_too(folder: Path, emitted: Path) -> None:
         lambda: springpot.Session(folder, "sim://ecoflex-00-30"),
     ]
     for call in calls:
-        with pytest.raises(DataError, match=r"sp_scene\.c: not as springpot emitted it"):
+        with pytest.raises(DataError, match=r"sp\.c: not as springpot emitted it"):
             call()
-    assert springpot.load(folder, accept_edited=True).edited == ("sp_scene.c",)
+    assert springpot.load(folder, accept_edited=True).edited == ("sp.c",)
 
 
 def test_an_accepted_edit_is_named_in_result_log_and_report(folder: Path, emitted: Path) -> None:
@@ -84,21 +84,21 @@ def test_an_accepted_edit_is_named_in_result_log_and_report(folder: Path, emitte
         done = spring(*asked[name], "--accept-edited", "--json")
         assert done.returncode == 0, done.stderr
         found[name] = json.loads(done.stdout)
-        assert found[name]["edited"] == ["sp_scene.c"]
+        assert found[name]["edited"] == ["sp.c"]
     said = read_recording(folder.parent / "felt.h5").details["session"]
-    assert said["edited"] == ["sp_scene.c"]
+    assert said["edited"] == ["sp.c"]
     # Neither a board nor a log of the C that was emitted is taken for one of these.
     assert found["run"]["hash"] == found["validate"]["hash"] == said["hash"]
     assert said["hash"] != read_emission(emitted).hash
     assert spring("report", folder).returncode == 0
     page = (folder / "report.html").read_text()
-    assert "This C is not what springpot emitted: sp_scene.c" in page
+    assert "This C is not what springpot emitted: sp.c" in page
     (folder / "sp.h").write_text("/* another change */\n" + (folder / "sp.h").read_text())
     again = spring("report", folder)
     assert again.returncode == 3
     assert "changed since it was validated" in again.stderr
     rows = spring(*asked["validate"], "--accept-edited").stdout
-    assert "sp.h, sp_scene.c" in rows.splitlines()[0]
+    assert "sp.h, sp.c" in rows.splitlines()[0]
 
 
 @pytest.mark.parametrize(
@@ -138,19 +138,9 @@ def test_what_is_for_a_build_by_hand_is_its_users_to_change(folder: Path) -> Non
     assert read_emission(folder).edited == ()
 
 
-def test_two_scenes_in_one_folder_are_named(folder: Path) -> None:
-    shutil.copyfile(folder / "sp_scene.c", folder / "my_scene.c")
-    done = spring("build", folder)
-    assert done.returncode == 3
-    assert "my_scene.c: not as springpot emitted it" in done.stderr
-    done = spring("build", folder, "--accept-edited")
-    assert done.returncode == 3
-    assert "holds my_scene.c and sp_scene.c: remove the one" in done.stderr
-
-
 @pytest.mark.parametrize(
     ("name", "first"),
-    [("sp_scene.c", "sp_scene.c"), ("from/scene.json", "from/scene.json"), ("a\nb", CHECKSUMS)],
+    [("sp.c", "sp.c"), ("from/scene.json", "from/scene.json"), ("a\nb", CHECKSUMS)],
 )
 def test_a_list_that_leaves_out_a_file_hides_no_edit(folder: Path, name: str, first: str) -> None:
     listed = json.loads((folder / CHECKSUMS).read_text())

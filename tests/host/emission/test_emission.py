@@ -60,7 +60,7 @@ def test_generated_c_is_warning_clean(
     tmp_path: Path, emission_of: Emitted, shape: str, compiler: str
 ) -> None:
     sources = sorted(emission_of(shape).folder.glob("*.c"))
-    assert len(sources) == 3
+    assert len(sources) == 2
     for source in sources:
         command = [compiler, *flags("SP_CFLAGS"), *flags("SP_STRICT"), "-c", str(source), "-o",
                    str(tmp_path / "object.o")]  # fmt: skip
@@ -74,16 +74,13 @@ def test_image_holds_the_api_and_nothing_else(
     tmp_path: Path, emission_of: Emitted, shape: str
 ) -> None:
     prefix = SHAPES[shape].runtime.prefix
-    symbols = ""
-    for part in ("scene", "selftest"):
-        built = tmp_path / f"{part}.o"
-        source = emission_of(shape).folder / f"{prefix}_{part}.c"
-        subprocess.run(["gcc", *flags("SP_CFLAGS"), "-c", source, "-o", built], check=True)
-        symbols += subprocess.run(["nm", built], capture_output=True, text=True, check=True).stdout
+    built = tmp_path / "scene.o"
+    source = emission_of(shape).folder / f"{prefix}.c"
+    subprocess.run(["gcc", *flags("SP_CFLAGS"), "-c", source, "-o", built], check=True)
+    symbols = subprocess.run(["nm", built], capture_output=True, text=True, check=True).stdout
     rows = [line.split()[-2:] for line in symbols.splitlines()]
     public = {name for kind, name in rows if kind == "T"}
-    of_any_step = ["step_dt"] if shape == "plain" else []  # exact at any, uncoupled
-    assert public == {f"{prefix}_{name}" for name in [*API, *of_any_step]}
+    assert public == {f"{prefix}_{name}" for name in API}
     # No variable that changes, and nothing from outside but memory copies.
     assert not [name for kind, name in rows if kind in "BbDdC"]
     outside = {name for kind, name in rows if kind == "U"} - public
@@ -211,7 +208,7 @@ def test_manifest_says_what_the_image_says(emission_of: Emitted) -> None:
     written = json.loads((emission.folder / "manifest.json").read_text())
     assert image.items() <= written.items()
     assert image["hash"] == emission.hash
-    assert emission.hash in (emission.folder / "eco_scene.c").read_text().splitlines()[0]
+    assert emission.hash in (emission.folder / "eco.c").read_text().splitlines()[0]
 
 
 def test_deepest_stack_follows_the_calls() -> None:

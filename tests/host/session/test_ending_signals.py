@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from click.testing import CliRunner
 from support.peer import CLI, wait_until
-from support.small_study import SOFT, planned, scene_stimulus, study_text
+from support.small_study import SOFT, planned_study
 
 from springpot.codegen.errors import DeviceError
 from springpot.host.cli import every_command, springpot
@@ -37,12 +37,7 @@ def _signals_are_heard() -> Iterator[None]:
 
 
 def _study(folder: Path) -> list[object]:
-    text = study_text(
-        "similarity",
-        [scene_stimulus("Quince"), scene_stimulus("Medlar", stiffer=1.5)],
-        [{"left": "Quince", "right": "Medlar", "repeats": 2}],
-    )
-    return ["study", "run", planned(folder, text, 1, SOFT).path, "--participant", "01"]
+    return ["study", "run", planned_study(folder, 1).path, "--participant", "01"]
 
 
 def _run(folder: Path) -> list[object]:

@@ -1,7 +1,6 @@
 """What a session warns of while it runs: rows by hand, and a session deeper than trained."""
 
 from dataclasses import replace
-from typing import Any, cast
 
 import numpy as np
 import pytest
@@ -78,18 +77,6 @@ def test_each_note_is_told_in_the_words_of_the_page(bit, ticks):
     assert all(line == "" if bit == LATCHED else words in line for _, line, _ in said)
 
 
-def test_a_tool_that_slides_beside_the_map_is_not_told_that_it_is_deep():
-    rows = rows_of(3000)
-    rows[1000:2000, COLUMN["notes"]] = OUTSIDE
-    rows[1500:, COLUMN["position_m"]] = np.minimum(0.005 + 1e-4 * np.arange(1500), 0.013)
-    warnings = LiveWarnings(replace(PLAN, lateral=cast(Any, object())), lambda *_: None)
-    warnings.append(rows)
-    assert [(event["what"], event["count"]) for event in warnings.finish()] == [
-        ("beside the places that were recorded", 570),
-        (DEEP, 430),
-    ]
-
-
 def test_what_belongs_to_a_session_is_no_warning():
     rows = rows_of(2000)
     rows[0, COLUMN["notes"]] = RESYNC | RAMPED
@@ -109,11 +96,11 @@ def test_warnings_and_words_name_the_limit_at_which_the_force_was_kept(min_n):
     rng = np.random.default_rng(7)
     of_type = PLAN.dtype
     limits = replace(PLAN.output, min_n=of_type(min_n), max_n=of_type(2.0), slew_n=of_type(0.3))
-    plan = replace(PLAN, output=limits, energy=None)
+    plan = replace(PLAN, output=limits)
     output = Output(plan)
     output.free()
     asked_n = np.repeat(rng.uniform(-4.0, 5.0, 40), rng.integers(40, 200, 40))
-    gone = [output.force(False, False, of_type(0), of_type(each)) for each in asked_n]
+    gone = [output.force(False, False, of_type(each)) for each in asked_n]
     force_n = np.array([float(each) for each, _ in gone])
     notes = np.array([each for _, each in gone])
     assert np.any(notes & LIMITED)

@@ -36,34 +36,6 @@ def test_a_press_and_its_return_take_work_and_never_pull() -> None:
     assert np.sum(force_n * np.diff(position_m, prepend=0.0)) > 0.0
 
 
-def slid(first: tuple[float, float], position_m: Samples) -> Samples:
-    simulated = parse_url(f"sim://lump?x={first[0]}&y={first[1]}")
-    return ObjectMotion(simulated, 1e-3, 4).slide(position_m)
-
-
-def test_a_slide_takes_work_and_one_that_stays_is_a_press() -> None:
-    rng = np.random.default_rng(0)
-    depth_m = inverted_cosine(np.arange(1500) / 1000, 0.005, 1.0)
-    stays = np.column_stack([np.tile(LUMP, (len(depth_m), 1)), depth_m])
-    np.testing.assert_array_equal(slid(LUMP, stays)[:, 2], pressed_n(LUMP, depth_m))
-    turn = np.linspace(0.0, 2.0 * np.pi, len(depth_m))[:, None] * np.arange(1, 4)
-    ways_m = (0.002 * rng.normal(size=(2, 3)) @ np.sin(turn).T).T
-    round_trip = np.column_stack([ways_m + LUMP, depth_m])
-    force_n = slid(LUMP, round_trip)
-    work_j = np.diff(round_trip, axis=0) * 0.5 * (force_n[1:] + force_n[:-1])
-    assert work_j[:, 2].sum() - work_j[:, :2].sum() > 0.0
-
-
-@pytest.mark.parametrize("axis", [0, 1])
-def test_a_lump_pushes_a_tool_on_its_flank_away(axis: int) -> None:
-    beside = np.array(LUMP)
-    beside[axis] += 0.003
-    depth_m = held(0.003)[:200]
-    force_n = slid((beside[0], beside[1]), np.column_stack([np.tile(beside, (200, 1)), depth_m]))
-    assert force_n[-1, axis] > 0.05 * force_n[-1, 2]
-    assert abs(force_n[-1, 1 - axis]) < 0.3 * force_n[-1, axis]
-
-
 def test_a_bench_goes_to_another_place_of_a_fresh_object() -> None:
     command_n = inverted_cosine(np.arange(500) / 1000, 5.0, 2.0)
     there = SimulatedBench(parse_url(f"sim://lump?x={LUMP[0]}&y={LUMP[1]}"))

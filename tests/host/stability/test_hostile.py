@@ -19,11 +19,10 @@ from springpot.simulation import HandLoop, Operator
 SOAK = bool(os.environ.get("SPRINGPOT_SOAK"))
 PRESS_S = 24 * 3600.0 if SOAK else 600.0
 DRIFT_TICKS = 10_000_000 if SOAK else 200_000
-KINDS = ("rf-fd", "rbf-fd", "rbf-pv", "hammerstein", "hybrid")
+KINDS = ("rf-fd", "rbf-fd", "rbf-pv", "hammerstein")
 # Of the peak force: how far float32 may be from float64 (docs/explanation/numbers.md).
 FLOAT32_SHARES = {
-    "rf-fd": 1e-6, "rf-history": 1e-6, "boosted": 3e-6, "hammerstein": 3e-6, "hybrid": 3e-6,
-    "springpot": 1e-4, "rbf-pv": 2e-3, "rbf-fd": 5e-3,
+    "rf-fd": 1e-6, "hammerstein": 3e-6, "springpot": 1e-4, "rbf-pv": 2e-3, "rbf-fd": 5e-3,
 }  # fmt: skip
 
 
@@ -84,14 +83,13 @@ def test_float32_stays_beside_float64(kind: str, share: float) -> None:
         max_m=0.45 * DEPTH_M + 4 * amplitude_m,
         max_step_m=2 * np.pi * hz.sum() * amplitude_m * DT_S,
     )
-    # The bound is of the model: where an account cuts an active one, a tie decides for longer.
-    in_double = make_plan(model, scene(number="float64", energy="off"), accept_unsafe=True)
+    in_double = make_plan(model, scene(number="float64"), accept_unsafe=True)
     rounding = ForceRounding(in_double, deepest)
     assert rounding.bound_n <= share * peak_n
     chunk = min(100_000, DRIFT_TICKS // 4)
     errors, tied = [], 0
     with (
-        built(make_plan(model, scene(energy="off"), accept_unsafe=True)) as single,
+        built(make_plan(model, scene(), accept_unsafe=True)) as single,
         built(in_double) as double,
     ):
         one, other = single.new_state(), double.new_state()

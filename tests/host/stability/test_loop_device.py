@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from springpot import Coupling, Device, Guard, Model, Runtime, Scene
+from springpot import Coupling, Device, Model, Runtime, Scene
 from springpot.checks import HAND_MODELS, Hand, scene_loop, stability
 from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE, LoopDevice, loop_device
 from springpot.emission import Plan, make_plan
@@ -39,7 +39,7 @@ OTHERS += [(at, HAND_MODELS[0], TOOL) for at in (0, 1, 4)]
 def elastic_plan(
     stiffness_npm: float, rate_hz: float, device: Device, coupling: Coupling = OFF
 ) -> Plan:
-    """A linear spring in a scene with that device; the account of energy would end its ringing."""
+    """A linear spring in a scene with that device."""
     max_n = stiffness_npm * SPAN_M
     spring = Hammerstein(
         origin_m=0.0, span_m=SPAN_M, elastic_n=np.array([max_n]), tau_s=np.zeros(0),
@@ -51,7 +51,7 @@ def elastic_plan(
     return make_plan(
         model,
         Scene(schema=1, name="spring", model="x", runtime=Runtime(rate_hz, "float64"),
-              coupling=coupling, guard=Guard(energy="off"), device=device),
+              coupling=coupling, device=device),
         accept_unsafe=True,
     )  # fmt: skip
 

@@ -46,7 +46,7 @@ def pressed(place_m: tuple[float, float] | None, name: str = "press") -> Recordi
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     where = tmp_path_factory.mktemp("placed")
     write_model(where / "model.spm", placed_model())
-    emit(scene(energy="off"), where / "model.spm", where / "c")
+    emit(scene(), where / "model.spm", where / "c")
     return where / "c"
 
 

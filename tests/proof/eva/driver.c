@@ -15,7 +15,7 @@ static double any_fabs(double x)
 #define fabsf any_fabsf
 #define fabs any_fabs
 
-#include "sp_scene.c"
+#include "sp.c"
 
 static sp_state state;
 
@@ -28,15 +28,11 @@ static sp_real anything(void)
 
 static int call(sp_real x, sp_real *force_n)
 {
-@PLACE@@SLIDE@    switch (Frama_C_interval(0, @CALLS@)) {
+@PLACE@    switch (Frama_C_interval(0, 1)) {
     case 0:
         return sp_step(&state, x, anything(), force_n);
     case 1:
         return sp_idle(&state, x, force_n);
-#if @CALLS@ == 2
-    default:
-        return sp_step_dt(&state, anything(), x, anything(), force_n);
-#endif
     }
     return 0;
 }

@@ -11,9 +11,7 @@ DRIVER = Path(__file__).with_name("driver.c")
 _PRECISION = Precision(
     apart={
         "sp_guard_position": 60, "sp_guard_plausible": 10, "sp_guard_velocity": 10,
-        "sp_guard_share": 20, "sp_is_time": 10, "sp_idle": 10, "sp_step": 8, "sp_step_dt": 10,
-        "sp_step3": 8, "sp_idle3": 10, "sp_lateral_part": 10, "tick3": 60, "sp_anchor_part": 10,
-        "sp_anchor_slip": 30, "sp_anchor_move": 30, "sp_drag_afforded": 10, "sp_lateral_grown": 10,
+        "sp_guard_share": 20, "sp_is_time": 10, "sp_idle": 10, "sp_step": 8,
         "sp_hammerstein_still": 12, "sp_forest_traverse": 4000, "sp_forest_sum": 200,
         "sp_bins_search": 20,
     },
@@ -34,13 +32,6 @@ _PLACE = """    if (Frama_C_interval(0, 1)) {
         sp_place(&state, anything(), anything());
     }
 """
-_SLIDE = """    if (Frama_C_interval(0, 1)) {
-        const sp_real at[3] = {anything(), anything(), x};
-        sp_real slid_n[3];
-        return Frama_C_interval(0, 1) ? sp_step3(&state, at, NULL, slid_n)
-                                      : sp_idle3(&state, x, slid_n);
-    }
-"""
 # Bounds that the analysis tries, one after the other, for a number that grows in the loop.
 _BOUNDS = tuple(8.0**power for power in range(-3, 19))
 
@@ -53,7 +44,7 @@ def analyse_scene(
     laws: of growth and of the latched fall too, which takes several times as long.
     """
     limits = json.loads((folder / "manifest.json").read_text())["limits"]
-    files = sorted(folder.glob("sp_*.[ch]"))
+    files = sorted(folder.glob("sp.[ch]"))
     text = "".join(path.read_text() for path in files)
     floats = [limits["min_n"], limits["max_n"], *_BOUNDS, *(-bound for bound in _BOUNDS)]
     driver = DRIVER.read_text()
@@ -62,8 +53,6 @@ def analyse_scene(
         ("@WHOLE@", ", ".join(map(str, sorted(_last_places(text))))),
         ("@LAWS@", str(int(laws))),
         ("@PLACE@", _PLACE if "void sp_place(" in text else ""),
-        ("@SLIDE@", _SLIDE if "int sp_step3(" in text else ""),
-        ("@CALLS@", "2" if "sp_step_dt(" in text else "1"),
     ):
         driver = driver.replace(mark, value)
     (folder / "prove.c").write_text(driver)

@@ -20,7 +20,7 @@ from proof.fuzz.harness import READERS
 from proof.fuzz.targets import missing_for, prepare, run_target
 from support.paths import ROOT, commit
 
-RESULT = ROOT / "docs" / "reliability" / "fuzz.json"
+RESULT = ROOT / "build" / "fuzz.json"
 WORK = ROOT / "build" / "fuzz"
 
 

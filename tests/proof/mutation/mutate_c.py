@@ -3,8 +3,7 @@
 python tests/proof/mutation/mutate_c.py OUT.json [--only NAME] [--workers N]
 
 The programs of tests/c alone, float then double: they are exact, end in milliseconds and depend on
-no clock. OUT.json is docs/reliability/mutation-c.json where the result shall be kept.
-"""
+no clock."""
 
 import subprocess
 import sys
@@ -20,12 +19,11 @@ FLAGS = ["-std=c11", "-ffp-contract=off", "-fno-math-errno", "-w"]
 REALS = ("float", "double")
 
 
-_LOOP = ("test_loop", "test_loop_end", "test_loop_device", "test_loop_periods", "test_loop_slide")
+_LOOP = ("test_loop", "test_loop_end", "test_loop_device", "test_loop_periods")
 # Programs of tests/c that may catch the mutants of a file.
 PROGRAMS = {
     "runtime_c/src/sp_guard.h": ("test_guard", "test_patterns"),
     "runtime_c/src/sp_output.h": ("test_output", "test_patterns"),
-    "runtime_c/src/sp_energy.h": ("test_energy", "test_patterns"),
     "runtime_c/src/sp_silence.h": ("test_silence",),
     "runtime_c/src/sp_contact.h": ("test_range",),
     "runtime_c/src/sp_range.h": ("test_range",),
@@ -98,7 +96,7 @@ def main() -> int:
     tried = try_all(
         ROOT / "build" / "mutation" / "c.jsonl", files, mutants_of_c, attempt, options.workers
     )
-    command = "python tests/proof/mutation/mutate_c.py docs/reliability/mutation-c.json"
+    command = "python tests/proof/mutation/mutate_c.py OUT.json"
     return int(
         write_result(options.out, "Mutation of the C that ends in a force", command, tried) > 0
     )

@@ -2,7 +2,6 @@
 
 python tests/proof/mutation/mutate_python.py OUT.json [--only NAME] [--workers N]
 
-OUT.json is docs/reliability/mutation-python.json where the result shall be kept.
 """
 
 import json
@@ -24,7 +23,6 @@ _MODEL = (
 )
 _RECORDING = (
     "tests/host/api/test_tables.py",
-    "tests/host/api/test_ways_in.py",
     "tests/trainer/recordings/test_recording_file.py",
     "tests/trainer/recordings/test_recording_names.py",
     "tests/trainer/recordings/test_hostile_files.py::"
@@ -120,7 +118,7 @@ def main() -> int:
     tried = try_all(record, options.files, mutants_of_python, _attempt, options.workers)
     for server in _servers.values():
         server.terminate()
-    command = "python tests/proof/mutation/mutate_python.py docs/reliability/mutation-python.json"
+    command = "python tests/proof/mutation/mutate_python.py OUT.json"
     title = "Mutation of the Python that reads files and starts devices"
     return int(write_result(options.out, title, command, tried) > 0)
 

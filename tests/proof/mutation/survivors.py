@@ -1,4 +1,4 @@
-"""The result of a run for docs/explanation/reliability.md, and the reasons of what survives."""
+"""The result of a run, and the reasons of what survives."""
 
 import json
 import tomllib

@@ -65,19 +65,11 @@ SCENES = {"smallest_scene": smallest_scene, "proxy_scene": proxy_scene}
 
 
 def emission(name: str) -> dict[str, str]:
-    """Texts of what is generated for a scene (not the units, which are copies), by file name.
-
-    Of proxy_scene only what smallest_scene has otherwise.
-    """
+    """Source and header of a scene, by file name; of the source what is not copied from units."""
     files = emit_files(SCENES[name]())
-    kept = ("sp_scene.c", "sp_scene.h", "sp_tables.h") if name == "proxy_scene" else tuple(files)
-    return {
-        file: text
-        for file, text in files.items()
-        if text.startswith(("/* springpot 0", "# springpot 0"))
-        and file != "sp_golden.h"
-        and file in kept
-    }
+    own = files["sp.c"].index("constants of this scene")
+    selftest = files["sp.c"].index("#ifndef SP_NO_SELFTEST")
+    return {"sp.c": files["sp.c"][own:selftest], "sp.h": files["sp.h"]}
 
 
 if __name__ == "__main__":

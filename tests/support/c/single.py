@@ -5,22 +5,20 @@ from dataclasses import replace
 from itertools import cycle
 from pathlib import Path
 from typing import Any
-from unittest import mock
 
 import numpy as np
 
-from springpot.codegen import stages
+from springpot.codegen.emit.files import emit_files
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.places import Places
 from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.plan.plan import Plan
-from springpot.codegen.scene import Coupling, Device, Guard, Runtime, Scene, ScenePlaces, Smoothing
-from springpot.host.wings.packaging.single import emit_single
+from springpot.codegen.scene import Coupling, Device, Guard, Runtime, Scene, Smoothing
 from support.c import golden_forces
 from support.small import damage, flow, small_model
 
 # Made of units that others have too.
-_ALIKE = {"boosted-recursive", "rf-fd-fast", "rf-fd-quantised"}
+_ALIKE = {"rf-fd-fast", "rf-fd-quantised"}
 _SETTINGS = (("float32", "off"), ("float64", "tool"), ("float32", "proxy"), ("float64", "off"))
 
 
@@ -31,7 +29,6 @@ def plan_of(
     mode: str,
     target: str = "host",
     velocity: str = "estimate",
-    lateral: bool = False,
     **runtime: Any,
 ) -> Plan:
     """The plan of a scene whose prefix is its name."""
@@ -46,7 +43,6 @@ def plan_of(
             **runtime,
         ),
         coupling=Coupling(mode=mode),  # type: ignore[arg-type]
-        places=ScenePlaces("lateral", 8.0) if lateral else ScenePlaces(),
         smoothing=Smoothing(time_constant_s=8e-4 if mode == "tool" else 0.0),
         guard=Guard(outside="zero" if mode == "proxy" else "fallback"),
         device=Device(velocity=velocity),  # type: ignore[arg-type]
@@ -73,13 +69,10 @@ def every_plan(target: str) -> Iterator[Plan]:
     )
     law = replace(hammerstein, hammerstein=laws)
     yield plan_of("places", with_map(law), "float32", "off", target)
-    yield plan_of("laws", law, "float32", "off", target, measured_step=True)
-    yield plan_of("sliding", with_map(hammerstein), "float32", "off", target, lateral=True)
+    yield plan_of("laws", law, "float32", "off", target)
     always = replace(hammerstein, contact="always")
     yield plan_of("velocity", always, "float32", "tool", target, velocity="device")
     yield plan_of("ifs", small_model(), "float32", "off", target, forest="m2cgen")
-    with mock.patch.object(stages.forest, "compact_forest", return_value=None):  # as if too big
-        yield plan_of("wide", golden_forces.model("rf-fd"), "float32", "off", target)
 
 
 def with_map(model: Model) -> Model:
@@ -93,7 +86,7 @@ def with_map(model: Model) -> Model:
 
 def write_single(plan: Plan, folder: Path) -> Path:
     """Write its files into a folder; returns the source, beside which it is as C++ too."""
-    for name, text in emit_single(plan).items():
+    for name, text in emit_files(plan).items():
         (folder / name).parent.mkdir(parents=True, exist_ok=True)
         (folder / name).write_text(text)
     source = folder / f"{plan.scene.runtime.prefix}.c"

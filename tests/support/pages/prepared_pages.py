@@ -9,8 +9,6 @@ from scipy.io import savemat
 
 from springpot.host.emission.emission import emit
 from springpot.host.emission.scene_file import read_scene
-from springpot.host.simulation.bench import ObjectMotion
-from springpot.host.simulation.objects import parse_url
 from support.files.malformed import DBC, MACH1
 from support.pages.job import small_job
 from support.small import DT_S, press, soft_force
@@ -42,19 +40,10 @@ def nothing(folder: Path) -> None:
 
 
 def few_places(folder: Path) -> None:
-    """For the page of places, whose own protocols take minutes: four places; a slide."""
+    """For the page of places, whose own protocols take minutes: four places."""
     places = "places_m = [[0.0, 0.0], [0.01, 0.0], [0.0, 0.01], [0.01, 0.01]]"
     presses = "".join(f"[[profile]]\namplitude_n = 8.0\nfrequency_hz = {hz}\n" for hz in (0.5, 5.0))
     (folder / "few.toml").write_text(f"{places}\n{presses}")
-    x_m = np.linspace(0.002, 0.008, 600)
-    depth_m = 1.5e-3 * np.minimum(np.arange(600) / 200.0, 1.0)
-    at = np.column_stack([x_m, np.full(600, 0.005), depth_m])
-    force_n = ObjectMotion(parse_url("sim://lump"), DT_S, 4).slide(at)
-    columns = np.column_stack([np.arange(600) * DT_S, 1e3 * depth_m, force_n[:, 2], 1e3 * at[:, :2],
-                               force_n[:, :2]])  # fmt: skip
-    np.savetxt(folder / "slide.csv", columns, fmt="%.7g", delimiter=",", comments="",
-               header="time_s,position_mm,force_N,place_x_mm,place_y_mm,lateral_x_N,lateral_y_N"
-               )  # fmt: skip
 
 
 def emitted_job(folder: Path) -> None:

@@ -42,10 +42,8 @@ VARIANTS = {
     "rbf-fd": ("rbf-fd", {}),
     "rbf-fd fast": ("rbf-fd", {"engine": "fir-fast"}),
     "rbf-pv": ("rbf-pv", {}),
-    "rf-history": ("rf-history", FOREST),
+    "rf-fd past positions": ("rf-fd", {**FOREST, "past_positions": True}),
     "hammerstein": ("hammerstein", {}),
-    "hybrid": ("hybrid", FOREST),
-    "boosted": ("boosted", {}),
     "springpot": ("springpot", {}),
 }
 # What no fit of these recordings chooses.
@@ -133,9 +131,7 @@ def test_the_bound_is_above_what_is_counted(tmp_path: Path, variant: str, shape:
         assert max_restarting <= bound.restart <= 1.25 * max_restarting, board
 
 
-@pytest.mark.parametrize(
-    ("variant", "number"), [("rf-fd", "float32"), ("hybrid", "float32"), ("rbf-pv", "float64")]
-)
+@pytest.mark.parametrize(("variant", "number"), [("rf-fd", "float32"), ("rbf-pv", "float64")])
 def test_the_boards_have_one_c(variant: str, number: str) -> None:
     def parts(target: str) -> dict[str, str]:
         plan = make_plan(fitted(variant), target_scene(target, number=number, mode="proxy"), True)
@@ -152,7 +148,7 @@ def test_ten_branches_and_three_stops_take_640_instructions_and_4400_bytes(tmp_p
     need("mps2-an386")
     # A surface that recovers takes 64 and 396 more.
     model = model_file(tmp_path, passive_of(branches=10, stops=3, recovers=False))
-    chosen = target_scene("cortex-m4f", energy="off")  # the account takes 67 and 490 more
+    chosen = target_scene("cortex-m4f")
     emission = emit(chosen, model, tmp_path / "c", accept_unsafe=True)
     position = long_motion().astype(np.float32)
     calls = steps(position, backward_velocity(position, 1e-3))

@@ -97,7 +97,7 @@ def test_a_count_beyond_the_counter_is_told(tmp_path: Path) -> None:
     """The STM32's counter is full after 0.4 million instructions, the other boards' later."""
     need("netduinoplus2", "mps2-an386", "virt")
     emit(target_scene("cortex-m4f"), model_file(tmp_path, model("hammerstein")), tmp_path / "c")
-    source = tmp_path / "c" / "sp_scene.c"
+    source = tmp_path / "c" / "sp.c"
     begins = "int sp_step("
     text = source.read_text()
     at = text.index("    int notes = 0;", text.index(begins))

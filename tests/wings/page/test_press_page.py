@@ -55,7 +55,6 @@ def page_of(folder: Path, *folders: Path) -> Path:
     [
         ("hammerstein", "float32", "off"),
         ("hammerstein", "float64", "proxy"),
-        ("hybrid", "float32", "tool"),
         ("rf-fd", "float32", "off"),
         ("rbf-pv", "float64", "off"),
     ],
@@ -70,7 +69,7 @@ def test_what_is_pressed_is_what_validate_computes(
     assert pressed.found["errors"] == []
     assert pressed.found["fetched"] == []
     assert "the same bits" in pressed.found["proof"]
-    assert pressed.found["tick"] in (folder / "sp_scene.c").read_text()
+    assert pressed.found["tick"] in (folder / "sp.c").read_text()
     assert re.search(r"self-test0 of \d+ steps differ", pressed.found["proof"])
     (tmp_path / "pressed.csv").write_text(pressed.csv)
     assert spring("import", tmp_path / "pressed.csv", "--out", tmp_path / "in").returncode == 0

@@ -28,7 +28,6 @@ from springpot.trainer.recordings.journal_reader import is_being_recorded, read_
 from springpot.trainer.recordings.recording import Recording, Zero, zero_word
 from springpot.trainer.recordings.recording_file import has_checksum, read_recording
 from springpot.trainer.recordings.recording_name import safe_recording_name
-from springpot.trainer.recordings.slides import is_slide, way_words
 
 _NUMBER = r"\s*([+-]?(?:\d+\.?\d*|\.\d+))\s*"
 _PLACE = re.compile(rf"{_NUMBER}([a-z]*)\s*,{_NUMBER}([a-z]+)\s*")
@@ -94,14 +93,9 @@ def import_file(
     if options.place_m is None:
         return found
     if options.columns_of_place:
-        if not all(each.place_x_m is not None or is_slide(each) for each in found.recordings):
+        if not all(each.place_x_m is not None for each in found.recordings):
             raise UsageError(f"{path}: --place: only a table has columns of a place: state x and y")
         return found
-    for recording in filter(is_slide, found.recordings):
-        raise UsageError(
-            f"{path}: --place: the tool slides ({way_words(recording.channels)}), so each sample "
-            "has a place of its own: leave --place out"
-        )
     x_m, y_m = map(float, options.place_m)
     placed = [replace(each, place_x_m=x_m, place_y_m=y_m) for each in found.recordings]
     return replace(found, recordings=placed)
@@ -143,8 +137,7 @@ def _imported(
             raise DataError(f"{error}{other}") from None
         recordings.append(recording)
         first = str(recording.details.get("first_row_cut", ""))
-        slides = way_words(recording.channels)
-        notes = (first, tail_note(recording), *messages, slides and f"slides: {slides}")
+        notes = (first, tail_note(recording), *messages)
         guess += "".join(f"; {note}" for note in notes if note)
     return ImportResult(recordings, f"{path}: {guess}")
 

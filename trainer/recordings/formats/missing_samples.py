@@ -17,7 +17,7 @@ _MANY_STEPS = 30
 def require_finite(raw: RawChannels) -> None:
     """Raise DataError for the first row that is not finite, with what to do about all of them."""
     channels = {"time": raw.time_s, "position": raw.position_m, "force": raw.force_n}
-    for channel, samples in {**channels, **raw.beside}.items():
+    for channel, samples in channels.items():
         bad = np.flatnonzero(~np.isfinite(samples))
         if len(bad):
             raise DataError(

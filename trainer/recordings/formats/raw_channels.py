@@ -20,7 +20,7 @@ class RawChannels:
     time_digit_s: one unit in the last printed digit of the time stamps; 0 where none was printed.
     source: file and block, for messages and for the recording.
     line_of: the 1-based line of the file on which sample k stands.
-    place_m: as in `Recording`, x and y. beside: further channels, of a slide, each (n,).
+    place_m: as in `Recording`, x and y.
     in_python: a refusal names arguments of `Recording.from_frame`, not options of a command.
     """
 
@@ -33,7 +33,6 @@ class RawChannels:
     line_of: Callable[[int], int]
     details: Mapping[str, Any] = field(default_factory=dict)
     place_m: tuple[float, float] | None = None
-    beside: Mapping[str, Samples] = field(default_factory=dict)
     in_python: bool = False
     __repr__ = short_repr
 
@@ -61,7 +60,6 @@ def without_odd_first(raw: RawChannels, slack_s: float) -> RawChannels:
         time_s=raw.time_s[1:],
         position_m=raw.position_m[1:],
         force_n=raw.force_n[1:],
-        beside={name: samples[1:] for name, samples in raw.beside.items()},
         line_of=lambda sample: line_of(sample + 1),
         details={
             **raw.details,

@@ -19,7 +19,6 @@ from springpot.trainer.recordings.formats.missing_samples import (
 from springpot.trainer.recordings.formats.raw_channels import RawChannels, without_odd_first
 from springpot.trainer.recordings.formats.uneven_tail import last_even_sample, on_grid, tail_grid
 from springpot.trainer.recordings.recording import Recording, Zero, zero_word
-from springpot.trainer.recordings.slides import require_path
 
 MIN_ROWS = 3
 STEP_TOLERANCE = 0.01
@@ -45,7 +44,7 @@ def to_recording(
         raw = without_odd_first(raw, _slack_s(raw, 1))
     require_no_gaps(raw)
     details = {**raw.details, "sampling": _sampling(raw)}
-    given = {"position_m": raw.position_m, "force_n": raw.force_n, **raw.beside}
+    given = {"position_m": raw.position_m, "force_n": raw.force_n}
     last_even = None if resample_hz else _last_even(raw)
     if last_even is not None:
         grid_s, details["sampling"]["tail"] = tail_grid(raw.time_s, last_even)
@@ -76,12 +75,10 @@ def to_recording(
         }
         position_m, force_n = position_m - pick(position_m), force_n - pick(force_n)
     place_x_m, place_y_m = raw.place_m or (None, None)
-    recording = Recording(
+    return Recording(
         name, position_m, force_n, dt_s, zero, source=raw.source, details=details,
         channels=channels, place_x_m=place_x_m, place_y_m=place_y_m,
     )  # fmt: skip
-    require_path(recording)
-    return recording
 
 
 def _sampling(raw: RawChannels) -> dict[str, Any]:

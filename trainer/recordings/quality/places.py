@@ -5,10 +5,10 @@ from itertools import combinations
 from math import dist
 
 from springpot.codegen.plurals import number_of
+from springpot.trainer.recordings.places import SAME_PLACE_M
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
 from springpot.trainer.recordings.quality.repeats import Repeats
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.slides import SAME_PLACE_M, presses_of
 
 _NEAR = 0.25  # of the usual distance to the nearest other site
 _DISAGREE = 0.05  # of the peak force: more is another place or object
@@ -19,7 +19,7 @@ Site = tuple[float, float]
 def sites_of(recordings: Sequence[Recording]) -> dict[Site, list[int]]:
     """Numbers of the recordings of each site, x and y in m, in the order of recording.
 
-    Recordings without a place, as slides are, are of no site.
+    Recordings without a place are of no site.
     """
     sites: dict[Site, list[int]] = {}
     for number, recording in enumerate(recordings):
@@ -38,7 +38,7 @@ def place_findings(
     sites = sites_of(recordings)
     if not sites:
         return
-    without = [press.name for press in presses_of(recordings) if press.place_m is None]
+    without = [press.name for press in recordings if press.place_m is None]
     if without:
         yield refusal(
             "places", without[0],

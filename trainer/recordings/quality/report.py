@@ -45,9 +45,6 @@ from springpot.trainer.recordings.quality.snap import snap_findings
 from springpot.trainer.recordings.quality.spikes import hold_spikes
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import Recordings, given_recordings
-from springpot.trainer.recordings.slides import is_slide, presses_of
-
-_NOT_JUDGED = "signs of a slide are not judged"
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,8 +76,7 @@ class QualityReport(Faces):
         return [
             {
                 **_figures(recording, own_cycles, self.skew),
-                "signs": own_signs.metadata()
-                | ({"words": _NOT_JUDGED} if is_slide(recording) else {}),
+                "signs": own_signs.metadata(),
             }
             for recording, own_cycles, own_signs in zip(
                 self.checked, self.cycles, self.signs, strict=True
@@ -90,7 +86,7 @@ class QualityReport(Faces):
     @cached_property
     def figures(self) -> dict[str, Any]:
         """Figures of the set."""
-        presses = presses_of(self.checked)
+        presses = self.checked
         floor = noise_floor(self.repeats, self.cycles, self.checked)
         return {
             "noise_floor_n": None if floor.source == "sensor" else floor.rms_n,
@@ -109,9 +105,7 @@ class QualityReport(Faces):
     @property
     def sign_words(self) -> str:
         """Which way the channels point, in one line."""
-        pairs = zip(self.checked, self.signs, strict=True)
-        of_presses = [signs for its, signs in pairs if not is_slide(its)]
-        return signs_of_all(of_presses).words if of_presses else _NOT_JUDGED
+        return signs_of_all(self.signs).words
 
     @property
     def refused(self) -> bool:
@@ -147,19 +141,13 @@ def check_recordings(given: Recordings) -> QualityReport:
         held, spikes = hold_spikes(recording)
         recordings.append(held)
         findings += spikes
-    cycles = [
-        None if is_slide(recording) else find_cycles(recording)
-        for recording in counted(recordings, "finding cycles")
-    ]
+    cycles = [find_cycles(recording) for recording in counted(recordings, "finding cycles")]
     signs = [find_signs(recording) for recording in recordings]
     touched: list[Recording] = []
     drifting: set[str] = set()
     rig_findings: Any = part("rig-findings")
     for recording, own_signs in zip(recordings, signs, strict=True):
         of_channels = list(channel_findings(recording))
-        if is_slide(recording):  # its force changes with the place too, at any depth
-            findings += [finding for finding in of_channels if finding.kind != "clipping"]
-            continue
         # One cause, one line: a wrap turns signs, a turned sign moves the contact, a hum hides it.
         wraps = any(finding.kind == "wrap" for finding in of_channels)
         of_signs = [] if wraps else list(sign_findings(recording, own_signs))
@@ -174,7 +162,7 @@ def check_recordings(given: Recordings) -> QualityReport:
             if any(finding.kind == "drift" for finding in of_rig):
                 drifting.add(recording.name)
             findings += of_rig
-    presses = presses_of(recordings)
+    presses = recordings
     findings += contact_findings(touched, drifting)
     refused = any(f.severity == "refusal" for f in findings)  # a turned sign falls, too
     findings += [] if refused else [*snap_findings(presses), *scale_findings(presses)]

@@ -214,4 +214,4 @@ def _footprint(plan: Plan) -> Footprint:
     tools = toolchain(plan.scene.runtime.target)
     assert tools is not None, "the caller has looked"
     with written(plan) as folder:
-        return measure_footprint(folder, f"{plan.scene.runtime.prefix}_scene.c", tools)
+        return measure_footprint(folder, f"{plan.scene.runtime.prefix}.c", tools)

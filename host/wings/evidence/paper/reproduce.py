@@ -181,9 +181,8 @@ def fit_object(data: ObjectRecordings, work: Work) -> dict[str, "Fit"]:
     Raises DataError where recordings do not fit together, or slide.
     """
     from springpot import FitOptions
-    from springpot.modelling import fit_kind, require_presses, training_set
+    from springpot.modelling import fit_kind, training_set
 
-    require_presses([*data.training, *data.validation])
     options = FitOptions(trees=work.trees)
     prepared = training_set(data.training, options.smooth_s)
     return {

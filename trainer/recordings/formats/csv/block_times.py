@@ -45,7 +45,7 @@ def _counts_on(before: RawChannels, after: RawChannels) -> bool:
     between_s = float(after.time_s[0] - before.time_s[-1])
     rounding_s = 2.0 * max(before.time_digit_s, after.time_digit_s)
     slack_s = min(rounding_s + STEP_TOLERANCE * steps_s[0], 0.5 * min(steps_s))
-    alike = [(raw.details["units"], raw.place_m, set(raw.beside)) for raw in (before, after)]
+    alike = [(raw.details["units"], raw.place_m) for raw in (before, after)]
     return alike[0] == alike[1] and all(abs(between_s - step_s) <= slack_s for step_s in steps_s)
 
 
@@ -61,6 +61,5 @@ def _joined(raws: Sequence[RawChannels]) -> RawChannels:
         time_s=np.concatenate([raw.time_s for raw in raws]),
         position_m=np.concatenate([raw.position_m for raw in raws]),
         force_n=np.concatenate([raw.force_n for raw in raws]),
-        beside={k: np.concatenate([raw.beside[k] for raw in raws]) for k in raws[0].beside},
         line_of=line_of,
     )

@@ -68,9 +68,8 @@ class Layout:
     clock: bool
     beside: bool
     unread_time: tuple[int, str] | None  # a column of time and its header, where a rate is stated
-    # Columns place_x and place_y, and lateral_x and lateral_y, and their factors to m and N.
+    # Columns place_x and place_y, and their factors to m.
     place: tuple[tuple[int, float], ...] = ()
-    lateral: tuple[tuple[int, float], ...] = ()
 
 
 def find_layout(
@@ -181,8 +180,7 @@ def _layout(
     between += "decimal comma, " if mark == "comma" else ""
     under = below if units_below else []
     place = pair_columns(path, header, under, "place", "position")
-    lateral = pair_columns(path, header, under, "lateral", "force") if place else ()
-    taken = {*chosen.values(), *(index for index, _ in (*place, *lateral))}
+    taken = {*chosen.values(), *(index for index, _ in place)}
     unread = [name for index, name in enumerate(header) if index not in taken and name]
     return Layout(
         delimiter,
@@ -198,7 +196,6 @@ def _layout(
         beside=len(guess_column(header, "time")) > 1,
         unread_time=None if "time" in chosen else _time_beside(header),
         place=place,
-        lateral=lateral,
     )
 
 

@@ -12,7 +12,6 @@ from typing import IO
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.codegen.plurals import number_of
 from springpot.trainer.recordings.formats.column_map import split_unit
@@ -20,7 +19,7 @@ from springpot.trainer.recordings.formats.csv.csv_cells import column_numbers, l
 from springpot.trainer.recordings.formats.csv.csv_layout import Layout
 from springpot.trainer.recordings.formats.csv.decimals import COMMA_TO_POINT
 from springpot.trainer.recordings.formats.units import factor_to_si
-from springpot.trainer.recordings.slides import place_or_slide
+from springpot.trainer.recordings.places import require_one_place
 
 UTF8 = "utf-8-sig"
 _TAIL_CHARACTERS, _TAIL_LINES = 1 << 16, 1000
@@ -86,16 +85,16 @@ class CsvTable:
                     "source"
                 ) from None
 
-    def place_m(self) -> tuple[tuple[float, float] | None, dict[str, Samples]]:
-        """Return x and y of the place that columns state, m, or the channels of a slide.
+    def place_m(self) -> tuple[float, float] | None:
+        """Return x and y of the place that columns state, m; None without such columns.
 
-        The one that it is not is None, or empty; without such columns, both are.
+        Raises DataError if the place changes from sample to sample.
         """
-        options = (*self.layout.place, *self.layout.lateral)
-        if not self.layout.place:
-            return None, {}
+        options = self.layout.place
+        if not options:
+            return None
         found = self.numbers([column for column, _ in options]) * [to_si for _, to_si in options]
-        return place_or_slide(found)
+        return require_one_place(str(self.path), found)
 
     def beside(self, rate_hz: float) -> str:
         """Compare the column of time that is not read with the stated rate; return a message."""

@@ -83,7 +83,6 @@ def _channels(
     if rate_hz is not None:
         scaled["time"] = np.arange(len(found)) / rate_hz
         units["time"] = {"unit": f"{rate_hz:g} Hz", "from": "map"}
-    place_m, slide = table.place_m()
     return RawChannels(
         name=table.path.stem,
         time_s=scaled["time"],
@@ -93,8 +92,7 @@ def _channels(
         source=str(table.path),
         line_of=lambda sample: next(islice(table.rows(), sample, None))[0],
         details={"columns": guess, "units": units},
-        place_m=place_m,
-        beside=slide,
+        place_m=table.place_m(),
     )
 
 

@@ -1,0 +1,101 @@
+"""The header of a scene: all that its user needs, and what a state is, to be allocated."""
+
+import re
+from functools import cache
+
+from springpot.codegen.emit.c_blocks import code_of, top_level_blocks
+from springpot.codegen.emit.render import rendered
+from springpot.codegen.literals import literal
+from springpot.codegen.plan.plan import Plan
+from springpot.codegen.plan.units import planned_headers, state_bytes, state_members
+from springpot.runtime_c.paths import INCLUDE, SOURCE
+
+_PUBLIC = "abi_version|state_size|manifest|init|reset|step|run|idle|place|selftest|state"
+_WHOLE_HZ = 1e-6  # a rate nearer to a whole number is one, but for rounding
+# What the source includes itself, at its head.
+_INCLUDES = re.compile(r'^#include (?:"[^"]*"|<(?:float|math|std\w+|string)\.h>)\n', re.MULTILINE)
+_ELSEWHERE = re.compile(r" \((?:see )?flags\.mk\)")
+
+
+def header_text(plan: Plan) -> str:
+    """sp.h for one scene: with its prefix, its number type, its notes and its state."""
+    prefix = plan.scene.runtime.prefix
+    text = _places((INCLUDE / "sp.h").read_text(), plan.has_places)
+    note = rendered("note.txt.j2", prefix=prefix, square_roots="sp_rbf.h" in planned_headers(plan))
+    notes = (INCLUDE / "sp_notes.h").read_text()
+    notes = notes[notes.index("#ifndef") :]
+    for place, replacement in (
+        (r" +\(from sp_scene\.h; on a PC, \w+\(\) bytes\)", ""),
+        (r"at the rate that sp_scene\.h and sp_manifest\(\) state", "at the rate SP_RATE_HZ"),
+        (r"\(bits, in sp_notes\.h\)", "(bits, below)"),
+        (r"(?= \* What a call returns)", note),
+        (r'\n#include "sp_notes\.h"\n#include "sp_real.h"\n', f"\n{notes}"),
+        (r"(?<=/\* springpot declarations end \*/\n)(?=\n#ifdef)", _state(plan)),
+    ):
+        text, changed = re.subn(place, replacement.replace("\\", r"\\"), text)
+        assert changed == 1, f"sp.h has no {place} any more"
+    text = re.sub(r"\bSP_(H|RATE_HZ)\b", rf"{prefix.upper()}_\1", text)
+    return named(text, prefix, plan.real)
+
+
+def named(text: str, prefix: str, real: str) -> str:
+    """Give every name the scene's prefix and number type; sp_NAME.h names a section."""
+    text = re.sub(r"\bsp_real\b(?!\.h)", real, text)
+    return re.sub(r"\bsp_(\w+)\b(?!\.h)", rf"{prefix}_\1", text)
+
+
+def prefixed(text: str, prefix: str) -> str:
+    """Give the public names of sp.h, and only those, the scene's prefix: in the C of a port."""
+    return re.sub(rf"\bsp_({_PUBLIC})\b", rf"{prefix}_\1", text)
+
+
+@cache
+def unit_blocks(header: str) -> tuple[str, ...]:
+    """Blocks of a unit's header, without its guard and its includes."""
+    text = (SOURCE / header).read_text()
+    guard = header.replace(".", "_").upper()
+    text = text.replace(f"#ifndef {guard}\n#define {guard}\n", "").rstrip("\n")
+    text = _INCLUDES.sub("", text.removesuffix("#endif"))
+    return tuple(top_level_blocks(_ELSEWHERE.sub("", text)))
+
+
+def state_types(plan: Plan) -> dict[str, None]:
+    """Blocks of the units that define what the state is made of, in order."""
+    names = {member.declaration.split()[0] for member in state_members(plan)}
+    found = [block for header in planned_headers(plan) for block in unit_blocks(header)]
+    return {
+        block: None
+        for block in found
+        if (last := re.search(r"\} (\w+);$", code_of(block).rstrip())) and last[1] in names
+    }
+
+
+def _places(text: str, has_places: bool) -> str:
+    """The header with or without the part of scenes that have places."""
+    begin, end = "/* springpot places begin */\n", "/* springpot places end */\n"
+    before, _, rest = text.partition(begin)
+    inside, _, after = rest.partition(end)
+    return before + (inside if has_places else "") + after
+
+
+def _state(plan: Plan) -> str:
+    """What a caller can hold against its own loop and device, and the members of the state."""
+    rate_hz = 1.0 / plan.dt_s
+    whole = abs(rate_hz - round(rate_hz)) < _WHOLE_HZ
+    numbers = {
+        "RATE_HZ": str(round(rate_hz)) if whole else literal(plan.dtype(rate_hz)),
+        "DT_S": literal(plan.silence.dt_s),
+        "MAX_FORCE_N": literal(plan.output.max_n),
+        "TRAINED_DEPTH_M": literal(plan.range.max_m),
+        "WATCHDOG_S": literal(plan.dtype(plan.watchdog_s)),
+        "STATE_BYTES": str(state_bytes(plan)),
+    }
+    return rendered(
+        "state.h.j2",
+        name=plan.scene.runtime.prefix.upper(),
+        whole_hz=int(rate_hz + _WHOLE_HZ),
+        numbers=numbers,
+        types="\n\n".join(state_types(plan)),
+        members=state_members(plan),
+        bytes=state_bytes(plan),
+    )

@@ -1,0 +1,97 @@
+"""The source of a scene: units, constants, the tick, the functions of its header, its self-test.
+
+In C11 and in C++17; every name of its header carries the scene's prefix. Functions of the units
+that this scene does not call are left out.
+"""
+
+from collections.abc import Sequence
+
+from springpot.codegen.emit.c_blocks import top_level_blocks, without_unused
+from springpot.codegen.emit.golden import LEG_TICKS, golden_arrays, golden_places
+from springpot.codegen.emit.header import named, state_types, unit_blocks
+from springpot.codegen.emit.render import block_text, rendered, step_functions
+from springpot.codegen.literals import constant_text, literal
+from springpot.codegen.plan.plan import Plan
+from springpot.codegen.plan.units import planned_headers, stages
+from springpot.codegen.stages.stage import RegressorStage, Stage
+from springpot.runtime_c.paths import INCLUDE
+
+_WIDTH = 100
+LATCHED_S = 0.05  # after which a latched force is 0
+
+
+def source_text(plan: Plan, manifest: str) -> str:
+    """C of the whole scene, in the order of a tick; manifest: JSON that the image holds."""
+    prefix, in_header = plan.scene.runtime.prefix, state_types(plan)
+    parts = [_rule("sp_real.h"), _number_type(plan.real)]
+    for header in planned_headers(plan):
+        blocks = (block for block in unit_blocks(header) if block not in in_header)
+        parts += [_rule(header), *blocks]
+    parts += [_rule("constants of this scene"), constants(plan)]
+    parts += top_level_blocks("\n".join(_tables(plan)))
+    parts += [_rule("the tick, and the functions of the header")]
+    parts += top_level_blocks(step_functions(plan, "@MANIFEST@"))
+    parts += [_rule("self-test"), "#ifndef SP_NO_SELFTEST /* to leave it out of an image */"]
+    parts += ["\n".join(golden_arrays(plan)), *top_level_blocks(_selftest(plan)), "#endif"]
+    text = rendered(
+        "source.c.j2",
+        plan=plan,
+        prefix=prefix,
+        forest="sp_forest.h" in planned_headers(plan),
+        body="\n\n".join(without_unused(parts)),
+    )
+    escaped = manifest.replace("\\", "\\\\").replace('"', '\\"')
+    return named(text, prefix, plan.real).replace("@MANIFEST@", escaped)
+
+
+def constants(plan: Plan) -> str:
+    """C constants that the scene itself fixes: limits, gains, rates."""
+    found = {
+        "silence": plan.silence,
+        "guard": plan.guard,
+        "range": plan.range,
+        "output": plan.output,
+        "couple": plan.couple,
+        "per_onset": plan.per_onset,
+        "per_fade": plan.per_fade,
+        "max_mps": plan.max_mps if plan.needs_device_velocity else None,
+        "smooth_alpha": plan.smooth_alpha,
+    }
+    return "\n".join(constant_text(*item) for item in found.items() if item[1] is not None)
+
+
+def _tables(plan: Plan) -> list[str]:
+    """Constant arrays of every stage; the two of the excess share theirs."""
+    once: Sequence[Stage | RegressorStage] = [
+        stage for stage in stages(plan) if not plan.excess or stage is not plan.excess[1]
+    ]
+    parts = [*once, *([plan.regressor] if plan.regressor is not None else [])]
+    return [line for stage in parts for line in ("", *stage.tables())]
+
+
+def _selftest(plan: Plan) -> str:
+    return rendered(
+        "selftest.c.j2",
+        plan=plan,
+        block_text=block_text,
+        probe=None if plan.features is None else plan.features.probe(),
+        bits="uint32_t" if plan.real == "float" else "uint64_t",
+        places=[
+            (tick, [literal(plan.dtype(at)) for at in place_m])
+            for tick, place_m in golden_places(plan)
+        ],
+        deep=3 * LEG_TICKS,
+        latched_s=literal(plan.dtype(plan.watchdog_s + 2.0 * plan.dt_s + LATCHED_S)),
+    )
+
+
+def _number_type(real: str) -> str:
+    """sp_real.h without its type, which the C writes as what it is."""
+    text = (INCLUDE / real / "sp_real.h").read_text()
+    return "\n\n".join(
+        block for block in top_level_blocks(text) if "#define sp_" in block or "_MAX" in block
+    )
+
+
+def _rule(title: str) -> str:
+    return f"/* {'-' * (_WIDTH - 7 - len(title))} {title} */"

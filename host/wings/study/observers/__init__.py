@@ -1,1 +1,0 @@
-"""Simulated people with known thresholds, who press the emitted C."""

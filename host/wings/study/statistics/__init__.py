@@ -1,1 +1,0 @@
-"""Statistics of people's answers: numbers in, frozen results out."""

@@ -1,0 +1,226 @@
+"""A scene in one file: it compiles anywhere without a warning, and gives the same bits."""
+
+import re
+import shutil
+import subprocess
+from collections.abc import Sequence
+from itertools import cycle
+from pathlib import Path
+
+import pytest
+from support.c import golden_forces
+from support.c.single import every_plan, plan_of, write_single
+from support.small import model_file, scene
+
+from springpot.codegen.emit.c_blocks import top_level_blocks, without_unused
+from springpot.codegen.plan.plan import Plan
+from springpot.codegen.plan.units import planned_headers
+from springpot.host.emission.emission import emit
+from springpot.host.native.toolchain import missing_tools
+from springpot.host.wings.boards.boards import default_board
+from springpot.host.wings.boards.firmware import build_firmware
+from springpot.host.wings.page.page_module import page_module
+from springpot.runtime_c.paths import SOURCE
+
+WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
+LANGUAGES = (
+    ("gcc", "-std=c11", ".c"),
+    ("clang", "-std=c11", ".c"),
+    ("g++", "-std=c++17", ".cpp"),
+    ("clang++", "-std=c++17", ".cpp"),
+)
+LEVELS = ("-Os", "-O0", "-O2", "-O1", "-O3")
+FOUND = [language for language in LANGUAGES if shutil.which(language[0])]
+CPU_FLAGS = Path("/proc/cpuinfo").read_text() if Path("/proc/cpuinfo").exists() else ""
+FMA = pytest.mark.skipif("fma" not in CPU_FLAGS, reason="this processor has no fused multiply-add")
+MAIN = '#include "@.h"\nint main(void) { return @_selftest() ? 3 : 0; }\n'
+
+
+LONELY = "static inline int lonely(void)\n{\n    int x = 2;\n\n    return inner() + x;\n}\n\n"
+TEXT = (
+    "static inline int inner(void)\n{\n    int x = 1;\n\n    return x;\n}\n\n"
+    f"{LONELY}/* Not lonely. */\nint public_name(void)\n{{\n    return inner();\n}}"
+)
+
+
+def test_what_nothing_calls_is_left_out_whole() -> None:
+    kept = without_unused(top_level_blocks(TEXT))
+    assert "\n\n".join(kept) == TEXT.replace(LONELY, "")
+
+
+def hammerstein() -> Plan:
+    return plan_of("soft", golden_forces.model("hammerstein"), "float32", "tool")
+
+
+def radial() -> Plan:
+    return plan_of("hard", golden_forces.model("rbf-pv"), "float64", "proxy")
+
+
+def compiled(out: Path, *arguments: str | Path) -> subprocess.CompletedProcess[str]:
+    command = [*map(str, arguments), "-o", str(out), *(() if "-c" in arguments else ("-lm",))]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
+
+
+def passes(folder: Path, source: Path, *command: str) -> bool:
+    """Whether the self-test of a source passes, built by a command."""
+    main = folder / f"main{source.suffix}"
+    main.write_text(MAIN.replace("@", source.stem))
+    done = compiled(folder / "main", *command, main, source)
+    assert done.returncode == 0, done.stderr
+    ended = subprocess.run([folder / "main"], check=False).returncode
+    assert ended in (0, 3)
+    return ended == 0
+
+
+def require_clean(
+    plan: Plan, folder: Path, level: str, languages: Sequence[tuple[str, str, str]]
+) -> None:
+    """No warning in those languages, and a self-test that passes."""
+    source = write_single(plan, folder)
+    for compiler, standard, suffix in languages:
+        options = (compiler, standard, level, *WARNINGS)
+        assert passes(folder, source.with_suffix(suffix), *options), (plan.scene.name, compiler)
+
+
+def test_no_warning_in_c_and_cpp(tmp_path: Path) -> None:
+    require_clean(hammerstein(), tmp_path, "-O0", FOUND)
+
+
+@pytest.mark.slow
+def test_no_warning_for_any_kind_at_any_level(tmp_path: Path) -> None:
+    """Levels and pairs of compilers take turns."""
+    units: set[str] = set()
+    turns = zip(cycle(LEVELS), cycle((FOUND[::3], FOUND[1:3])), strict=False)
+    for plan, (level, languages) in zip(every_plan("host"), turns, strict=False):
+        units.update(planned_headers(plan))
+        require_clean(plan, tmp_path / plan.scene.name, level, languages)
+    assert units == {file.name for file in SOURCE.glob("*.h")}
+
+
+def test_only_the_api_is_public_and_nothing_changes(tmp_path: Path) -> None:
+    source = write_single(radial(), tmp_path)
+    for compiler, _, suffix in FOUND:
+        built = tmp_path / "x.o"
+        assert compiled(built, compiler, "-O2", "-c", source.with_suffix(suffix)).returncode == 0
+        said = subprocess.run(["nm", built], capture_output=True, text=True, check=True).stdout
+        rows = [line.split()[-2:] for line in said.splitlines()]
+        declared = set(re.findall(r"\b(hard_\w+)\(", source.with_suffix(".h").read_text()))
+        assert {name for kind, name in rows if kind == "T"} == declared
+        assert not [name for kind, name in rows if kind in "BbDdC"]
+
+
+def test_two_scenes_in_one_translation_unit_and_program(tmp_path: Path) -> None:
+    sources = [write_single(plan(), tmp_path) for plan in (hammerstein, radial)]
+    text = (
+        '#include "soft.h"\n#include "hard.h"\n'
+        "static soft_state first;\nstatic hard_state second;\n"
+        "int main(void)\n{\n    float force_n = 0;\n    double other_n = 0;\n"
+        "    soft_init(&first);\n    hard_init(&second);\n"
+        "    int notes = soft_step(&first, 0.001f, 0, &force_n);\n"
+        "    notes |= hard_step(&second, 0.001, 0, &other_n);\n"
+        "    return notes < 0 || (notes & SP_NOTE_RESYNC) == 0 || soft_selftest() != 0 ||\n"
+        "           hard_selftest() != 0 || sizeof first != soft_state_size() ||\n"
+        "           sizeof second != hard_state_size();\n}\n"
+    )
+    for compiler, standard, suffix in FOUND:
+        main = tmp_path / f"main{suffix}"
+        main.write_text(text)
+        files = [source.with_suffix(suffix) for source in sources]
+        done = compiled(tmp_path / "main", compiler, standard, *WARNINGS, main, *files)
+        assert done.returncode == 0, done.stderr
+        assert subprocess.run([tmp_path / "main"], check=False).returncode == 0
+    if shutil.which("g++") is None:
+        return
+    mixed = [sources[0], sources[1].with_suffix(".cpp")]  # C and C++ of one program
+    assert compiled(tmp_path / "mixed", "g++", tmp_path / "main.cpp", "-x", "c", mixed[0],
+                    "-x", "c++", mixed[1]).returncode == 0  # fmt: skip
+    assert subprocess.run([tmp_path / "mixed"], check=False).returncode == 0
+
+
+@FMA
+@pytest.mark.parametrize("language", FOUND, ids=lambda language: language[0])
+def test_no_flag_of_ours_is_needed(tmp_path: Path, language: tuple[str, str, str]) -> None:
+    """Compilers contract by default: without its pragmas the self-test would fail."""
+    compiler, _, suffix = language
+    source = write_single(hammerstein(), tmp_path).with_suffix(suffix)
+    options = (compiler, "-O2", "-march=haswell")
+    assert passes(tmp_path, source, *options)
+    assert passes(tmp_path, source, compiler, "-Os", "-march=haswell", "-flto")
+    text, removed = re.subn(r"#pragma (STDC|GCC (optimize|push|pop)).*\n", "", source.read_text())
+    assert removed == 5
+    source.write_text(text)
+    contracts = () if "clang" in compiler else ("-ffp-contract=fast",)
+    assert not passes(tmp_path, source, *options, *contracts)
+
+
+@FMA
+@pytest.mark.skipif(shutil.which("clang") is None, reason="no clang")
+def test_the_selftest_sees_what_pragmas_cannot_stop(tmp_path: Path) -> None:
+    source = write_single(hammerstein(), tmp_path)
+    assert not passes(tmp_path, source, "clang", "-O2", "-mfma", "-ffp-contract=fast")
+    sums = ("-fassociative-math", "-fno-signed-zeros", "-fno-trapping-math")
+    assert not passes(tmp_path, source, "gcc", "-O2", *sums)
+
+
+@pytest.mark.parametrize("language", FOUND, ids=lambda language: language[0])
+def test_fast_math_does_not_compile(tmp_path: Path, language: tuple[str, str, str]) -> None:
+    compiler, _, suffix = language
+    source = write_single(hammerstein(), tmp_path).with_suffix(suffix)
+    done = compiled(tmp_path / "x.o", compiler, "-Ofast", "-c", source)
+    assert done.returncode != 0
+    assert "without -ffast-math" in done.stderr
+
+
+def test_the_header_says_all_and_names_nothing_but_the_prefix(tmp_path: Path) -> None:
+    source = write_single(plan_of("eco", golden_forces.model("rbf-pv"), "float32", "off"), tmp_path)
+    header = source.with_suffix(".h").read_text()
+    assert "Link with -lm" in header
+    assert not re.search(r"\bsp_", header)
+    typed = set(re.findall(r"\} (\w+);|struct (\w+) \{", header))
+    assert typed and all(name.startswith("eco_") for names in typed for name in names if name)
+    assert re.findall(r"#include .*", header) == ["#include <stdint.h>"]
+    text = source.read_text()
+    assert re.findall(r'#include "(.*)"', text) == ["eco.h"]
+    assert "flags.mk" not in text and "-lm" not in text
+
+
+@pytest.mark.slow
+def test_a_page_and_a_board_take_it(tmp_path: Path) -> None:
+    """Their C includes headers that a single file does not bring."""
+    emission = emit(scene(prefix="eco"), model_file(tmp_path), tmp_path / "c")
+    if not (why := missing_tools("wasm32")):
+        assert page_module(emission.folder, emission.plan, False).startswith(b"\0asm")
+    board = default_board("cortex-m4f")
+    if not missing_tools("cortex-m4f"):
+        built = build_firmware(emission.folder, board, tmp_path / "firmware", strict=True)
+        assert built.exists()
+    elif why:
+        pytest.skip(why)
+
+
+def test_the_header_says_the_scene_s_numbers(tmp_path: Path) -> None:
+    plan = hammerstein()
+    source = write_single(plan, tmp_path)
+    main = tmp_path / "main.c"
+    main.write_text(
+        '#include <stdio.h>\n#include "soft.h"\n'
+        '_Static_assert((int)SOFT_RATE_HZ == RATE, "emit the scene with the rate of this loop");\n'
+        'int main(void) { printf("%d %.9g %.9g %.9g %d", (int)SOFT_RATE_HZ, (double)SOFT_DT_S,'
+        " (double)SOFT_MAX_FORCE_N, (double)SOFT_TRAINED_DEPTH_M,"
+        " SOFT_STATE_BYTES == sizeof(soft_state)); return 0; }\n"
+    )
+    done = compiled(tmp_path / "main", "gcc", *WARNINGS, "-DRATE=1000", main, source)
+    assert done.returncode == 0, done.stderr
+    printed = subprocess.run([tmp_path / "main"], capture_output=True, text=True, check=True).stdout
+    depth_m = plan.model.trained.max_m
+    told = [round(1.0 / plan.dt_s), plan.dt_s, float(plan.output.max_n), depth_m, 1]
+    assert list(map(float, printed.split())) == pytest.approx(told)
+    slower = compiled(tmp_path / "main", "gcc", "-DRATE=90", main, source)
+    assert "emit the scene with the rate of this loop" in slower.stderr
+
+
+def test_the_state_is_as_large_as_planned(tmp_path: Path) -> None:
+    header = write_single(hammerstein(), tmp_path).with_suffix(".h")
+    header.write_text(header.read_text().replace("float smoothed_n;", "double smoothed_n;"))
+    source = header.with_suffix(".c")
+    assert "soft_state_is_as_planned" in compiled(tmp_path / "x.o", "gcc", "-c", source).stderr

@@ -1,0 +1,168 @@
+/* springpot 0.1.0 bbbf18dac13294332bd275ef44152ca90523008216ca36446ba38af2e99e8658 */
+/* springpot: the feel of a recorded soft object, one force a tick.
+ *
+ * The loop of a haptic device, at the rate SP_RATE_HZ:
+ *
+ *     static sp_state state;
+ *     sp_init(&state);
+ *     every period:  sp_step(&state, position_m, velocity_mps, &force_n);
+ *     no sample came: sp_idle(&state, period_s, &force_n);
+ *
+ * Signs: position is the penetration from the undeformed surface, positive into the object; at or
+ * below 0 there is no contact. Force is positive where it pushes the tool out of the object.
+ * Units: m, m/s, N, s.
+ *
+ * Nothing here allocates, blocks, reads a clock, or keeps anything outside the state; two states
+ * never meet. One state belongs to one thread. Send the force in the tick that computed it: one
+ * tick of delay costs most of the stiffness that a loop can render stably.
+ *
+ * Time goes on without samples. Whatever was missed (sp_idle, a sample that is not believed), the
+ * next good sample makes up for: the object's memory, the coupling's proxy and every
+ * filter go through those ticks as if the tool had moved evenly since the last good sample, and the
+ * force is the model's again at once where that is lower, within 10 ms where it is higher. Such a
+ * call takes as many ticks' time as went by. Without a good sample the force never rises; if that
+ * lasts for longer than the watchdog's time, or comes again and again, it goes to zero and stays
+ * there until sp_reset.
+ *
+ * This header and sp.c are the whole scene: add both to any project, as C11, or as C++17 with
+ * the source renamed to sp.cpp. What they need of a compiler they say themselves: no flag has to
+ * be set, and -ffast-math is refused. Call sp_selftest() once on the device, before the first
+ * force: it finds a compiler that changes floating-point results all the same.
+ *
+ * What a call returns: 0, fine; positive, notes (bits, below): the force is safe; negative,
+ * misuse: nothing has changed, and *force_n was not written.
+ */
+#ifndef SP_H
+#define SP_H
+
+#include <stdint.h>
+
+#ifndef SP_NOTES_H
+#define SP_NOTES_H
+
+/* springpot declarations begin */
+enum {
+    SP_NOTE_HELD = 1,     /* the sample was missing or not believable: the last good one was held */
+    SP_NOTE_RESYNC = 2,   /* a new position was taken as true: history restarts at it */
+    SP_NOTE_OUTSIDE = 4,  /* outside the trained depth: the model saw the nearest trained one */
+    SP_NOTE_CLAMPED = 8,  /* the force was cut to the scene's limits */
+    SP_NOTE_RAMPED = 16,  /* the force rises after a start or restart at depth, or a silence */
+    SP_NOTE_LATCHED = 32, /* the watchdog tripped: the force goes to zero, until sp_reset */
+    SP_NOTE_LIMITED = 64  /* the force grew faster than a touch makes it: held back */
+};
+
+enum {
+    SP_ERROR_NULL = -1,      /* a pointer that is needed is null */
+    SP_ERROR_TIME_STEP = -2, /* a time step that is not finite, not positive, or too long */
+    SP_ERROR_STATE = -3      /* memory that is no state: call sp_init first */
+};
+/* springpot declarations end */
+
+#endif
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* springpot declarations begin */
+typedef struct sp_state sp_state;
+
+/* Version of this interface; a host refuses a library of another. */
+uint32_t sp_abi_version(void);
+
+/* Bytes of one sp_state; align it as for double. */
+uint32_t sp_state_size(void);
+
+/* JSON: version, hash, units, sample time, number type, trained range. */
+const char *sp_manifest(void);
+
+/* First call on a state; sp_reset is the same for a state in use, and unlatches the watchdog. */
+void sp_init(sp_state *state);
+void sp_reset(sp_state *state);
+
+/* One tick: the newest position (m) and velocity (m/s; ignored by scenes that need none) in, the
+ * force (N) out. */
+int sp_step(sp_state *state, float position_m, float velocity_mps, float *force_n);
+
+/* n ticks in order; velocity_mps may be null where the scene needs none. Returns all notes. */
+int sp_run(sp_state *state, uint32_t n, const float *position_m, const float *velocity_mps,
+           float *force_n);
+
+/* dt_s (s) have passed without a sample: the force stays, or falls if the tool was on its way out,
+ * until the watchdog takes it to zero. */
+int sp_idle(sp_state *state, float dt_s, float *force_n);
+
+/* Replay the golden vectors that were emitted and compare bits: 0, or 1 + the first tick that
+ * differs, or one more than there are ticks where NaN is assumed away or a long silence does not
+ * latch. Catches a compiler whose defaults change floating-point results. Needs sp_state_size()
+ * bytes of stack more than a tick. */
+int sp_selftest(void);
+/* springpot declarations end */
+
+/* A loop can check that the scene was made for it:
+ * _Static_assert((int)SP_RATE_HZ == 1000, "emit the scene with the rate of this loop"); */
+#define SP_RATE_HZ 1000
+#define SP_DT_S 0.001f
+#define SP_MAX_FORCE_N 10.955592f
+#define SP_TRAINED_DEPTH_M 0.011998461f
+#define SP_WATCHDOG_S 0.02f
+#define SP_STATE_BYTES 108
+
+/* What one tick hands to the next, here so that a state can be allocated: not to be read, nor
+ * written, but by the functions above. */
+typedef struct {
+    float silent_s; /* since the last good sample; 0 once it is latched */
+    float lost_s;   /* silence that good samples have not yet made up for */
+    uint32_t latched;
+} sp_silence_state;
+
+typedef struct {
+    float good_m;
+    float suspect_m;
+    uint32_t agreeing;
+    uint32_t started;
+} sp_guard_state;
+
+typedef struct {
+    float u;       /* of the model in the last tick */
+    float force_n; /* which it had there */
+} sp_surface_state;
+
+typedef struct {
+    float position_m;
+    float velocity_mps;
+} sp_tool_velocity_state;
+
+typedef struct {
+    float proxy_m;
+    float proxy_mps;
+    uint32_t set; /* the proxy exists: from contact to release */
+} sp_couple_state;
+
+typedef struct {
+    float given_n; /* by the last call: from here the force grows */
+    float share;   /* 0 .. 1, of the model's force that is given */
+    float rise;    /* of the share in a tick */
+} sp_output_state;
+
+struct sp_state {
+    uint32_t begun;
+    sp_silence_state silence;
+    sp_guard_state guard;
+    float penetration_before[4];
+    float penetration_held[4];
+    float penetration_play[1];
+    sp_surface_state penetration_surface;
+    sp_tool_velocity_state tool_velocity;
+    sp_couple_state couple;
+    sp_output_state output;
+};
+
+/* Fails where a header of another number type or version was included first. */
+typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 108 ? 1 : -1];
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif
