@@ -65,7 +65,6 @@ if TYPE_CHECKING:
     from springpot.trainer.models.fit import Fit as Fit, FitOptions as FitOptions
     from springpot.trainer.recordings.conditioning import Conditioning as Conditioning
     from springpot.trainer.recordings.formats.importing import ImportOptions as ImportOptions
-    from springpot.trainer.recordings.formats.specimen import Specimen as Specimen
     from springpot.trainer.recordings.quality.report import (
         QualityReport as QualityReport,
         check_recordings as check_recordings,

@@ -23,8 +23,6 @@ if TYPE_CHECKING:
     from springpot.host.console.keys import reading_keys as reading_keys
     from springpot.host.console.lazy_group import LazyCommand as LazyCommand, LazyGroup as LazyGroup
     from springpot.host.console.options import (
-        PERCENT as PERCENT,
-        POSITIVE as POSITIVE,
         SEED as SEED,
         accept_edited_option as accept_edited_option,
         recordings_given as recordings_given,
@@ -32,7 +30,6 @@ if TYPE_CHECKING:
     from springpot.host.console.output import (
         TextTable as TextTable,
         json_option as json_option,
-        paths_argument as paths_argument,
         print_json as print_json,
         print_result as print_result,
         print_table as print_table,

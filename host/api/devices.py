@@ -23,7 +23,6 @@ if TYPE_CHECKING:
     )
     from springpot.host.devices.drivers import (
         Driver as Driver,
-        driver_of as driver_of,
         open_device as open_device,
         parse_device as parse_device,
     )

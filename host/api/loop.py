@@ -34,7 +34,6 @@ if TYPE_CHECKING:
         notes_in_words as notes_in_words,
     )
     from springpot.host.session.runner import (
-        Progress as Progress,
         SessionRunner as SessionRunner,
     )
 else:

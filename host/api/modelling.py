@@ -39,10 +39,6 @@ if TYPE_CHECKING:
         holdout as holdout,
         recording_splits as recording_splits,
     )
-    from springpot.host.wings.presses.coverage import (
-        Coverage as Coverage,
-        find_coverage as find_coverage,
-    )
     from springpot.trainer.features.fast_fir import fast_fir_bank as fast_fir_bank
     from springpot.trainer.features.fractional import (
         fir_derivatives as fir_derivatives,
@@ -81,7 +77,6 @@ if TYPE_CHECKING:
     from springpot.trainer.models.limited import (
         extrapolation as extrapolation,
         limited_n as limited_n,
-        unplaced as unplaced,
     )
     from springpot.trainer.models.passive.passive_fit import fit_passive as fit_passive
     from springpot.trainer.models.passive.passive_force import model_along as model_along
@@ -145,10 +140,8 @@ if TYPE_CHECKING:
     )
     from springpot.trainer.recordings.quality.signs import (
         require_signs as require_signs,
-        sign_doubts as sign_doubts,
     )
     from springpot.trainer.recordings.quality.spikes import (
-        LONGEST_SPIKE as LONGEST_SPIKE,
         hold_spikes as hold_spikes,
     )
     from springpot.trainer.recordings.reader_limits import (

@@ -37,7 +37,6 @@ class DeviceRequirements:
     """What a session asks of a device.
 
     presses: the loop drives the tool into an object, to record it. senses: it is read only.
-    free: the loop moves a tool that nobody holds, to measure the device.
     examined: nothing is rendered.
     hash: of the scene, for boards that render it themselves. max_n: of the scene's force.
     m_per_turn .. nm_per_a: the transmission and torque constant of a motor drive.
@@ -51,7 +50,6 @@ class DeviceRequirements:
     presses: bool = False
     senses: bool = False
     examined: bool = False
-    free: bool = False
     surface_m: float = 0.0
     m_per_turn: float | None = None
     sign: int = 1
@@ -79,12 +77,10 @@ def too_weak(
     gives: that in words. other: what else would help.
     """
     limit = at_most(max_n)
-    who, setting = (
-        ("test", f"give --max-force-n {limit}")
-        if required.free
-        else ("scene", f"set guard.max_force_n = {limit}")
+    return DeviceError(
+        f"{url}: {gives} and the scene up to {required.max_n:g} N: set guard.max_force_n = "
+        f"{limit}{other}"
     )
-    return DeviceError(f"{url}: {gives} and the {who} up to {required.max_n:g} N: {setting}{other}")
 
 
 class OpenedDevice(Protocol):
@@ -101,14 +97,6 @@ class OpenedDevice(Protocol):
     def unreached(self) -> str:
         """What its force does if this host cannot reach it any more: each driver has to say."""
         ...
-
-    @property
-    def max_n(self) -> float | None:
-        """The largest force that it promises, in the result of identify; None: it says nothing.
-
-        Sessions do not compare it with a scene: a driver refuses what it cannot give (`too_weak`).
-        """
-        return None
 
     @property
     def rate_advice(self) -> str:

@@ -61,7 +61,7 @@ class CLoop:
     """
 
     name = "C thread"
-    no_sample_advice = "check cable and power, then `springpot doctor --device URL`"
+    no_sample_advice = "check cable and power"
 
     def __init__(self, steps: StepFunctions, settings: LoopSettings) -> None:
         self._steps, self._settings = steps, settings

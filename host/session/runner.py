@@ -79,11 +79,6 @@ class SessionRunner:
         self._ticks_s = [np.zeros(0, dtype=np.float32)]
         self._stopped = False
 
-    @property
-    def max_n(self) -> float | None:
-        """The largest force that the device promises; None where it says nothing."""
-        return self._supervisor.device.max_n
-
     def start(self) -> None:
         if self._drain_thread is not None:
             raise UsageError("this session was started already: make a new one")

@@ -2,7 +2,7 @@
 
     python tests/bench/judges.py OUT [--mach1 Dynamic_data.txt] [--objects a,b] [--structures x,y]
 
-Simulated objects by structures of recording (host/wings/presses/structures.py), and Mach-1 with one
+Simulated objects by structures of recording (support/presses/structures.py), and Mach-1 with one
 frequency left out in turn. Models are fitted on the training part, emitted, built, and replayed on
 the test part. Each cell is one file of OUT/cells, written after every candidate: a run goes on
 where another ended, and computes again only what other code or other data would make different.

@@ -143,7 +143,7 @@ def test_a_part_of_springpot_is_its_own_whoever_takes_the_name(tmp_path: Path) -
     environment = beside(tmp_path, entries, "def taken(*_):\n    return 'taken'\n")
     result = python(environment, "from springpot.codegen.entry_points import part\n"
                     "print(part('force-sensor').__module__)")  # fmt: skip
-    assert result.stdout.strip() == "springpot.host.wings.lab.force_sensor.sensed_press"
+    assert result.stdout.strip() == "springpot.host.wings.force_sensor.sensed_press"
 
 
 def test_a_missing_extra_is_named_and_not_taken_for_a_broken_package(tmp_path: Path) -> None:

@@ -167,18 +167,3 @@ def absent_reason(usb: Path = _USB) -> str:
 def force_off_words(cause: int) -> str:
     """Why a device switched its forces off, by the SDK's number of the cause."""
     return _FORCE_OFF[cause] if 0 <= cause < len(_FORCE_OFF) else f"for cause {cause}"
-
-
-def sdk_found() -> tuple[bool, str, str]:
-    """Return if the SDK is there, what was seen, and what to do."""
-    try:
-        sdk = DhdLibrary("dhd://", None)
-        sdk.require("dhdGetDeviceCount")
-    except DeviceError:
-        do = f"for dhd:// devices: install the maker's SDK; {LIBRARY_VARIABLE} names its libdhd.so"
-        return False, "not found", do
-    count = sdk.c.dhdGetDeviceCount()
-    if count <= 0:
-        seen, _, do = absent_reason().partition(": ")
-        return True, f"found; {seen}", do
-    return True, f"{count} devices: `springpot doctor --device dhd://`", ""

@@ -143,8 +143,7 @@ class DhdDevice(OpenedDevice):
     @property
     def _weight_n(self) -> float:
         weight_n = self._address.number("weight_n", self._required.weight_n, -20.0, 20.0)
-        # Nobody may hold the handle up while a device is examined or measured.
-        return 0.0 if self._required.free or self._required.examined else weight_n
+        return 0.0 if self._required.examined else weight_n  # nobody may hold the handle up
 
     def _require_usable(self) -> None:
         status = self._sdk.status(self.id)

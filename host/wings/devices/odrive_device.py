@@ -88,11 +88,6 @@ class OdriveDevice(OpenedDevice):
             raise
 
     @property
-    def max_n(self) -> float | None:
-        """At the limit of torque."""
-        return self.transmission.max_n
-
-    @property
     def rate_advice(self) -> str:
         if self._rate_hz > MAX_RATE_HZ:
             return f"a drive sends at most {MAX_RATE_HZ} a second: set runtime.rate_hz"

@@ -71,11 +71,6 @@ class SerialDevice(OpenedDevice):
         return min(self.requirements.watchdog_s, _WATCHDOG_S)
 
     @property
-    def max_n(self) -> float | None:
-        """As it says in HELLO."""
-        return float(self.hello["max_n"])
-
-    @property
     def renders(self) -> bool:
         return bool(self.hello["role"] == constant("RENDERS"))
 

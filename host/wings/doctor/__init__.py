@@ -1,5 +1,5 @@
-"""`springpot doctor`: checks of this machine, and of a device before its first session."""
+"""`springpot doctor`: checks of this machine."""
 
 from springpot.console import LazyCommand
 
-DOCTOR = LazyCommand("springpot.host.wings.doctor.command:doctor", place=0)
+DOCTOR = LazyCommand("springpot.host.wings.doctor.doctor:doctor", place=0)

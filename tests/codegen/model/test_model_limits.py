@@ -42,7 +42,6 @@ LEAF = Forest(
 BINS = Quantisation(np.zeros(2), ones(2))
 RBF = Rbf(ones(2), ones(2), -ones(2), ones(2), ones((3, 2)), ones(3), ones(3))
 MODEL = Model("rf-fd", "x", 1e-3, "surface", RANGE, FIR, LEAF, PASSIVE, False)
-LAW = dict.fromkeys(("stiffness_npm", "coefficient", "order"), (1.0, None))  # and half widths
 TERMS = 1000
 SAMPLES = 1_000_000
 
@@ -108,7 +107,6 @@ TAKEN: list[tuple[Any, dict[str, Any]]] = [
     (MODEL, {"hammerstein_adds": True}),
     (MODEL, {"hammerstein": None}),
     (MODEL, {"features": None, "regressor": None, "hammerstein_adds": True}),
-    (MODEL, {"provenance": {"material": LAW}, "hammerstein": None}),
     (PASSIVE, terms(TERMS, TERMS)),
     (PASSIVE, terms(0, 0)),
     (PASSIVE, {"flow": FLOW, "damage": DAMAGE, "recovers": True}),
@@ -127,8 +125,6 @@ REFUSED: list[tuple[Any, dict[str, Any], str]] = [
     (MODEL, {"regressor": None}, "features, regressor: "),
     (MODEL, {"features": None, "regressor": None}, "regressor, hammerstein: "),
     (MODEL, {"hammerstein": None, "hammerstein_adds": True}, "hammerstein_adds: "),
-    (MODEL, {"kind": "springpot", "hammerstein": None, "provenance": {"material": LAW}},
-     "provenance.material: "),
     (MODEL, {"provenance": {"seed": -1}}, "provenance"),
     (MODEL, {"trained": dataclasses.replace(RANGE, min_m=1.0)}, "trained.min_m, max_m: "),
     (MODEL, {"features": dataclasses.replace(FIR, taps=ones((0, 2)))}, "features.taps: "),

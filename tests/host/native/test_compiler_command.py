@@ -16,7 +16,7 @@ from springpot.host.native.compiler import (
     compiler_version,
     find_compiler,
 )
-from springpot.host.wings.doctor.machine_check import examine
+from springpot.host.wings.doctor.doctor import examine
 
 GCC = shutil.which("gcc")
 

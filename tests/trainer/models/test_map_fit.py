@@ -7,6 +7,7 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
+from support.presses.places import grid_profiles
 from support.small import DT_S, passive_model, press, scene
 
 from springpot import DataError, FitOptions, Model, Recording, UsageError
@@ -68,10 +69,9 @@ def test_other_kinds_few_sites_and_missing_places_are_refused() -> None:
 def lump() -> Model:
     """A map of 5 x 5 recorded sites."""
     with TemporaryDirectory() as folder:
-        protocol, sites = Path(folder) / "map.toml", Path(folder) / "sites"
-        protocol.write_text("[places]\nspan_m = [0.03, 0.03]\nfull = 5\nshort = 20\n")
+        sites = Path(folder) / "sites"
         bench = open_press_device("sim://lump")
-        record_session(bench, "sim://lump", "map", load_protocol(str(protocol), 0), sites)
+        record_session(bench, "sim://lump", "map", grid_profiles(5), sites)
         return fit_model("auto", "lump", read_recordings([sites]), FitOptions()).model
 
 

@@ -19,7 +19,7 @@ from springpot.host.wings.devices.serial_port import (
     require_fast_adapter,
     used_by,
 )
-from springpot.host.wings.doctor import machine_check as doctor
+from springpot.host.wings.doctor import doctor
 
 
 def refused(place: object) -> str:
@@ -124,12 +124,8 @@ def test_a_latency_timer_is_looked_up_by_the_real_name(tmp_path, monkeypatch) ->
         )
 
 
-@pytest.mark.parametrize(("found", "said"), [("n/a", "does not say what"), ("a board", "a board")])
-def test_the_doctor_describes_a_port(
-    monkeypatch: pytest.MonkeyPatch, found: str, said: str
-) -> None:
-    port = types.SimpleNamespace(device="/dev/null", description=found)
-    monkeypatch.setattr(doctor.list_ports, "comports", lambda: [port])
-    (diagnosis,) = doctor._serial_ports()
+@pytest.mark.parametrize(("found", "said"), [("n/a", "nothing is known"), ("a board", "a board")])
+def test_the_doctor_describes_a_port(found: str, said: str) -> None:
+    diagnosis = doctor._serial_port("/dev/null", found)
     assert diagnosis.found
     assert said in diagnosis.seen

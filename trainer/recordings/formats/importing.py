@@ -21,7 +21,6 @@ from springpot.trainer.recordings.formats.file_format import (
 )
 from springpot.trainer.recordings.formats.raw_channels import RawChannels
 from springpot.trainer.recordings.formats.sampling import to_recording
-from springpot.trainer.recordings.formats.specimen import Specimen
 from springpot.trainer.recordings.formats.uneven_tail import tail_note
 from springpot.trainer.recordings.formats.units import factor_to_si
 from springpot.trainer.recordings.journal import JOURNAL_SUFFIX
@@ -41,7 +40,6 @@ class ImportOptions:
 
     dbc: database of a CAN log. block: only blocks of this kind of a Mach-1 file.
     decimal: what marks decimals in a CSV file, None: guessed.
-    specimen: sizes, if a CSV file has stress and strain in place of force and position.
     conditioning: delays, mass, tare and contact point.
     place_m: where the object was pressed, x and y, or the headers of the two columns that say it;
     None: what the file says.
@@ -54,7 +52,6 @@ class ImportOptions:
     block: str | None = None
     decimal: DecimalMark | None = None
     conditioning: Conditioning = field(default_factory=Conditioning)
-    specimen: Specimen | None = None
     place_m: tuple[float, float] | tuple[str, str] | None = None
     __repr__ = short_repr
 
@@ -121,13 +118,11 @@ def _imported(
             return _import_again(path, mapping, zero, resample_hz, options)
         request = FileRequest(
             mapping or {}, options.dbc, options.block, options.decimal, resample_hz is not None,
-            options.specimen, options.columns_of_place,
+            options.columns_of_place,
         )  # fmt: skip
         raws, guess = _read(path, start, request)
     except OSError as error:
         raise DataError(f"{path}: {error.strerror}: give a file that can be read") from None
-    if options.specimen and not options.specimen.made_of(raws[0].details):
-        raise UsageError(f"{path}: --area, --height: no columns of stress and strain were read")
     names = _unique([raw.name for raw in raws])
     recordings = []
     for raw, name in zip(raws, names, strict=True):
