@@ -20,7 +20,7 @@ from springpot.host.validation.store import read_validation
 from springpot.host.wings.evidence.benchmark.labels import kilobytes
 from springpot.host.wings.evidence.benchmark.point import points_of
 from springpot.host.wings.evidence.benchmark.report import plain
-from springpot.host.wings.report.figures import prediction_figure, typical_series
+from springpot.host.wings.report.figures import median_series, time_figure
 from springpot.trainer.kinds import AUTO
 
 Metadata = dict[str, Any]
@@ -96,4 +96,4 @@ def sentence(benches: Sequence[Metadata], judges: Metadata) -> str:
 
 if __name__ == "__main__":
     folder, picture = map(Path, sys.argv[1:])
-    picture.write_text(prediction_figure(typical_series(read_validation(folder).series)))
+    picture.write_text(time_figure(median_series(read_validation(folder).series)))

@@ -31,7 +31,7 @@ atexit.register(said)
 """
 MAIN = "import sys; sys.argv = ['springpot', *{}]; from springpot.host.cli import main; main()"
 COMMANDS = (
-    "--help", "train --help", "doctor --json", "check training", "plot training --out plots",
+    "--help", "train --help", "doctor --json", "check training",
     "train training --model rf-fd --out other.spm", "train training --model rbf-fd --out other.spm",
     "emit --scene scene.toml --out c", "validate c --recording validation",
     "stability --scene scene.toml", "report c",

@@ -54,18 +54,17 @@ WIDTHS = (400, 1024, 1100, 1199, 1366, 1440, 1600)  # px, each side of where the
 def test_no_page_is_wider_than_the_window(
     pages: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Neither of the site, nor what people get: report, stability, and the page to press."""
+    """Neither of the site, nor the report."""
     small_job(tmp_path)
     monkeypatch.chdir(tmp_path)
     for command in (
         "emit --scene scene.toml --out c",
         "validate c --recording validation",
         "report c",
-        "stability --scene scene.toml --report stability.html",
     ):
         done = spring(*command.split())
         assert done.returncode == 0, done.stderr
-    made = [tmp_path / "c" / "report.html", tmp_path / "stability.html"]
+    made = [tmp_path / "c" / "report.html"]
     shown = [*made, *(page for page in pages.rglob("*.html") if "_static" not in page.parts)]
     with driven_browser(tmp_path) as browser:
         for page in shown:

@@ -40,7 +40,7 @@ frequency_hz = 2.0
 cycles = 3
 """
 OF_WINGS = ("study", "identify", "place", "bench", "reproduce", "page", "material", "doctor",
-            "demo", "plot", "report", "firmware", "completion",
+            "demo", "report", "firmware", "completion",
             "export", "predict")  # fmt: skip
 FOREIGN = {  # how files of formats begin that only a wing reads
     "x.mat": b"MATLAB 5.0 MAT-file, made by hand\0\1\2",
@@ -133,7 +133,6 @@ def require_line(folder: Path, words: str, status: int, told: str) -> None:
     [
         "train press.h5 --model rf-fd --within 1% --out x.spm",
         "train press.h5 --model hammerstein --next x.toml --out x.spm",
-        "stability --scene scene.toml --report x.html",
         "emit --scene scene.toml --single --out c",
         "import press.csv --tare auto --out r",
         pytest.param(

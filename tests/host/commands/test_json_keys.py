@@ -25,9 +25,9 @@ PAGE = (ROOT / "docs" / "reference" / "json.md").read_text()
 SCENE = 'schema = 1\nname = "x"\nmodel = "hammerstein.spm"\n'
 # What is not run here, for it takes people, devices or minutes: where its result is put together.
 BUILT = {
-    "springpot demo": "host/wings/report/commands/demo.py",
+    "springpot demo": "host/wings/report/commands.py",
     "springpot place": "host/wings/lab/commands/place.py",
-    "springpot report": "host/wings/report/commands/report.py",
+    "springpot report": "host/wings/report/commands.py",
     "springpot reproduce": "host/wings/evidence/paper/evidence.py",
     "springpot study run": "host/wings/study/session.py",
 }
@@ -135,7 +135,6 @@ def test_of_recordings(job: Path) -> None:
     )
     compare("springpot import", ("rig.csv", "--place", "5,10mm", "--out", "imported"))
     compare("springpot check", ("training",), ("imported",))
-    compare("springpot plot", ("validation", "--out", "plots"))
     compare("springpot export", ("training", "--to", "mat", "--out", "mat"))  # fmt: skip
 
 

@@ -225,17 +225,6 @@ def test_check_refuses_with_status_3_after_its_report(tmp_path: Path) -> None:
     assert set(answer["findings"][0]) == keys
 
 
-def test_pictures(tmp_path: Path) -> None:
-    write_recording(tmp_path / "a.h5", sine())
-    starts = {"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}
-    forms = [word for form in starts for word in ("--format", form)]
-    done = spring("plot", tmp_path, "--out", tmp_path / "p", *forms, "--json")
-    files = json.loads(done.stdout)["files"]
-    assert len(files) == 15
-    for file in map(Path, files):
-        assert file.read_bytes().startswith(starts[file.suffix[1:]])
-
-
 def test_stiffness_of_the_real_sinusoids(mach1_file: Path) -> None:
     """Published with the data: stiffness rises from about 912 to 1035 N/mm."""
     report = check_recordings(import_file(mach1_file, None, "first", None).recordings)
