@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from importlib import import_module
 from typing import TYPE_CHECKING
 
-from springpot.codegen.entry_points import blaming, registered, required_part
+from springpot.codegen.entry_points import blaming, registered
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.short_repr import short_repr
 from springpot.trainer.paper import PAPER_SMOOTH_S
@@ -49,14 +49,8 @@ RBF_FD = Kind("rbf-fd", "the paper's: radial basis functions on two fractional d
               f"{_MODELS}.rbf:fit_rbf_fd", "s", "#c1121f", 1)  # fmt: skip
 RBF_PV = Kind("rbf-pv", "the paper's baseline: radial basis functions on position and velocity",
               f"{_MODELS}.rbf:fit_rbf_pv", "^", "#e09f3e", 2)  # fmt: skip
-RF_HISTORY = Kind("rf-history", "the negative control: a forest on past positions",
-                  f"{_MODELS}.rf_fd:fit_rf_history", "v", "#8d99ae", 3)  # fmt: skip
 HAMMERSTEIN = Kind("hammerstein", "springs, Maxwell branches and stops with non-negative weights",
                    f"{_MODELS}.hammerstein:fit_hammerstein", "P", "#2d6a4f", 4)  # fmt: skip
-HYBRID = Kind("hybrid", "hammerstein, and a small forest on what it leaves over",
-              f"{_MODELS}.hybrid:fit_hybrid", "X", "#40916c", 5)  # fmt: skip
-BOOSTED = Kind("boosted", "boosted trees on fractional derivatives",
-               f"{_MODELS}.rf_fd:fit_boosted", "D", "#5a189a", 6)  # fmt: skip
 AUTO = "auto"  # the kind of lowest cross-validated error
 _AUTO_FIT = "springpot.trainer.selection.auto:fit_auto"
 
@@ -77,7 +71,7 @@ def fit_model(
     options: "FitOptions",
     validation: "Sequence[Recording]" = (),
 ) -> "Fit":
-    """Fit one model. `validation` decides only for rbf-fd and --within with select "paper".
+    """Fit one model. `validation` decides only for rbf-fd with select "paper".
 
     Raises UsageError for an unknown kind, DataError where the recordings do not fit together or
     are no object's.
@@ -147,15 +141,13 @@ def fit_kind(
 
     if kind not in kind_names():
         raise UsageError(f"kind {kind!r}: use one of {', '.join(kind_names())}")
-    if options.within is not None and kind != "rf-fd":
-        raise UsageError(f"--within reduces rf-fd; {kind} has no trees to leave out")
+    if options.past_positions and kind != RF_FD.name:
+        raise UsageError(f"--past-positions: a control of {RF_FD.name}, not of {kind}")
     # The matrices are small: more threads of BLAS wait for each other, ten times longer on a
     # machine that has other work.
     with threadpool_limits(1, user_api="blas"):
         if kind == AUTO:
             fit = _loaded(_AUTO_FIT)(name, data, options, validation)
-        elif options.within is not None:
-            fit = required_part("smaller-forest", "--within")(name, data, options, validation)
         else:
             fit = _fitted(kind, name, data, options, validation)
     warnings = dict.fromkeys((*data.warnings, *fit.warnings, *_short_recordings(data, options)))

@@ -52,10 +52,6 @@ if TYPE_CHECKING:
         ensemble_data as ensemble_data,
         from_ensemble as from_ensemble,
     )
-    from springpot.host.wings.estimators.estimator import (
-        PositionRegressor as PositionRegressor,
-        neg_rmse_n as neg_rmse_n,
-    )
     from springpot.loaded import LoadedScene as LoadedScene, load as load
     from springpot.steps import (
         emit as emit,

@@ -77,11 +77,10 @@ def train(
     n_centers: int = FitOptions.n_centers,
     centers: Literal["farthest", "greedy"] = FitOptions.centers,
     select: Literal["cv", "paper"] = FitOptions.select,
-    monotone: bool = FitOptions.monotone,
     engine: Engine | None = FitOptions.engine,
     round_features: bool = FitOptions.round_features,
+    past_positions: bool = FitOptions.past_positions,
     orders: Sequence[float] | None = FitOptions.orders,
-    within: float | None = FitOptions.within,
     poles: int = FitOptions.poles,
 ) -> Fit:
     """Fit a model of a kind of `kind_names()`: the result's `model`.
@@ -97,13 +96,12 @@ def train(
     leaf: how many rows the smallest leaf of a tree holds.
     n_centers: how many radial basis functions rbf-fd and rbf-pv have.
     centers: how rbf-fd and rbf-pv choose them.
-    select: rbf-fd and `within` choose by cross-validation, or as the paper on `validation`.
-    monotone: of boosted, the force never falls as a derivative rises.
+    select: rbf-fd chooses by cross-validation, or as the paper on `validation`.
     engine: of the fractional filters: taps, the same from a few exponentials, or exponentials that
     are exact at any rate; None: taps, and the last where the window is long.
     round_features: trees are fitted on features in 16-bit steps: faster C without search.
+    past_positions: rf-fd on ten past positions, as its control: they act with negative damping.
     orders: of the fractional derivatives, each 0 to 1; None: the paper's ten.
-    within: the smallest rf-fd with an error at most this share above that of the size asked for.
     poles: how many time constants hammerstein, and the passive part of every kind, may use.
     Raises UsageError for an unknown kind or an option's value, DataError for recordings that cannot
     be trusted or do not fit together.

@@ -52,7 +52,7 @@ def map_words(plan: Plan, model_map: Map, scene_map: Map) -> Iterator[str]:
     if active:
         yield (
             f"The model is not passive in {active} of {cells} small-signal cells: a light hand "
-            "may feel it buzz; hammerstein, or boosted with --monotone, has none."
+            "may feel it buzz; hammerstein has none."
         )
     of_scene, cells = scene_map.active(False)
     if of_scene > active:

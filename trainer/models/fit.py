@@ -43,11 +43,10 @@ class FitOptions:
     n_centers: Annotated[int, Ge(1)] = PAPER_CENTERS
     centers: Literal["farthest", "greedy"] = "farthest"
     select: Literal["cv", "paper"] = "cv"
-    monotone: bool = False
     engine: Engine | None = None
     round_features: bool = False
+    past_positions: bool = False
     orders: tuple[Annotated[float, Interval(ge=0, le=1)], ...] | None = None
-    within: Annotated[float, Interval(ge=0, lt=inf)] | None = None
     poles: Annotated[int, Ge(1)] = PASSIVE_POLES
     __repr__ = short_repr
 

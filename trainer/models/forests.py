@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.ensemble import HistGradientBoostingRegressor, RandomForestRegressor
+from sklearn.ensemble import RandomForestRegressor
 from sklearn.exceptions import NotFittedError
 from sklearn.utils.validation import check_is_fitted
 
@@ -63,25 +63,6 @@ def fit_forest(
     """Random forest on scaled features, unscaled, and each feature's importance, (features,)."""
     regressor = fitted_forest(trees, leaf, seed, (scale * features).astype(np.float32), force_n)
     return forest_ir(regressor).on_scaled(scale), regressor.feature_importances_
-
-
-def boosted_forest(
-    features: Samples, force_n: Samples, scale: float, trees: int, seed: int, monotone: bool
-) -> Forest:
-    """Gradient-boosted trees of depth 4; monotone: force never falls as a derivative rises.
-
-    By default so for the upper half of the orders only: they lead the motion, and a force that
-    falls as they rise yields energy (tests/bench/trees/tree_evidence.py).
-    """
-    n = features.shape[1]
-    regressor = HistGradientBoostingRegressor(
-        max_iter=trees,
-        max_depth=4,
-        random_state=seed,
-        early_stopping=False,
-        monotonic_cst=[int(monotone or i >= n // 2) for i in range(n)],
-    ).fit((scale * features).astype(np.float32), force_n)
-    return boosted_ir(regressor).on_scaled(scale)
 
 
 def ensemble_ir(regressor: Any) -> Forest:

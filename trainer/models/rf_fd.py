@@ -1,4 +1,4 @@
-"""Kinds `rf-fd`, `rf-history` and `boosted`: trees on fractional derivatives or past positions."""
+"""Kind `rf-fd`: a forest on fractional derivatives, or on past positions as its control."""
 
 import dataclasses
 import time
@@ -9,11 +9,10 @@ import numpy as np
 from springpot.codegen.errors import UsageError
 from springpot.codegen.forest.leaves import quantisation_over, rounded
 from springpot.codegen.model.features import Features, FirBank, FractionalBank, Lags
-from springpot.codegen.model.regressors import Forest
 from springpot.trainer.features.fast_fir import fast_fir_bank
 from springpot.trainer.features.fractional import gl_taps, recursive_bank
 from springpot.trainer.models.fit import Engine, Fit, FitOptions, assemble
-from springpot.trainer.models.forests import boosted_forest, depth_scale, fit_forest
+from springpot.trainer.models.forests import depth_scale, fit_forest
 from springpot.trainer.models.passive.passive_fit import fit_passive
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.recording import Recording
@@ -72,33 +71,17 @@ def history_features(dt_s: float, window_s: float | None) -> Lags:
 def fit_rf_fd(
     name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
 ) -> Fit:
-    """Kind `rf-fd`: the paper's forest on fractional derivatives (section IV-B)."""
-    return _fit("rf-fd", name, data, options)
+    """Kind `rf-fd`: the paper's forest on fractional derivatives (section IV-B).
 
-
-def fit_rf_history(
-    name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
-) -> Fit:
-    """A forest on past positions: the negative control, known to act with negative damping."""
-    return _fit("rf-history", name, data, options)
-
-
-def fit_boosted(
-    name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
-) -> Fit:
-    """Gradient-boosted trees on fractional derivatives."""
-    return _fit("boosted", name, data, options)
-
-
-def _asked_features(kind: str, data: TrainingSet, options: FitOptions) -> Features:
-    if kind == "rf-history":
-        return history_features(data.dt_s, options.window_s)
-    orders = options.orders or PAPER_ORDERS
-    return fractional_features(data.dt_s, options.window_s, options.engine, orders)
-
-
-def _fit(kind: str, name: str, data: TrainingSet, options: FitOptions) -> Fit:
-    features = _asked_features(kind, data, options)
+    With `past_positions` on ten past positions ([24]), its control: known to act with negative
+    damping.
+    """
+    features: Features
+    if options.past_positions:
+        features = history_features(data.dt_s, options.window_s)
+    else:
+        orders = options.orders or PAPER_ORDERS
+        features = fractional_features(data.dt_s, options.window_s, options.engine, orders)
     begin = time.perf_counter()
     rows = data.rows(options.fraction, options.seed)
     force_n = data.force_n(rows)
@@ -111,21 +94,11 @@ def _fit(kind: str, name: str, data: TrainingSet, options: FitOptions) -> Fit:
     else:
         scale = depth_scale(data.trained.max_m - min(data.trained.min_m, 0.0))
     begin = time.perf_counter()
-    forest: Forest
-    importance: list[float] = []
-    if kind == "boosted":
-        forest = boosted_forest(
-            values, force_n, scale, options.trees, options.seed, options.monotone
-        )
-    else:
-        forest, shares = fit_forest(
-            values, force_n, scale, options.trees, options.leaf, options.seed
-        )
-        importance = shares.tolist()
+    forest, shares = fit_forest(values, force_n, scale, options.trees, options.leaf, options.seed)
     forest = dataclasses.replace(forest, quantisation=quantisation)
     fit_s = time.perf_counter() - begin
     passive, _, _ = fit_passive(data, options)
-    metadata = {"n_nodes": len(forest.feature), "importance": importance}
+    metadata = {"n_nodes": len(forest.feature), "importance": shares.tolist()}
     parts = (features, forest)
-    model = assemble(kind, name, data, options, len(rows), parts, passive, False, metadata)
+    model = assemble("rf-fd", name, data, options, len(rows), parts, passive, False, metadata)
     return Fit(model, len(rows), feature_s, fit_s, metadata=metadata)

@@ -1,4 +1,4 @@
-"""Kind `auto`: the passive model, unless trees on top of it lower the held-out error for certain.
+"""Kind `auto`: the passive model, unless a forest lowers the held-out error for certain.
 
 The validation data is never seen.
 """
@@ -7,16 +7,10 @@ import time
 from collections.abc import Sequence
 from dataclasses import replace
 
-from springpot.codegen.model.features import Features
-from springpot.codegen.model.model import Model
+from springpot.trainer.features.fractional import recursive_bank
 from springpot.trainer.kinds import fit_kind
 from springpot.trainer.models.fit import Fit, FitOptions
-from springpot.trainer.models.hybrid import (
-    HYBRID_LEAF,
-    HYBRID_TREES,
-    derivative_features,
-    lag_features,
-)
+from springpot.trainer.models.rf_fd import PAPER_ORDERS
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.selection.cross_validation import TreeFit, folded_rows
@@ -25,7 +19,6 @@ from springpot.trainer.selection.small_signal import active_cells
 
 GAIN, GAIN_OF_ONE = 0.05, 0.10  # of the error, that trees have to take off; with one recording
 FORCE_TOLERANCE = 5e-4  # of the maximum force: below what a sensor or a hand resolves
-_SHARES = (0.75, 0.5)  # of the trees' force, where all of it gives energy
 
 
 def fit_auto(
@@ -33,8 +26,8 @@ def fit_auto(
 ) -> Fit:
     """Fit the best candidate on all training recordings.
 
-    Its metadata has the table of scores, and in words why it was chosen. Of trees that give energy
-    in small motions a share is taken that does not; if there is none, they are passed over.
+    Its metadata has the table of scores, and in words why it was chosen. A forest that gives energy
+    in small motions is passed over.
     """
     begin = time.perf_counter()
     known = candidates(data, options)
@@ -46,17 +39,15 @@ def fit_auto(
         candidate = next(some for some in known if some.name == chosen.name)
         search_s = time.perf_counter() - begin
         fit = fit_kind(candidate.kind, name, data, candidate.options)
-        model, share, cells = _quiet(fit.model)
+        cells = 0 if chosen.name == PASSIVE else active_cells(fit.model)
         if cells == 0:
-            fit = replace(fit, model=model)
             break
         active[chosen.name] = cells
     metadata = {
         **fit.metadata,
         "chosen": chosen.name,
         "scores": [vars(score) for score in scores],
-        "why": reason(chosen, scores, gain, peak_n, active) + _shared(share),
-        "share_of_trees": share,
+        "why": reason(chosen, scores, gain, peak_n, active),
     }
     return replace(fit, search_s=search_s, metadata=metadata)
 
@@ -110,56 +101,20 @@ def reason(
 
 
 def candidates(data: TrainingSet, options: FitOptions) -> list[AutoCandidate]:
-    """The passive model, trees on what it leaves over, and the paper's forest with a long memory.
-
-    The paper's other models were the best on none of the judges (tests/bench/judges.py).
-    """
+    """The passive model, and the paper's forest with a memory as long as the recordings."""
     long = replace(options, engine="recursive", window_s=data.longest_s)
-    remembering = derivative_features(data)
-
-    def on_top(features: Features) -> TreeFit:
-        return TreeFit(features, HYBRID_TREES, HYBRID_LEAF, adds=True)
-
-    alone = TreeFit(remembering, options.trees, options.leaf, adds=False)
+    remembering = recursive_bank(PAPER_ORDERS, data.dt_s, data.longest_s)
+    forest = TreeFit(remembering, options.trees, options.leaf)
     return [
         AutoCandidate(PASSIVE, 1, "hammerstein", options, None),
-        AutoCandidate("hybrid lags", 4, "hybrid", options, on_top(lag_features(data))),
-        AutoCandidate("hybrid derivatives", 4, "hybrid", long, on_top(remembering)),
-        AutoCandidate("rf-fd long", 6, "rf-fd", long, alone),
+        AutoCandidate("rf-fd long", 6, "rf-fd", long, forest),
     ]
-
-
-def _quiet(model: Model) -> tuple[Model, float, int]:
-    """The model with the largest share of its trees that has no active cell, the share, and cells.
-
-    The share is 0 of a model without trees.
-    What trees add on top of the passive model may be any share of them; a forest alone may not.
-    """
-    if model.regressor is None:
-        return model, 0.0, 0
-    all_cells = active_cells(model)
-    if all_cells and model.hammerstein_adds:
-        for share in _SHARES:
-            quieter = replace(
-                model,
-                regressor=model.regressor.share(share),
-                provenance={**model.provenance, "share_of_trees": share},
-            )
-            if active_cells(quieter) == 0:
-                return quieter, share, 0
-    return model, 1.0, all_cells
 
 
 def _percent(ratio: float) -> str:
     """An error's ratio to another's, in words."""
     change = 100 * abs(ratio - 1.0)
     return f"{change:.0f} % {'less' if ratio < 1.0 else 'more'} error"
-
-
-def _shared(share: float) -> str:
-    if share in (0.0, 1.0):
-        return ""
-    return f"; {share:g} of the trees' force is added, more of it gives energy in small motions"
 
 
 def _share(score: Score, peak_n: float) -> str:

@@ -19,27 +19,24 @@ _TEST_ROWS = 12_000
 
 @dataclass(frozen=True, eq=False)
 class TreeFit:
-    """A forest to be judged; adds: on what the passive part leaves over."""
+    """A forest to be judged."""
 
     features: Features
     trees: int
     leaf: int
-    adds: bool
 
 
 @dataclass(frozen=True, eq=False)
 class RowFold:
     """One fold of a family: which of the fitted rows it keeps, which of the tested ones it holds.
 
-    fitted_n, tested_n: what the passive part, fitted without this fold, leaves over at all rows of
-    either sort, N.
+    left_n: what the passive part, fitted without this fold, leaves over at all tested rows, N.
     """
 
     family: int
     kept: NDArray[np.bool_]
     held: NDArray[np.bool_]
-    fitted_n: Samples
-    tested_n: Samples
+    left_n: Samples
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +51,7 @@ class FoldedRows:
 
     def passive_errors_n(self) -> list[float]:
         """RMSE of the passive part alone on each fold, N."""
-        return [rms(fold.tested_n[fold.held]) for fold in self.folds]
+        return [rms(fold.left_n[fold.held]) for fold in self.folds]
 
     def tree_errors_n(self, wanted: TreeFit) -> Iterator[float]:
         """RMSE of a forest on each fold, N, one after another."""
@@ -66,13 +63,11 @@ class FoldedRows:
         )
         measured_n, test_n = data.force_n(self.fitted), data.force_n(self.tested)
         for fold in self.folds:
-            target_n = fold.fitted_n if wanted.adds else measured_n
-            wanted_n = fold.tested_n if wanted.adds else test_n
             kept, held = fold.kept, fold.held
             forest = fitted_forest(
-                wanted.trees, wanted.leaf, self.seed, values[kept], target_n[kept]
+                wanted.trees, wanted.leaf, self.seed, values[kept], measured_n[kept]
             )
-            yield rms(forest.predict(test_values[held]) - wanted_n[held])
+            yield rms(forest.predict(test_values[held]) - test_n[held])
 
 
 def folded_rows(data: TrainingSet, options: FitOptions) -> FoldedRows:
@@ -84,8 +79,8 @@ def folded_rows(data: TrainingSet, options: FitOptions) -> FoldedRows:
     fitted = data.rows(options.fraction, options.seed)
     tested = np.linspace(0, data.rows_total - 1, count).astype(np.intp)
     passive = passive_choice(data, options)[0]
-    values, test_values = (term_columns(passive.terms, data, rows) for rows in (fitted, tested))
-    measured_n, test_n = data.force_n(fitted), data.force_n(tested)
+    test_values = term_columns(passive.terms, data, tested)
+    test_n = data.force_n(tested)
     families = (fold_families(data, rows, options.seed) for rows in (fitted, tested))
     folds = []
     for family, (of_fitted, of_tested) in enumerate(zip(*families, strict=True)):
@@ -94,7 +89,6 @@ def folded_rows(data: TrainingSet, options: FitOptions) -> FoldedRows:
             if kept.any() and held.any():
                 weights = passive.weights_without(family, number)
                 if weights is not None:
-                    left_n = measured_n - passive.rows.given_n(values @ weights)
-                    test_left_n = test_n - passive.rows.given_n(test_values @ weights)
-                    folds.append(RowFold(family, kept, held, left_n, test_left_n))
+                    left_n = test_n - passive.rows.given_n(test_values @ weights)
+                    folds.append(RowFold(family, kept, held, left_n))
     return FoldedRows(data, options.seed, fitted, tested, tuple(folds))

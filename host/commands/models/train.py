@@ -8,7 +8,7 @@ import click
 from springpot.codegen.entry_points import part, required_part
 from springpot.codegen.errors import UsageError
 from springpot.codegen.plurals import number_of
-from springpot.host.console.options import NOT_NEGATIVE, PATH, PERCENT, POSITIVE, SEED, FiniteRange
+from springpot.host.console.options import NOT_NEGATIVE, PATH, POSITIVE, SEED, FiniteRange
 from springpot.host.console.output import (
     json_option,
     paths_argument,
@@ -49,6 +49,13 @@ if TYPE_CHECKING:
     help="Share of rows used; default 0.2 from 20 000 rows on, all below.",
 )
 @click.option(
+    "--trees", type=click.IntRange(1), default=100, show_default=True, help="rf-fd: of the forest."
+)
+@click.option(
+    "--leaf", type=click.IntRange(1), default=5, show_default=True,
+    help="rf-fd: rows of the smallest leaf.",
+)  # fmt: skip
+@click.option(
     "--window-s",
     type=POSITIVE,
     help="Length of the filters' memory, s; default 171 samples, 1000 s if recursive.",
@@ -66,7 +73,7 @@ if TYPE_CHECKING:
     type=click.Choice(["cv", "paper"]),
     default="cv",
     show_default=True,
-    help="rbf-fd, --within: by cross-validation, or on the validation recordings.",
+    help="rbf-fd: by cross-validation, or on the validation recordings.",
 )
 @click.option(
     "--centers",
@@ -84,17 +91,10 @@ if TYPE_CHECKING:
 @click.option(
     "--round-features",
     is_flag=True,
-    help="rf-fd, rf-history, boosted: trees on features in 16-bit steps; faster, no search.",
+    help="rf-fd: trees on features in 16-bit steps; faster, no search.",
 )
 @click.option(
-    "--within",
-    type=PERCENT,
-    metavar="P%",
-    help="rf-fd: the smallest forest whose error is at most P % above that of the paper's size; "
-    "compared as --select says.",
-)
-@click.option(
-    "--monotone", is_flag=True, help="boosted: the force never falls as a derivative rises."
+    "--past-positions", is_flag=True, help="rf-fd: on ten past positions, as its control."
 )
 @click.option(
     "--next",

@@ -39,7 +39,7 @@ def default_sweep(dt_s: float, options: FitOptions, kinds: Sequence[str] = ()) -
 
     The paper's three models are among them: rf-fd, rbf-fd and rbf-pv with nothing named.
     """
-    found = [*_forests(dt_s, options), *_boosted(options), *_functions(options), *_passive(options)]
+    found = [*_forests(dt_s, options), *_functions(options), *_passive(options)]
     swept = {candidate.kind for candidate in found}
     found += [Candidate(kind, options) for kind in KINDS if kind not in swept]
     return [candidate for candidate in found if not kinds or candidate.kind in kinds]
@@ -59,17 +59,7 @@ def _forests(dt_s: float, options: FitOptions) -> Iterator[Candidate]:
     for window_s in (20 * PAPER_TAPS * dt_s, None):
         yield Candidate("rf-fd", replace(small, engine="recursive", window_s=window_s))
     yield Candidate("rf-fd", options, "float64")
-    for trees, leaf in ((10, 20), (30, 20), (30, 5), (100, 5)):
-        yield Candidate("rf-history", replace(options, trees=trees, leaf=leaf))
-
-
-def _boosted(options: FitOptions) -> Iterator[Candidate]:
-    fast = replace(options, engine="fir-fast", round_features=True)
-    for trees in (30, 100, 300):
-        yield Candidate("boosted", replace(fast, trees=trees))
-    yield Candidate("boosted", options)
-    yield Candidate("boosted", replace(fast, monotone=True))
-    yield Candidate("boosted", replace(fast, engine="recursive"))
+    yield Candidate("rf-fd", replace(options, trees=30, leaf=20, past_positions=True))
 
 
 def _functions(options: FitOptions) -> Iterator[Candidate]:
@@ -86,6 +76,4 @@ def _passive(options: FitOptions) -> Iterator[Candidate]:
     for poles in (2, 4, 6, 8, 12, 16):
         yield Candidate("hammerstein", replace(options, poles=poles))
     yield Candidate("hammerstein", options, "float64")
-    yield Candidate("hybrid", options)
-    yield Candidate("hybrid", options, "float64")
     yield Candidate("springpot", options)

@@ -203,7 +203,7 @@ def test_values_are_checked_whole_when_read_and_when_written(tmp_path: Path) -> 
 
 
 def test_what_stands_at_its_default_is_not_written(tmp_path: Path) -> None:
-    model = golden_forces.model("hybrid")
+    model = golden_forces.model("hammerstein")
     passive = model.hammerstein
     for changes, written in (
         ({"n_by_depth": 0, "rate_ratio": 1.0, "recovers": False}, set()),

@@ -22,13 +22,10 @@ KINDS = {
     "recursive quantised": ("rf-fd", replace(OPTIONS, engine="recursive", round_features=True)),
     "lags": ("rf-history", OPTIONS),
     "lags quantised": ("rf-history", replace(OPTIONS, round_features=True)),
-    "boosted": ("boosted", OPTIONS),
     "rbf": ("rbf-fd", OPTIONS),
     "rbf fir-fast": ("rbf-fd", replace(OPTIONS, engine="fir-fast")),
     "position and velocity": ("rbf-pv", OPTIONS),
     "passive": ("hammerstein", OPTIONS),
-    "hybrid": ("hybrid", OPTIONS),
-    "hybrid derivatives": ("hybrid", replace(OPTIONS, engine="recursive")),
     "springpot": ("springpot", OPTIONS),
 }
 

@@ -28,7 +28,7 @@ def pressed(folder: Path, kind: str, outside: str) -> tuple[np.ndarray, np.ndarr
     return motion, force_n, notes
 
 
-@pytest.mark.parametrize("kind", ["rf-fd", "rbf-fd", "hammerstein", "hybrid"])
+@pytest.mark.parametrize("kind", ["rf-fd", "rbf-fd", "hammerstein"])
 def test_force_goes_on_rising_beyond_the_trained_depth(tmp_path: Path, kind: str) -> None:
     motion, force_n, notes = pressed(tmp_path, kind, "fallback")
     assert notes & OUTSIDE

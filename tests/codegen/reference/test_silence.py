@@ -14,7 +14,7 @@ from springpot.codegen.reference.guarding import SILENCE_WORTH
 from springpot.codegen.reference.notes import HELD, LATCHED
 from springpot.emission import Plan, backward_velocity, make_plan
 
-KINDS = ("hammerstein", "rf-fd", "rbf-fd", "rbf-pv", "boosted-recursive", "rf-history-quantised")
+KINDS = ("hammerstein", "rf-fd", "rbf-fd", "rbf-pv", "rf-fd-long", "rf-history-quantised")
 MODES = ("off", "tool", "proxy")
 SMOOTH_S = 3e-3
 

@@ -66,7 +66,7 @@ SLOW = [
     *((name, {"mode": mode, "number": number})
       for name in golden_forces.models() for number, mode in golden_forces.EACH_MODE),
     ("rbf-pv", {"mode": "proxy", "contact": "always", "velocity": "device"}),
-    ("hybrid", {"mode": "tool", "contact": "always", "smoothing_s": 8e-4}),
+    ("hammerstein", {"mode": "tool", "contact": "always", "smoothing_s": 8e-4}),
     ("hammerstein", {"mode": "off", "smoothing_s": 0.02}),
     ("rf-fd", {"mode": "proxy", "velocity": "device"}),
 ]  # fmt: skip

@@ -70,7 +70,7 @@ def offered(*words: str) -> list[str]:
 def test_commands_options_and_choices() -> None:
     assert offered("st") == ["stability", "study"]
     assert offered("study", "r") == ["run", "report"]
-    assert set(offered("train", "--mo")) == {"--model", "--monotone"}
+    assert set(offered("train", "--mo")) == {"--model"}
     assert offered("train", "--model", "rbf") == ["rbf-fd", "rbf-pv"]
     assert offered("completion", "") == list(SHELLS)
 
@@ -89,7 +89,7 @@ def test_bash_takes_the_script(tmp_path: Path) -> None:
         ["bash", "-c", ask], capture_output=True, text=True, check=False,
         env={**os.environ, "PATH": f"{tmp_path}{os.pathsep}{os.environ['PATH']}"},
     )  # fmt: skip
-    assert done.stdout.splitlines()[0] == "rf-fd rf-history", done.stderr
+    assert done.stdout.splitlines()[0] == "rf-fd", done.stderr
     assert "-F _springpot_completion springpot" in done.stdout
 
 

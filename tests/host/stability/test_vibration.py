@@ -124,7 +124,9 @@ def test_a_loop_that_is_not_bounded_is_refused_by_name() -> None:
 def test_past_positions_vibrate_between_the_depths_that_were_looked_at_before() -> None:
     """A forest on past positions at 85 to 95 % of the depth, in the hand of a light holder."""
     training = simulated("dragon-skin-10", "a", Work(signals=1)).training
-    model: Model = fit_model("rf-history", "x", training, FitOptions(trees=20)).model
+    model: Model = fit_model(
+        "rf-fd", "x", training, FitOptions(trees=20, past_positions=True)
+    ).model
     plan = make_plan(model, Scene(schema=1, name="x", model="x"))
     outcome = held(plan, LIGHT, 1)
     assert judge(outcome).loud

@@ -24,7 +24,7 @@ class Defect:
 
 
 _DEVICE = ProvedScene("hammerstein", "proxy", "float32", contact="always", velocity="device")
-_FOREST = ProvedScene("rf-history", "off", "float32")
+_FOREST = ProvedScene("past-positions", "off", "float32")
 _RADIAL = ProvedScene("rbf-fd", "off", "float32")
 
 DEFECTS = (

@@ -5,7 +5,6 @@ from dataclasses import dataclass, replace
 from functools import cache
 from pathlib import Path
 from typing import Any, Literal, cast
-from unittest import mock
 
 import numpy as np
 from support.small import damage, flow, scene, training
@@ -15,7 +14,6 @@ from springpot.codegen.model.model import Model
 from springpot.codegen.model.places import Places
 from springpot.codegen.plan.make_plan import make_plan
 from springpot.trainer.kinds import KINDS, fit_model
-from springpot.trainer.models import hybrid
 from springpot.trainer.models.fit import FitOptions
 
 # Small: what an analysis costs is nodes, taps and ticks that are made up; code is the same.
@@ -67,7 +65,7 @@ _LAWFUL = (
 
 def proved_scenes() -> Iterator[ProvedScene]:
     """All of them."""
-    for kind in (*KINDS, "by-depth", "fir-fast"):
+    for kind in (*KINDS, "by-depth", "fir-fast", "past-positions"):
         for coupling in ("off", "tool", "proxy"):
             for number in ("float32", "float64"):
                 yield ProvedScene(kind, cast(Mode, coupling), number)
@@ -97,9 +95,10 @@ def emit_scene(proved: ProvedScene, folder: Path) -> Path:
 def _model(kind: str) -> Model:
     if kind == "fir-fast":
         return fit_model("rbf-fd", "x", training(), replace(_OPTIONS, engine="fir-fast")).model
-    if kind not in ("by-depth", "placed", "sliding"):
-        with mock.patch.multiple(hybrid, HYBRID_TREES=4, HYBRID_LEAF=300):
-            return fit_model(kind, "x", training(), _OPTIONS).model
+    if kind == "past-positions":
+        return fit_model("rf-fd", "x", training(), replace(_OPTIONS, past_positions=True)).model
+    if kind not in ("by-depth", "placed"):
+        return fit_model(kind, "x", training(), _OPTIONS).model
     model = _model("hammerstein")
     passive = model.hammerstein
     if kind != "by-depth":

@@ -23,7 +23,6 @@ _MODEL = (
 )
 _RECORDING = (
     "tests/host/api/test_tables.py",
-    "tests/host/api/test_ways_in.py",
     "tests/trainer/recordings/test_recording_file.py",
     "tests/trainer/recordings/test_recording_names.py",
     "tests/trainer/recordings/test_hostile_files.py::"

@@ -13,10 +13,7 @@ from support.small import training
 
 _FOREST = {"trees": 4, "leaf": 20}
 RECIPES: dict[str, tuple[str, dict[str, object]]] = {
-    "boosted": ("boosted", {"trees": 30, "leaf": 20}),
-    "boosted-recursive": ("boosted", {"trees": 30, "leaf": 20, "engine": "recursive"}),
     "hammerstein": ("hammerstein", {}),
-    "hybrid": ("hybrid", {}),
     "rbf-fd": ("rbf-fd", {}),
     "rbf-fd-fast": ("rbf-fd", {"engine": "fir-fast"}),
     "rbf-pv": ("rbf-pv", {}),
@@ -24,7 +21,7 @@ RECIPES: dict[str, tuple[str, dict[str, object]]] = {
     "rf-fd-fast": ("rf-fd", {**_FOREST, "engine": "fir-fast"}),
     "rf-fd-long": ("rf-fd", {**_FOREST, "engine": "recursive"}),
     "rf-fd-quantised": ("rf-fd", {**_FOREST, "round_features": True}),
-    "rf-history-quantised": ("rf-history", {**_FOREST, "round_features": True}),
+    "rf-history-quantised": ("rf-fd", {**_FOREST, "past_positions": True, "round_features": True}),
     "springpot": ("springpot", {}),
 }
 

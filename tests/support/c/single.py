@@ -18,7 +18,7 @@ from support.c import golden_forces
 from support.small import damage, flow, small_model
 
 # Made of units that others have too.
-_ALIKE = {"boosted-recursive", "rf-fd-fast", "rf-fd-quantised"}
+_ALIKE = {"rf-fd-fast", "rf-fd-quantised"}
 _SETTINGS = (("float32", "off"), ("float64", "tool"), ("float32", "proxy"), ("float64", "off"))
 
 

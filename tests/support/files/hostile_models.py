@@ -53,8 +53,8 @@ def closed(header: Any, arrays: Arrays) -> bytes:
 
 
 def hostile_models() -> Iterator[HostileModel]:
-    for name in ("rf-fd", "rf-fd-quantised", "hybrid", "rbf-fd-fast", "rbf-pv",
-                 "boosted-recursive", "springpot"):  # fmt: skip
+    for name in ("rf-fd", "rf-fd-quantised", "rbf-fd-fast", "rbf-pv",
+                 "rf-fd-long", "springpot"):  # fmt: skip
         yield from _changed_fields(name)
         yield from _changed_arrays(name)
     yield from _trees()

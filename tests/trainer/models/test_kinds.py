@@ -17,24 +17,21 @@ from springpot.trainer.models.predict import predict_n
 from springpot.trainer.recordings.formats.importing import import_file
 from springpot.validation import accuracy, rms
 
-KINDS = ["rf-fd", "rbf-fd", "rbf-pv", "rf-history", "hammerstein", "hybrid", "boosted", "springpot"]
+KINDS = ["rf-fd", "rbf-fd", "rbf-pv", "hammerstein", "springpot"]
 VARIANTS = {
     **{kind: (kind, {}) for kind in KINDS},
     "rf-fd long": ("rf-fd", {"window_s": 2.0}),
     "rf-fd fast": ("rf-fd", {"engine": "fir-fast"}),
     "rf-fd rounded": ("rf-fd", {"round_features": True}),
-    "rf-history rounded": ("rf-history", {"round_features": True}),
+    "rf-fd past positions": ("rf-fd", {"past_positions": True, "round_features": True}),
     "rbf-fd fast": ("rbf-fd", {"engine": "fir-fast"}),
-    "boosted recursive": ("boosted", {"engine": "recursive"}),
-    "boosted monotone": ("boosted", {"monotone": True}),
 }
 
 
 @cache
 def fitted(variant: str) -> Model:
     kind, options = VARIANTS[variant]
-    trees = 60 if kind == "boosted" else 5  # a boosted tree alone is a tenth of a step
-    return fit_model(kind, "x", training(), FitOptions(trees=trees, leaf=20, **options)).model
+    return fit_model(kind, "x", training(), FitOptions(trees=5, leaf=20, **options)).model
 
 
 @pytest.mark.parametrize(("contact", "number"), [("surface", "float32"), ("always", "float64")])
@@ -70,7 +67,7 @@ def test_every_kind_beats_a_plain_spring_and_carries_a_passive_part() -> None:
         model = fitted(kind)
         assert rms(predict_n(model, item) - item.force_n) < rms(spring_n - item.force_n), kind
         assert model.hammerstein is not None, kind
-        assert model.hammerstein_adds == (kind in {"hammerstein", "hybrid", "springpot"})
+        assert model.hammerstein_adds == (kind in {"hammerstein", "springpot"})
 
 
 FREQUENCIES = ["0.1", "0.2", "0.5", "1", "2"]

@@ -15,7 +15,6 @@ from springpot import FitOptions, Recording
 from springpot.host.recording.session import open_press_device, record_session
 from springpot.modelling import Hammerstein, fit_model, highpass, training_set
 from springpot.simulation import load_protocol
-from springpot.trainer.models.limited import limited_each_n
 from springpot.trainer.models.passive.nonnegative import normal_equations, sparse_solve
 from springpot.trainer.models.passive.passive_fit import (
     NODES,
@@ -140,13 +139,6 @@ def test_an_object_that_is_damaged_is_fitted_by_damage_and_one_session() -> None
     apart = [replace(each, session="") for each in recordings]
     other = fit_model("hammerstein", "x", apart, FitOptions(smooth_s=0.0))
     assert fit.metadata["cv_rmse_n"] < 0.25 * other.metadata["cv_rmse_n"]
-    # Trees are fitted to what that leaves over: next to nothing.
-    hybrid = fit_model("hybrid", "x", recordings, FitOptions(smooth_s=0.0)).model
-    assert hybrid.regressor is not None
-    alone_n = np.concatenate(limited_each_n(fit.model, recordings))
-    added_n = np.concatenate(limited_each_n(hybrid, recordings)) - alone_n
-    left_n = np.concatenate([each.force_n for each in recordings]) - alone_n
-    assert np.std(added_n) < 1.5 * np.std(left_n)
 
 
 def test_an_object_that_lets_go_has_a_surface_that_recovers() -> None:

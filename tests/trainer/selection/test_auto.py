@@ -30,7 +30,7 @@ def test_a_plain_spring_needs_no_forest(caplog):
     presses = [spring(f"{k}", press(k, 0.01)) for k in (2.0, 3.0, 4.0)]
     fit = fit_model("auto", "x", presses, OPTIONS)
     tried = [score["name"] for score in fit.metadata["scores"]]
-    assert tried == ["hammerstein", "hybrid lags", "hybrid derivatives", "rf-fd long"]
+    assert tried == ["hammerstein", "rf-fd long"]
     said = dict.fromkeys(caplog.messages)
     assert list(said) == [f"{k} of {len(tried)}: {n}" for k, n in enumerate(tried, 1)]
     steps = [(record.done, record.total) for record in caplog.records]
@@ -46,10 +46,10 @@ def test_what_it_chooses_beats_the_papers_kinds_and_trees_are_for_what_is_felt()
     other = recording("other", press(1.7, 0.9 * DEPTH_M, 3))
     errors = {
         kind: rmse_n(fit_model(kind, "x", training(), FitOptions(smooth_s=0.0)).model, other)
-        for kind in ("hammerstein", "hybrid", "rf-fd", "boosted", "rbf-fd")
+        for kind in ("hammerstein", "rf-fd", "rbf-fd")
     }
-    others = [errors[kind] for kind in ("rf-fd", "boosted", "rbf-fd")]
-    assert errors["hybrid"] < errors["hammerstein"] == rmse_n(fit.model, other) < min(others)
+    others = [errors[kind] for kind in ("rf-fd", "rbf-fd")]
+    assert errors["hammerstein"] == rmse_n(fit.model, other) < min(others)
     scores = {score["name"]: score["mean_n"] for score in fit.metadata["scores"]}
     felt_n = auto.FORCE_TOLERANCE * fit.model.trained.max_n
     assert scores["hammerstein"] - min(scores.values()) < felt_n
@@ -57,25 +57,12 @@ def test_what_it_chooses_beats_the_papers_kinds_and_trees_are_for_what_is_felt()
     assert active_cells(fit.model) == 0
 
 
-@pytest.mark.parametrize("share", [0.0, 0.5])
-def test_of_trees_that_are_active_the_passive_share_is_taken(monkeypatch, share):
-    tried = []
-
-    def cells(model):
-        tried.append(model.regressor.weight)
-        return 0 if tried[-1] < 1.2 * share * tried[0] else 3
-
-    monkeypatch.setattr(auto, "active_cells", cells)
+def test_a_forest_that_gives_energy_is_passed_over(monkeypatch):
+    monkeypatch.setattr(auto, "active_cells", lambda model: 3)
     monkeypatch.setattr(auto, "ranked", lambda scores, gain, peak_n: [scores[1], scores[0]])
     fit = fit_model("auto", "x", training(), OPTIONS)
-    if share:
-        assert fit.model.regressor.weight == share * tried[0]
-        assert fit.metadata["chosen"] == "hybrid lags"
-        assert fit.metadata["share_of_trees"] == fit.model.provenance["share_of_trees"] == share
-        assert "0.5 of the trees' force is added" in fit.metadata["why"]
-    else:
-        assert fit.metadata["chosen"] == "hammerstein"
-        assert "hybrid lags gives energy in 3 of its small motions" in fit.metadata["why"]
+    assert fit.metadata["chosen"] == "hammerstein"
+    assert "rf-fd long gives energy in 3 of its small motions" in fit.metadata["why"]
 
 
 def test_the_choice_is_the_same_again_and_sees_one_recording_in_blocks():

@@ -42,10 +42,8 @@ VARIANTS = {
     "rbf-fd": ("rbf-fd", {}),
     "rbf-fd fast": ("rbf-fd", {"engine": "fir-fast"}),
     "rbf-pv": ("rbf-pv", {}),
-    "rf-history": ("rf-history", FOREST),
+    "rf-fd past positions": ("rf-fd", {**FOREST, "past_positions": True}),
     "hammerstein": ("hammerstein", {}),
-    "hybrid": ("hybrid", FOREST),
-    "boosted": ("boosted", {}),
     "springpot": ("springpot", {}),
 }
 # What no fit of these recordings chooses.
@@ -133,9 +131,7 @@ def test_the_bound_is_above_what_is_counted(tmp_path: Path, variant: str, shape:
         assert max_restarting <= bound.restart <= 1.25 * max_restarting, board
 
 
-@pytest.mark.parametrize(
-    ("variant", "number"), [("rf-fd", "float32"), ("hybrid", "float32"), ("rbf-pv", "float64")]
-)
+@pytest.mark.parametrize(("variant", "number"), [("rf-fd", "float32"), ("rbf-pv", "float64")])
 def test_the_boards_have_one_c(variant: str, number: str) -> None:
     def parts(target: str) -> dict[str, str]:
         plan = make_plan(fitted(variant), target_scene(target, number=number, mode="proxy"), True)

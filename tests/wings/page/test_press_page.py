@@ -55,7 +55,6 @@ def page_of(folder: Path, *folders: Path) -> Path:
     [
         ("hammerstein", "float32", "off"),
         ("hammerstein", "float64", "proxy"),
-        ("hybrid", "float32", "tool"),
         ("rf-fd", "float32", "off"),
         ("rbf-pv", "float64", "off"),
     ],

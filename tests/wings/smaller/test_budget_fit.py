@@ -94,15 +94,3 @@ def test_without_a_compiler_no_reduction_is_blamed(
         emit_fitting(chosen, model_file(tmp_path), tmp_path / "c", False, [EVALUATION], fit=True)
     assert "no compiler for rv32imafc" in str(refused.value)
     assert "no reduction" not in str(refused.value)
-
-
-def test_a_budget_of_instructions_is_not_of_measured_steps(tmp_path: Path) -> None:
-    told = {}
-    for measured in (False, True):
-        runtime = Runtime(target="cortex-m4f", measured_step=measured)
-        chosen = dataclasses.replace(
-            scene(), runtime=runtime, budget=Budget(tick_instructions=5000)
-        )
-        emission = emit(chosen, model_file(tmp_path), tmp_path / "c")
-        told[measured] = [item for item in emission.notices if "sp_step_dt" in item]
-    assert not told[False] and len(told[True]) == 1

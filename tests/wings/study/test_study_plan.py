@@ -87,7 +87,7 @@ def test_a_plan_that_was_changed_is_refused(tmp_path: Path) -> None:
     plan = planned_study(tmp_path)
     orders = tuple(make_orders(plan.study, ["01", "02"]))
     assert read_plan(plan.path).trials == plan.trials == orders
-    for name in ("study.toml", "orders.csv", "scenes/1-passive/sp_scene.c"):
+    for name in ("study.toml", "orders.csv", "scenes/1-passive/sp.c"):
         before = (plan.path / name).read_bytes()
         (plan.path / name).write_bytes(before + b"\n")
         with pytest.raises(DataError, match=Path(name).name):

@@ -46,8 +46,8 @@ UNMEASURED = bool(missing_tools("cortex-m4f"))  # the sizes of the small benchma
 
 def test_the_default_sweep_is_wide_enough() -> None:
     sweep = default_sweep(1e-3, FitOptions())
-    assert len({candidate.kind for candidate in sweep}) >= 6
-    assert len({json.dumps(candidate.as_dict()) for candidate in sweep}) == len(sweep) >= 60
+    assert len({candidate.kind for candidate in sweep}) == 5
+    assert len({json.dumps(candidate.as_dict()) for candidate in sweep}) == len(sweep) == 54
     assert {c.options.engine for c in sweep} >= {None, "fir-fast", "recursive"}
     assert {c.number for c in sweep} == {"float32", "float64"}
     plain = {c.kind for c in sweep if not c.named_options()}
@@ -90,7 +90,7 @@ def test_instructions_are_those_of_the_emulated_tick() -> None:
 
 def test_fits_that_share_are_the_fits_by_themselves() -> None:
     data = training_set(training(), FitOptions().smooth_s)
-    for kind in ("hammerstein", "rbf-fd", "rbf-fd", "rf-fd", "hybrid"):
+    for kind in ("hammerstein", "rbf-fd", "rbf-fd", "rf-fd"):
         for options in (FitOptions(trees=5), FitOptions(trees=5, n_centers=20, poles=3)):
             shared = fit_kind(kind, "x", data, options)
             by_itself = fit_model(kind, "x", training(), options)
