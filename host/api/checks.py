@@ -27,10 +27,8 @@ if TYPE_CHECKING:
         case_outcome as case_outcome,
     )
     from springpot.host.stability.judgement import (
-        QUIET_MPS as QUIET_MPS,
         Grade as Grade,
         judge as judge,
-        judged_cases as judged_cases,
     )
     from springpot.host.stability.linear import (
         is_stable as is_stable,
@@ -39,10 +37,7 @@ if TYPE_CHECKING:
         scene_loop as scene_loop,
     )
     from springpot.host.stability.small_signal import (
-        Map as Map,
         small_signal_map as small_signal_map,
     )
-    from springpot.host.stability.verdict import may_do as may_do
-    from springpot.trainer.selection.small_signal import ACTIVE as ACTIVE
 else:
     __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

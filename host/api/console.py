@@ -12,10 +12,6 @@ from springpot.lazy_names import lazy_names
 if TYPE_CHECKING:
     from springpot.codegen.entry_points import part as part
     from springpot.codegen.progress import counted as counted
-    from springpot.host.commands.models.fit_result import (
-        training_result as training_result,
-        training_rows as training_rows,
-    )
     from springpot.host.commands.recordings.check import check_parts as check_parts
     from springpot.host.commands.scenes.emit import emission_rows as emission_rows
     from springpot.host.commands.scenes.stability import stability_rows as stability_rows
@@ -28,7 +24,6 @@ if TYPE_CHECKING:
         recordings_given as recordings_given,
     )
     from springpot.host.console.output import (
-        TextTable as TextTable,
         json_option as json_option,
         print_json as print_json,
         print_result as print_result,

@@ -47,12 +47,8 @@ if TYPE_CHECKING:
         write_checksums as write_checksums,
     )
     from springpot.host.emission.emission import (
-        MODEL_COPY as MODEL_COPY,
-        SCENE_COPY as SCENE_COPY,
         Emitted as Emitted,
-        by_hand as by_hand,
         read_emission as read_emission,
-        require_emission as require_emission,
         write_emission as write_emission,
     )
     from springpot.host.emission.folder import emitted_folder as emitted_folder

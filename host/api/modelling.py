@@ -57,7 +57,6 @@ if TYPE_CHECKING:
     )
     from springpot.trainer.models.compatibility import (
         require_compatible as require_compatible,
-        zero_of as zero_of,
     )
     from springpot.trainer.models.contact import contact_of as contact_of, depth_m as depth_m
     from springpot.trainer.models.fit import PAPER_CENTERS as PAPER_CENTERS, assemble as assemble

@@ -35,9 +35,7 @@ if TYPE_CHECKING:
         parse_url as parse_url,
     )
     from springpot.host.simulation.scenarios import (
-        RISE_S as RISE_S,
         Workspace as Workspace,
-        holding as holding,
     )
 else:
     __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

@@ -20,7 +20,6 @@ if TYPE_CHECKING:
         floor_keys as floor_keys,
         floor_words as floor_words,
         just_noticeable_percent as just_noticeable_percent,
-        start_up_ramp as start_up_ramp,
     )
     from springpot.host.stiffness import (
         slope_errors as slope_errors,
@@ -28,19 +27,17 @@ if TYPE_CHECKING:
         slope_words as slope_words,
     )
     from springpot.host.validation.compared import bits_differ as bits_differ
-    from springpot.host.validation.parts import (
-        PlaceError as PlaceError,
-        place_line as place_line,
+    from springpot.host.validation.drawing import (
+        draw_forces as draw_forces,
+        median_error as median_error,
     )
     from springpot.host.validation.seen import known_among as known_among, seen_line as seen_line
     from springpot.host.validation.store import (
         Series as Series,
         Stored as Stored,
         read_validation as read_validation,
-        series_of as series_of,
         store_validation as store_validation,
     )
     from springpot.host.validation.validation import fail_on_mismatch as fail_on_mismatch
-    from springpot.trainer.models.folds import geometric_mean as geometric_mean
 else:
     __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

@@ -11,7 +11,6 @@ from springpot.codegen.plan.units import instruction_bound
 from springpot.codegen.scene import Budget
 from springpot.host.native.footprint import Footprint
 from springpot.host.stability.check import Check
-from springpot.trainer.faces import Faces
 
 # Keys of `emit --json` that the manifest has too; instructions and forest of some scenes only.
 _OF_MANIFEST = ("instructions", "units", "left_out", "orders", "coupling", "forest", "outside",
@@ -19,7 +18,7 @@ _OF_MANIFEST = ("instructions", "units", "left_out", "orders", "coupling", "fore
 
 
 @dataclass(frozen=True)
-class Emission(Faces):
+class Emission:
     """What was emitted. footprint, compile_s, check: None without a compiler; notices say why.
 
     unmeasured: why there is no footprint, and what to install; empty where there is one.

@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from springpot.codegen.coupling.linear_loop import DESIGN_HAND
 from springpot.codegen.errors import UnsafeError
@@ -28,7 +28,10 @@ from springpot.host.stability.verdict import (
     outcome_words,
     why_unbounded,
 )
-from springpot.trainer.faces import Faces
+from springpot.trainer.plot_axes import axes_for_plot
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +62,7 @@ class Check:
 
 
 @dataclass(frozen=True, eq=False)
-class Stability(Faces):
+class Stability:
     """The whole check. stiff: plan of the object ten times stiffer.
 
     >>> stability(model=model).check.stable
@@ -92,6 +95,16 @@ class Stability(Faces):
             "closed_loop": [outcome.as_dict() for outcome in self.outcomes],
             "recommendation": self.recommendation,
         }
+
+    def plot(self, ax: "Axes | None" = None) -> "Axes":
+        """Draw the small-signal map of the scene on matplotlib's axes, on new ones if none given.
+
+        Return the axes. Raises UsageError where matplotlib is not installed.
+        """
+        axes = axes_for_plot(ax)
+        self.check.scene_map.draw(axes)
+        axes.set_title(self.check.plan.scene.name, loc="left", fontsize=9)
+        return axes
 
     @property
     def recommendation(self) -> str:

@@ -1,6 +1,7 @@
 """Small-signal maps through the real C: a sine on a hold, and the energy that comes back."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +17,9 @@ from springpot.trainer.selection.small_signal import (
     SmallMotion,
     map_frequencies_hz,
 )
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
 
 OUTSIDE_SHARES = (1.05, 1.15, 1.3)
 
@@ -37,6 +41,20 @@ class Map:
         rows = (self.share > 1.0) == outside
         cells = self.sin_delta[rows]
         return int(np.sum(cells < ACTIVE)), cells.size
+
+    def draw(self, axes: "Axes") -> None:
+        """Draw sin(delta) of every cell on matplotlib's axes; cells that give energy are bold."""
+        most = max(0.05, float(np.abs(self.sin_delta).max()))
+        image = axes.imshow(self.sin_delta, cmap="RdBu", vmin=-most, vmax=most, aspect="auto")
+        for (row, column), value in np.ndenumerate(self.sin_delta):
+            axes.text(column, row, f"{value:.2f}", ha="center", va="center", fontsize=7,
+                      fontweight="bold" if value < ACTIVE else "normal",
+                      color="white" if abs(value) > 0.6 * most else "black")  # fmt: skip
+        axes.set_xticks(range(len(self.frequency_hz)), [f"{f:.3g}" for f in self.frequency_hz])
+        axes.set_yticks(range(len(self.share)), [f"{100 * s:.0f} %" for s in self.share])
+        axes.axhline(float(np.sum(self.share <= 1.0)) - 0.5, color="black", lw=1.2)
+        axes.set(xlabel="frequency, Hz", ylabel="share of the trained depth")
+        axes.figure.colorbar(image, ax=axes, label="sin δ: below 0 gives energy", shrink=0.9)
 
     def as_dict(self) -> dict[str, int | float]:
         inside, outside = self.active(False), self.active(True)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,22 +23,26 @@ from springpot.host.native.replay import Replay, TickTimes
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.stiffness import SlopeErrors, slope_errors, slope_keys
 from springpot.host.validation.compared import compared_all, is_log_of
+from springpot.host.validation.drawing import draw_forces, median_error
 from springpot.host.validation.parts import PlaceError, place_errors
 from springpot.host.validation.seen import seen_by
 from springpot.host.validation.ticks import at_samples, at_ticks
-from springpot.trainer.faces import Faces
 from springpot.trainer.models.compatibility import require_compatible
 from springpot.trainer.models.limited import limited_each_n
+from springpot.trainer.plot_axes import axes_for_plot
 from springpot.trainer.recordings.notices import caution
 from springpot.trainer.recordings.quality.noise_floor import NoiseFloor, find_noise_floor
 from springpot.trainer.recordings.quality.signs import sign_doubts
 from springpot.trainer.recordings.recording import Recording
 
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
 PACED_S = 3.0
 
 
 @dataclass(frozen=True, eq=False)
-class Validation(Faces):
+class Validation:
     """Result over all `recordings`; predicted_n: forces of the C, one array a recording.
 
     mismatches: ticks where C and reference, or a board and the C, differ in force or notes, bit for
@@ -79,6 +83,18 @@ class Validation(Faces):
             f"Validation(RMSE {found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak, "
             f"{len(self.predicted_n)} recordings, {self.mismatches} ticks differ)"
         )
+
+    def plot(self, ax: "Axes | None" = None) -> "Axes":
+        """Draw measured force and that of the C, of the recording with the median RMSE.
+
+        ax: matplotlib's axes, new ones if none are given. Return them. Raises UsageError where
+        matplotlib is not installed.
+        """
+        axes = axes_for_plot(ax)
+        k = median_error([item.force_n for item in self.recordings], self.predicted_n)
+        shown = self.recordings[k]
+        draw_forces(axes, shown.name, shown.dt_s, shown.force_n, self.predicted_n[k])
+        return axes
 
     @property
     def felt(self) -> list[str]:

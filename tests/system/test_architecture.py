@@ -21,7 +21,7 @@ ROOMS = {
     "codegen": ["errors", "entry_points", "short_repr", "plurals", "arrays", "progress",
                 "regular_file", "atomic_write", "scene", "literals", "model", "forest", "stages",
                 "coupling", "plan", "reference", "emit"],
-    "trainer": ["paper", "faces", "recordings", "features", "models", "kinds", "selection"],
+    "trainer": ["paper", "plot_axes", "recordings", "features", "models", "kinds", "selection"],
     "host": ["console", "metrics", "stiffness", "native", "simulation",
              "stability", "emission", "devices", "session", "recording", "validation",
              "commands", "api", "cli", "wings"],

@@ -17,9 +17,7 @@ pytestmark = pytest.mark.slow
 COMMANDS = {
     "record --device sim://ecoflex-00-30 --protocol paper --out new": "new",
     "train training --model rf-fd --out new.spm": "new.spm",
-    "plot training --out new": "new",
     "export training --to csv --out new": "new",
-    "stability --scene scene.toml --report new.html": "new.html",
     "emit --scene scene.toml --out new": "new",
     "validate c --recording validation": "c/validation",
     "report c": "c/report.html",

@@ -13,7 +13,6 @@ from springpot.codegen.model.model import Model
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.model.regressors import Regressor
 from springpot.codegen.short_repr import short_repr
-from springpot.trainer.faces import Faces
 from springpot.trainer.models.passive.passive_terms import PASSIVE_POLES
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.paper import PAPER_SMOOTH_S
@@ -53,7 +52,7 @@ class FitOptions:
 
 
 @dataclass(frozen=True, eq=False)
-class Fit(Faces):
+class Fit:
     """A fitted model and what it took: seconds for features, fit and search; further metadata.
 
     >>> train(recordings, "hammerstein", "pad").model.name

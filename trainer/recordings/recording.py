@@ -11,10 +11,12 @@ from springpot.codegen.arrays import Samples, kept_numbers
 from springpot.codegen.entry_points import required_part
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.plurals import number_of
-from springpot.trainer.faces import Faces
+from springpot.trainer.plot_axes import axes_for_plot
 from springpot.trainer.recordings.recording_name import require_recording_name
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
     from springpot.trainer.recordings.conditioning import Conditioning
 
 Zero = Literal["none", "first", "min"]
@@ -32,7 +34,7 @@ SIGN_RULE = (
 
 
 @dataclass(frozen=True, eq=False)
-class Recording(Faces):
+class Recording:
     """Uniform samples of position and force.
 
     name: also a file name, see `require_recording_name`.
@@ -168,6 +170,17 @@ class Recording(Faces):
         own = ("time_s", *_COLUMNS)
         further = {name: its for name, its in self.channels.items() if name not in own}
         return DataFrame({**columns, **self.place_columns(), **further})
+
+    def plot(self, ax: "Axes | None" = None) -> "Axes":
+        """Draw force against position on matplotlib's axes, on new ones if none are given.
+
+        Return the axes. Raises UsageError where matplotlib is not installed.
+        """
+        axes = axes_for_plot(ax)
+        axes.plot(1e3 * self.position_m, self.force_n, lw=0.8, label=self.name)
+        axes.set(xlabel="position, mm", ylabel="force, N")
+        axes.legend(loc="upper left", frameon=False)
+        return axes
 
     def place_columns(self) -> dict[str, Samples]:
         """Return place_x_m, place_y_m and, if it was measured, the force along them, (n,) each.

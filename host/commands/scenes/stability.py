@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import click
 
-from springpot.codegen.entry_points import required_part
 from springpot.codegen.errors import UsageError
 from springpot.host.console.options import PATH
 from springpot.host.console.output import json_option, print_result, progress_bar
@@ -23,18 +22,14 @@ if TYPE_CHECKING:
     "--scene", "scene_file", type=PATH, help="Scene file; default: every key has its default."
 )
 @click.option("--model", "model_file", type=PATH, help="Model file; default: the scene's.")
-@click.option("--report", type=PATH, help="HTML page to write, with a picture of each.")
 @json_option
-def stability_(
-    scene_file: Path | None, model_file: Path | None, report: Path | None, as_json: bool
-) -> None:
+def stability_(scene_file: Path | None, model_file: Path | None, as_json: bool) -> None:
     """Spectral radius, small-signal maps, and a closed loop with three hands."""
     from springpot.codegen.model.model_file import read_model
     from springpot.codegen.plan.make_plan import make_plan
     from springpot.host.emission.scene_file import default_scene, model_path, read_scene
     from springpot.host.stability.check import stability
 
-    write_page = required_part("stability-page", "--report") if report else None
     if scene_file is not None:
         scene = read_scene(scene_file)
         model = read_model(model_file or model_path(scene, scene_file))
@@ -46,8 +41,6 @@ def stability_(
     plan = make_plan(model, scene, accept_unsafe=True)
     with progress_bar("all cases, three hands, two delays"):
         found = stability(plan)
-    if write_page is not None:
-        write_page(found, report)
     print_result(found.as_dict(), as_json, stability_rows(found))
     found.require_bounded()
 
@@ -69,7 +62,7 @@ def stability_rows(found: Stability) -> dict[str, str]:
         rows[f"furthest: {_named(first.outcome)}"] = _figures(first.outcome)
     rows |= {
         "cases": f"{len(judged) - len(doubtful)} of {len(judged)} are good with three hands and "
-        "two delays; --report FILE.html shows all, --json lists them",
+        "two delays; --json lists them",
         "spectral radius": f"{checked.spectral_radius:.4f}",
         "device": checked.plan.loop_device.words(checked.plan.dt_s),
         "active cells, model": f"{_cells(checked.model_map)}; scene {_cells(checked.scene_map)}",

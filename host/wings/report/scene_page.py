@@ -4,148 +4,103 @@ import json
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
-from springpot import DataError, Model
+from springpot import DataError
 from springpot.basics import write_file
-from springpot.checks import stability
-from springpot.emission import (
-    MODEL_COPY,
-    SCENE_COPY,
-    Emitted,
-    by_hand,
-    read_emission,
-    require_emission,
-)
-from springpot.figures import page_text
+from springpot.emission import read_emission
+from springpot.figures import page_text, plain
 from springpot.host.wings.report import figures
-from springpot.host.wings.report.error_parts import errors_by_speed
-from springpot.host.wings.report.findings import (
-    accuracy_findings,
-    by_place_findings,
-    code_findings,
-    relaxation_finding,
-    stability_finding,
-)
-from springpot.host.wings.report.place_figure import place_figure
-from springpot.host.wings.report.relaxation import recorded_hold, scene_hold
-from springpot.host.wings.report.stability_page import stability_section
 from springpot.loop import notes_in_words
-from springpot.native import Replay, SceneLibrary
+from springpot.native import measure_footprint, missing_tools, scene_prefix, toolchain
 from springpot.validation import (
     JND_WORDS,
-    PlaceError,
+    SCORED_ABOVE_N,
     Stored,
     floor_words,
     read_validation,
     slope_words,
-    start_up_ramp,
 )
 
 _REPORT_NAME = "report.html"
 
 
 def write_report(folder: Path) -> Path:
-    """Write folder/report.html: accuracy, relaxation, stability, what was left out.
+    """Write folder/report.html from the emission and the last validation; return its path.
 
-    Runs a minute's hold and the whole stability check. Raises DataError where the folder was not
-    emitted or validated.
+    Raises DataError where the folder was not emitted or validated, or changed since.
     """
-    stored, emitted = _validated(folder)
-    result = stored.metadata["result"]
-    plan, model = emitted.plan, emitted.model
-    library = SceneLibrary(folder)
+    stored = _matching_validation(folder)
     manifest = json.loads((folder / "manifest.json").read_text())
-    replay = Replay(library)
-    # Samples of each recording while the force rose from zero: no error counts them.
-    ramps = [start_up_ramp(replay.run(item.position_m)[1]) for item in stored.series]
-    speeds = errors_by_speed(stored.series, ramps)
-    mean_error_n = result["mean_error_n"]
-    hold, recorded = scene_hold(plan, replay), recorded_hold(stored.series)
-    checked = stability(plan)
-    places = [PlaceError(**each) for each in result.get("places", [])]
+    median = figures.median_series(stored.series)
     context = {
-        "title": plan.scene.name,
         "manifest": manifest,
-        "result": result,
+        "result": stored.metadata["result"],
         "machine": stored.metadata["machine"],
         "recordings": stored.metadata["recordings"],
-        "provenance": dict(model.provenance),
-        "findings": [
-            *accuracy_findings(result, mean_error_n, speeds),
-            *by_place_findings(places),
-            relaxation_finding(plan, hold, recorded),
-            stability_finding(checked),
-            *code_findings(result, manifest),
-        ],
-        "mean_error_n": mean_error_n,
-        "notes": notes_in_words(result["notes"], result["clamped_low"], result["min_n"]),
-        "over_floor": floor_words(result),
-        "slopes": slope_words(result),
-        "jnd_words": JND_WORDS,
-        "speeds": speeds,
-        "by_place": place_figure(places, _extent_m(manifest)),
-        "commands": _commands(folder, stored, manifest),
-        "held": figures.held_forces(hold, recorded),
-        **_drawn(stored, model),
-        **stability_section(checked),
+        "provenance": manifest["provenance"],
+        "errors": _error_rows(stored.metadata["result"]),
+        "costs": _cost_rows(folder, manifest, stored.metadata["result"]),
+        "time_figure": figures.time_figure(median),
+        "loop_figure": figures.loop_figure(median),
+        "error_figure": figures.error_figure(stored.series),
     }
     path = folder / _REPORT_NAME
-    # angle: loss angle of a complex stiffness, degrees.
-    text = page_text(
-        "report.html",
-        context,
-        "springpot.host.wings.report",
-        angle=lambda it: f"{np.degrees(np.angle(it)):.1f}",
-    )
-    write_file(path, text.encode())
+    write_file(path, page_text("report.html", context, "springpot.host.wings.report").encode())
     return path
 
 
-def _drawn(stored: Stored, model: Model) -> dict[str, Any]:
-    """Figures of a validation, and of what its model looks at."""
-    shares = model.provenance.get("importance", [])
-    orders = getattr(model.features, "orders", ())
-    loops, loop_rows = figures.hysteresis_loops(figures.typical_series(stored.series))
-    hot_ns = stored.metadata["result"]["tick_ns"]["hot_median"]
-    return {
-        "predictions": figures.prediction_figures(stored.series),
-        "loops": loops,
-        "loop_rows": loop_rows,
-        "percentage_error": figures.percentage_error(stored.series),
-        "importance": figures.importance(orders, shares) if orders and shares else "",
-        "ticks": figures.tick_histogram(stored.tick_ns, hot_ns),
-    }
-
-
-def _validated(folder: Path) -> tuple[Stored, Emitted]:
-    """Read an emission and its validation. Raises DataError if they do not belong together."""
-    require_emission(folder)
+def _matching_validation(folder: Path) -> Stored:
+    """Read the last validation. Raises DataError where it is not of this emission."""
     stored = read_validation(folder)
     result = stored.metadata["result"]
     emitted = read_emission(folder, accept_edited=bool(result.get("edited")))
-    if emitted.hash != result["hash"] or "slope_floor_percent" not in result:
-        raise DataError(
-            f"{folder}: changed since it was validated, or validated by an older springpot: "
-            "`springpot validate` again"
-        )
-    return stored, emitted
+    if emitted.hash != result["hash"]:
+        raise DataError(f"{folder}: changed since it was validated: `springpot validate` again")
+    return stored
 
 
-def _extent_m(manifest: dict[str, Any]) -> tuple[list[float], list[float]] | None:
-    """Ends of the scene's map along x and y."""
-    places = manifest.get("places")
-    return None if places is None else (places["x_m"], places["y_m"])
+def _error_rows(result: dict[str, Any]) -> dict[str, str]:
+    """Return the errors of `validate --json` in words."""
+    spread = result["mean_recording_rmse_interval_n"]
+    interval = f" (95 %: {plain(spread[0])} to {plain(spread[1])} N)" if spread else ""
+    below, alone_n = result["ape_below_jnd"], result["model_rmse_n"]
+    return {
+        "RMSE": f"{plain(result['rmse_n'])} N, "
+        f"{plain(result['rmse_percent_of_peak'], 2)} % of the peak",
+        "RMSE, mean of recordings": f"{plain(result['mean_recording_rmse_n'])} N{interval}",
+        "RMSE of the model alone": "not known" if alone_n is None else f"{plain(alone_n)} N",
+        "Mean error": f"{result['mean_error_n']:+.3g} N",
+        "Absolute error": f"99 % below {plain(result['p99_abs_error_n'])} N, "
+        f"at most {plain(result['max_abs_error_n'])} N",
+        "Noise floor": floor_words(result),
+        "Error / JND": f"{plain(result['error_per_jnd'])}, rms "
+        f"({JND_WORDS})",
+        f"Below the JND, above {SCORED_ABOVE_N:g} N": "no such sample"
+        if below is None
+        else f"{100 * below:.1f} % of samples",
+        "Stiffness error, going in": slope_words(result),
+        "C against reference": f"{result['mismatches']} of {result['samples']} ticks differ",
+        "Ticks with notes": notes_in_words(
+            result["notes"], result["clamped_low"], result["min_n"]
+        ),
+    }  # fmt: skip
 
 
-def _commands(folder: Path, stored: Stored, manifest: dict[str, Any]) -> list[str]:
-    seed = manifest["provenance"]["seed"]
-    return [
-        f"springpot train TRAINING --model {manifest['model']} --seed {seed} --out model.spm",
-        f"springpot emit --scene SCENE.toml --out {folder.name}",
-        f"springpot validate {folder.name} --recording VALIDATION",
-        f"springpot report {folder.name}",
-        by_hand(folder),
-        f"# model and scene: {folder.name}/{MODEL_COPY}, {folder.name}/{SCENE_COPY}; "
-        f"{len(stored.series)} validation recordings",
-    ]
+def _cost_rows(folder: Path, manifest: dict[str, Any], result: dict[str, Any]) -> dict[str, str]:
+    """Return times of a tick and bytes of memory in words."""
+    target, ticks = manifest["target"], result["tick_ns"]
+    tools = toolchain(target)
+    flash = f"not measured: {missing_tools(target)}"
+    if tools is not None:
+        found = measure_footprint(folder, f"{scene_prefix(folder)}.c", tools)
+        stack = "" if found.stack_bytes is None else f", stack {found.stack_bytes} bytes"
+        flash = f"{found.flash_bytes} bytes ({target}){stack}"
+    paced = ", ".join(
+        f"{name} {plain(ticks[key] / 1e3)} µs"
+        for name, key in (("median", "p50"), ("99 %", "p99"), ("99.9 %", "p999"), ("most", "max"))
+    )
+    return {
+        "Tick, hot": f"{plain(ticks['hot_median'] / 1e3)} µs",
+        "Tick, paced, caches cold": paced,
+        "Flash": flash,
+        "RAM": f"{manifest['state_bytes']} bytes of state",
+    }

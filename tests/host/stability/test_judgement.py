@@ -31,7 +31,6 @@ from springpot.host.stability.judgement import (
 from springpot.host.stability.losses import Losses
 from springpot.host.stability.verdict import map_words, why_unbounded
 from springpot.host.stability.vibration import Vibration
-from springpot.host.wings.report import stability_page as figures
 
 WHOLE = ("hold", "tap-4hz", "fast", "deep", "long-hold", "stiff")
 LOSING = ("lost-1", "lost-10-fast", "rate-50", "rate-10-fast")
@@ -156,16 +155,6 @@ def test_the_gravest_hand_speaks_for_a_case() -> None:
     assert (cases[0].outcome.case, cases[0].outcome.hand) == ("hold", "light")
     assert [item.outcome.case for item in cases[-2:]] == ["rate-50", "rate-10-fast"]
     assert len(cases) == len(WHOLE + LOSING)
-
-
-def test_all_cases_are_drawn_on_one_scale() -> None:
-    small, large = outcome("hold", hf_speed_mps=1.5e-4), outcome("fast", hf_speed_mps=0.134)
-    scale = figures.CaseScale.of([small, large])
-    assert scale.speed_mmps[0] < 0.15
-    assert scale.speed_mmps[1] > 134.0
-    pictures = [figures.case_figures([item], scale) for item in (small, large)]
-    ticks = [picture[2].count("ytick") for picture in pictures]
-    assert ticks[0] == ticks[1] > 3
 
 
 TOOL = Coupling(mode="tool", stiffness_npm=2000.0, damping_nspm=4.0)

@@ -1,6 +1,5 @@
 """A validation by place: each recording at its own, errors of each, and logs of a chosen place."""
 
-import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -10,18 +9,13 @@ from support.small import DT_S, passive_model, press, scene
 
 import springpot
 from springpot import DataError, Model, Recording, Session, UsageError
-from springpot.checks import Grade
 from springpot.codegen.model.model_file import write_model
 from springpot.codegen.model.places import Places
 from springpot.host.emission.emission import emit
-from springpot.host.validation.parts import PlaceError, place_errors, place_line
+from springpot.host.validation.parts import place_errors, place_line
 from springpot.host.validation.validation import validate
-from springpot.host.wings.report.findings import by_place_findings
-from springpot.host.wings.report.place_figure import place_figure
-from springpot.host.wings.report.scene_page import write_report
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.recordings.recording_file import read_recording
-from springpot.validation import read_validation, store_validation
 
 PLACES = ((0.0, 0.0), (0.007, 0.004), (0.01, 0.01))
 
@@ -130,62 +124,3 @@ def test_the_line_names_the_worst_place() -> None:
     ]
     line = place_line(place_errors(recordings, predicted, [0, 0, 0]))
     assert line.startswith("3 places:") and line.endswith("at (7, 4) mm")
-
-
-def some_errors(seed: int, count: int) -> list[PlaceError]:
-    rng = np.random.default_rng(seed)
-    places = rng.uniform(-0.01, 0.03, (count, 2)).tolist()
-    percents = rng.uniform(0.5, 20.0, count).tolist()
-    return [PlaceError((x, y), 2, 0.1, its) for (x, y), its in zip(places, percents, strict=True)]
-
-
-def marks_of(figure: str) -> np.ndarray:
-    """Where the places are in the picture, (n, 2), pixels."""
-    group = figure.split('id="places"')[1].split('id="worst-place"', maxsplit=1)[0]
-    return np.array(re.findall(r'<use [^>]*x="([\d.-]+)" y="([\d.-]+)"', group), dtype=float)
-
-
-def ring_of(figure: str) -> np.ndarray:
-    """The middle of the ring, (2,), pixels."""
-    outline = re.findall(r' d="([^"]*)"', figure.split('id="worst-place"')[1])[0]
-    points = np.array(re.findall(r"(-?[\d.]+) (-?[\d.]+)", outline), dtype=float)
-    return (points.min(axis=0) + points.max(axis=0)) / 2
-
-
-@pytest.mark.parametrize(("seed", "count"), [(0, 2), (1, 6), (2, 25), (3, 80)])
-def test_the_picture_has_each_place_and_its_ring_is_the_worst(seed: int, count: int) -> None:
-    errors = some_errors(seed, count)
-    figure = place_figure(errors, ([0.0, 0.02], [0.0, 0.02]))
-    marks = marks_of(figure)[:count]
-    worst = int(np.argmax([error.rmse_percent_of_peak for error in errors]))
-    assert len(marks) == count
-    np.testing.assert_allclose(marks[worst], ring_of(figure), atol=0.1)
-    others = np.delete(marks, worst, axis=0)
-    assert np.abs(others - ring_of(figure)).max(axis=1).min() > 0.2
-
-
-def test_one_place_has_no_picture_and_no_finding() -> None:
-    assert place_figure(some_errors(0, 1), None) == ""
-    assert list(by_place_findings(some_errors(0, 1))) == []
-
-
-@pytest.mark.parametrize(("worst", "grade"), [(4.9, Grade.GOOD), (6.0, Grade.GOOD),
-                                              (20.0, Grade.LOOK)])  # fmt: skip
-def test_a_place_that_is_far_worse_than_the_others_is_to_be_looked_at(
-    worst: float, grade: Grade
-) -> None:
-    errors = [PlaceError((0.001 * k, 0.0), 1, 0.1, 4.0) for k in range(4)]
-    (found,) = by_place_findings([*errors, PlaceError((0.007, 0.004), 1, 0.1, worst)])
-    assert found.grade == grade
-    assert "at (7, 4) mm" in found.words
-
-
-@pytest.mark.slow
-def test_the_report_names_the_worst_place_and_draws_all(folder: Path) -> None:
-    recordings = [pressed(place_m, f"at-{k}") for k, place_m in enumerate(PLACES)]
-    off = replace(recordings[1], force_n=1.2 * recordings[1].force_n)
-    store_validation(folder, validate(folder, [recordings[0], off, recordings[2]], paced_s=0.01))
-    assert [series.place_m for series in read_validation(folder).series] == list(PLACES)
-    page = write_report(folder).read_text()
-    assert re.search(r"3 places: .* worst [\d.]+ % at \(7, 4\) mm", page)
-    assert 'id="worst-place"' in page

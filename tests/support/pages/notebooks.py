@@ -47,8 +47,6 @@ def _outputs(source: str, name: str, names: dict[str, Any]) -> list[Output]:
         found.append({"output_type": "stream", "name": "stdout", "text": _lines(printed)})
     if value is not None and not isinstance(value, Axes):
         data = {"text/plain": _lines(repr(value))}
-        if html := getattr(value, "_repr_html_", str)():
-            data["text/html"] = [html]  # svg has many lines
         found.append({"output_type": "execute_result", "data": data, "metadata": {}})
     for number in pyplot.get_fignums():
         drawn, png = io.BytesIO(), io.BytesIO()

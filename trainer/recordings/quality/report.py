@@ -10,7 +10,6 @@ import numpy as np
 from springpot.codegen.entry_points import part
 from springpot.codegen.errors import DataError
 from springpot.codegen.progress import counted
-from springpot.trainer.faces import Faces
 from springpot.trainer.recordings.quality.alignment import (
     STEADY,
     Skew,
@@ -48,7 +47,7 @@ from springpot.trainer.recordings.recording_file import Recordings, given_record
 
 
 @dataclass(frozen=True, eq=False)
-class QualityReport(Faces):
+class QualityReport:
     """Findings of a set of recordings; figures, as JSON values, are computed when they are read.
 
     given: the recordings as they were read; checked: without spikes. cycles, signs: of each.

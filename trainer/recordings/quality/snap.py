@@ -48,7 +48,7 @@ def snap_findings(recordings: Sequence[Recording]) -> Iterator[Finding]:
         f"force falls by {100 * share:.2g} % of its peak on the way in, near "
         f"{1e3 * float(np.median(places_m)):.3g} mm, in {len(falls)} of {deep_enough} presses",
         "the object snaps through, and no monotone model has that: what is felt lacks the click",
-        "take a kind with trees (rf-fd), and see it with `springpot report`",
+        "take a kind with trees (rf-fd), and compare it by `springpot validate`",
     )  # fmt: skip
 
 

@@ -1,10 +1,10 @@
-"""`springpot demo`."""
+"""`springpot demo` and `springpot report`."""
 
 from pathlib import Path
 
 import click
 
-from springpot.console import json_option, print_result
+from springpot.console import json_option, part, print_result, progress_bar
 
 
 @click.command()
@@ -34,3 +34,16 @@ def demo(out: Path, object_name: str, as_json: bool) -> None:
     }
     print_result(result, as_json, rows)
     fail_on_mismatch(out / "c", done.validation)
+
+
+@click.command()
+@click.argument("folder", type=click.Path(path_type=Path))
+@json_option
+def report(folder: Path, as_json: bool) -> None:
+    """Write a self-contained HTML page on FOLDER: a benchmark, or an emitted, validated scene."""
+    from springpot.host.wings.report.scene_page import write_report
+
+    of_bench = part("bench-report")
+    with progress_bar("report"):
+        path = (of_bench and of_bench(folder)) or write_report(folder)
+    print_result({"report": str(path)}, as_json, {"report": str(path)})

@@ -1,0 +1,51 @@
+"""`.plot()` of results: on the axes that are given, on new ones, and without matplotlib."""
+
+import sys
+from collections.abc import Iterator
+
+import numpy as np
+import pytest
+from matplotlib import pyplot
+from matplotlib.axes import Axes
+from support.small import passive_model, training
+
+import springpot
+
+
+@pytest.fixture(autouse=True)
+def no_figure_stays() -> Iterator[None]:
+    yield
+    pyplot.close("all")
+
+
+@pytest.fixture(scope="module")
+def validation(tmp_path_factory: pytest.TempPathFactory) -> springpot.Validation:
+    folder = tmp_path_factory.mktemp("emitted") / "c"
+    springpot.emit(folder, model=passive_model())
+    return springpot.validate(folder, list(training()[:3]), paced_s=0.01)
+
+
+def test_a_recording_is_force_against_position(monkeypatch: pytest.MonkeyPatch) -> None:
+    one = training()[0]
+    axes = pyplot.figure().subplots()
+    assert one.plot(axes) is axes
+    np.testing.assert_array_equal(axes.lines[0].get_xydata().T, [1e3 * one.position_m, one.force_n])
+    assert isinstance(one.plot(), Axes)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    with pytest.raises(springpot.UsageError, match=r"pip install 'springpot\[report\]'"):
+        one.plot()
+
+
+def test_a_validation_is_what_was_measured_and_the_c(validation: springpot.Validation) -> None:
+    measured, of_c = (line.get_ydata() for line in validation.plot().lines)
+    k = [len(each.force_n) for each in validation.recordings].index(len(measured))
+    np.testing.assert_array_equal(measured, validation.recordings[k].force_n)
+    np.testing.assert_array_equal(of_c, validation.predicted_n[k])
+
+
+@pytest.mark.slow
+def test_a_stability_is_its_map() -> None:
+    found = springpot.stability(model=passive_model())
+    axes = found.plot()
+    np.testing.assert_array_equal(axes.images[0].get_array(), found.check.scene_map.sin_delta)
+    assert len(axes.texts) == found.check.scene_map.sin_delta.size
