@@ -24,11 +24,6 @@ $(STAMP): requirements.lock pyproject.toml
 	$(PYTHON) -m venv .venv
 	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
 	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
-	@# From its parent folder, a clone named springpot looks like a package without modules: the
-	@# finder of what is installed goes before that of folders, unless somebody names folders.
-	@echo 'import os, sys; "PYTHONPATH" in os.environ or sys.meta_path.sort(key=lambda f:' \
-	  '"Editable" not in getattr(f, "__name__", ""))' \
-	  > `$(BIN)/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))'`/springpot_first.pth
 	@touch $@
 
 demo: $(STAMP)
@@ -137,11 +132,9 @@ types: $(STAMP) ns
 	$(BIN)/mypy
 	MYPYPATH=docs/_ext:build/ns $(BIN)/mypy docs/_ext
 
-# mypy and pyright do not see packages mapped by an editable install: a tree of links shows them.
+# mypy and pyright find springpot by a folder of that name.
 ns:
-	@mkdir -p build/ns/springpot && rm -f build/ns/springpot/*.py
-	@for file in host/api/*.py host/api/py.typed; do ln -sfn ../../../$$file build/ns/springpot/; done
-	@for floor in runtime_c codegen trainer host; do ln -sfn ../../../$$floor build/ns/springpot/$$floor; done
+	@mkdir -p build/ns && ln -sfn ../.. build/ns/springpot
 
 # Each program of tests/c by every compiler, with sp_real float and double: built once, all cores.
 C_BUILD ?= build/c

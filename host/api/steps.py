@@ -15,8 +15,8 @@ from springpot.codegen.arrays import Samples, given_numbers
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.model import Model
 from springpot.codegen.regular_file import given_path
-from springpot.codegen.scene import Scene
-from springpot.files import File, given_model, read_recordings, write_model
+from springpot.codegen.scene import Scene, Target
+from springpot.host.api.files import File, given_model, read_recordings, write_model
 from springpot.trainer.models.fit import Engine, Fit, FitOptions
 from springpot.trainer.recordings.notices import notice
 from springpot.trainer.recordings.recording import Recording
@@ -242,6 +242,35 @@ def stability(
 
     stated, chosen = _resolved(scene, model)
     return check(make_plan(chosen, stated, accept_unsafe=True))
+
+
+def bench(
+    recordings: Recordings,
+    validation: Recordings = (),
+    *,
+    out: File = "bench",
+    target: Target = "cortex-m4f",
+    kinds: Sequence[str] = (),
+    seed: int = 0,
+) -> dict[str, object]:
+    """Measure every kind and size of model: error, run time and bytes of each; what to pick.
+
+    validation: other recordings; by default a fifth of `recordings` is not trained on. out: folder
+    of the results; what is there is not computed again. target: board, of which the flash is
+    counted. kinds: those that are measured; all by default. Returns what `springpot bench --json`
+    prints. Raises UsageError for an unknown kind.
+
+    >>> "picks" in bench(recordings, kinds=["hammerstein"])
+    True
+    """
+    from springpot.host.evidence.benchmark.run import Bench, run_bench
+    from springpot.host.evidence.splits import holdout
+
+    training, testing = _some(recordings), given_recordings(validation)
+    if not testing:
+        training, testing = holdout(training, seed)
+    asked = Bench(tuple(training), tuple(testing), target, seed, tuple(kinds), None)
+    return run_bench(asked, given_path(out), "springpot.bench")
 
 
 def _fit_options(given: Mapping[str, object]) -> FitOptions:

@@ -9,9 +9,9 @@ from functools import cache
 from pathlib import Path
 from unittest import mock
 
-from springpot.host.wings.evidence.benchmark import isolated, picks
-from springpot.host.wings.evidence.benchmark.run import Bench, run_bench
-from springpot.host.wings.evidence.sweep import Candidate
+from springpot.host.evidence.benchmark import isolated, picks
+from springpot.host.evidence.benchmark.run import Bench, run_bench
+from springpot.host.evidence.sweep import Candidate
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.recordings.recording_file import write_recording
 from support.peer import CLI
@@ -49,7 +49,7 @@ def small_sweep(dt_s: float, options: FitOptions, kinds: Sequence[str] = ()) -> 
 def small(sweep: Callable[..., list[Candidate]] = small_sweep) -> Iterator[None]:
     """Few candidates, timed for a moment, any time allowed: other tests keep the cores busy."""
     with (
-        mock.patch("springpot.host.wings.evidence.sweep.default_sweep", sweep),
+        mock.patch("springpot.host.evidence.sweep.default_sweep", sweep),
         mock.patch.object(isolated, "ISOLATED_PACED_S", 0.2),
         mock.patch.object(picks, "PERIOD_SHARE", 1e4),
     ):

@@ -16,10 +16,13 @@ from support.in_process import spring
 from support.paths import ROOT
 from support.small import model_file, scene
 
-from springpot import Runtime
+from springpot.codegen.scene import Runtime
 from springpot.host.emission.emission import emit
 from springpot.host.native.compiler import run_compiler
-from springpot.native import PORT_WIRE, SceneLibrary, flags, missing_node, missing_tools
+from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.native.toolchain import missing_tools
+from springpot.host.wasm.wasm_node import missing_node
+from springpot.runtime_c.paths import PORT_WIRE, flags
 
 
 @pytest.fixture(scope="module")

@@ -14,7 +14,7 @@ from support.paths import ROOT
 from springpot.host.cli import springpot
 from springpot.host.emission.scene_file import read_scene
 from springpot.host.recording.protocols import load_protocol
-from springpot.host.wings.study.definition import read_study
+from springpot.host.study.definition import read_study
 
 TESTED = {
     "python": "test_python_examples.py",

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from support.messages import refusing
 from support.small import damage, flow
 
-from springpot import DataError, Model
+from springpot import Model
+from springpot.codegen.errors import DataError
 from springpot.codegen.model.features import (
     FastFirBank,
     FirBank,
@@ -20,9 +21,10 @@ from springpot.codegen.model.features import (
     RecursiveBank,
 )
 from springpot.codegen.model.field_types import MAX_NUMBER, require_types
+from springpot.codegen.model.model import TrainedRange
+from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.model.regressors import Forest, Quantisation, Rbf
 from springpot.codegen.model.validity import require_valid
-from springpot.modelling import Hammerstein, TrainedRange
 
 ones = np.ones
 PASSIVE = Hammerstein(

@@ -10,7 +10,7 @@ import pytest
 
 import springpot
 from springpot import Recording
-from springpot.basics import in_python
+from springpot.host.console.in_python import in_python
 from springpot.host.console.quality import warn_of_quality
 
 TIME_S = np.arange(1000) * 1e-2

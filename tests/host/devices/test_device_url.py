@@ -5,9 +5,10 @@ import dataclasses
 import pytest
 from support.messages import refusing
 
-from springpot import DeviceError, UsageError
-from springpot.devices import Address, DeviceRequirements
+from springpot.codegen.errors import DeviceError, UsageError
+from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.drivers import drivers, open_device, parse_device
+from springpot.host.devices.url import Address
 
 
 @pytest.mark.parametrize(

@@ -5,21 +5,23 @@ import math
 from typing import Any
 
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import given
+from hypothesis import strategies as st
 from support.paths import ROOT
 
-from springpot import DeviceError
+from springpot.codegen.errors import DeviceError
 from springpot.codegen.scene import Device
-from springpot.devices import (
+from springpot.host.devices.device import (
     FORCE_ZERO,
+    RECONNECT_S,
     ZERO_S,
     DeviceRequirements,
     OpenedDevice,
     VirtualDevice,
     at_most,
+    requirements_of,
     too_weak,
 )
-from springpot.host.devices.device import RECONNECT_S, requirements_of
 
 
 @given(st.floats(1e-9, 1e9))

@@ -9,14 +9,15 @@ from click.testing import CliRunner
 from support.peer import peer, wait_until
 
 from springpot import Session
-from springpot.console import stopping_on_sigterm
-from springpot.devices import trip_error
 from springpot.host.cli import exit_status
 from springpot.host.commands.scenes.run import run
+from springpot.host.native.loop_library import Stop, empty_rows
+from springpot.host.recording.indentation import trip_error
 from springpot.host.session import runner
 from springpot.host.session.c_loop import CLoop
+from springpot.host.session.loop import LoopSettings, LoopState
 from springpot.host.session.outcome import expected_ticks, fault_at_end, why_stopped
-from springpot.loop import LoopSettings, LoopState, Stop, empty_rows
+from springpot.host.session.terminal import stopping_on_sigterm
 
 SETTINGS = LoopSettings(period_s=0.001, seconds=2.0)
 

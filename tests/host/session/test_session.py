@@ -8,13 +8,14 @@ import pytest
 from support.peer import peer, wait_until
 from support.small import model_file, press, recording, scene
 
-from springpot import DataError, DeviceError, Session, SpringpotError, UsageError
+from springpot import Session, SpringpotError
+from springpot.codegen.errors import DataError, DeviceError, UsageError
 from springpot.host.cli import exit_status
 from springpot.host.emission.emission import emit
 from springpot.host.native.loop_library import NONE, RESET, SILENT
+from springpot.host.session.loop import LoopSettings
 from springpot.host.session.runner import _loop_for
 from springpot.host.validation.validation import validate
-from springpot.loop import LoopSettings
 from springpot.trainer.recordings.recording_file import read_recording, write_recording
 
 

@@ -8,7 +8,8 @@ import pytest
 from support.small import DT_S, passive_model, press, scene
 
 import springpot
-from springpot import DataError, Model, Recording, Session, UsageError
+from springpot import Model, Recording, Session
+from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.model_file import write_model
 from springpot.codegen.model.places import Places
 from springpot.host.emission.emission import emit

@@ -19,9 +19,9 @@ import pytest
 
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
-from springpot.host.wings.boards.boards import BOARDS, emulator_of, missing
-from springpot.host.wings.boards.firmware import build_firmware
-from springpot.host.wings.devices.wire import Receiver
+from springpot.host.boards.boards import BOARDS, emulator_of, missing
+from springpot.host.boards.firmware import build_firmware
+from springpot.host.devices.wire import Receiver
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.recordings.recording import Recording

@@ -18,9 +18,9 @@ from typing import Any
 import numpy as np
 from line import Clock, Port, arguments, be_a_device, say
 
+from springpot.host.devices.wire import Receiver, Sender, constant, layout
 from springpot.host.native.compiler import shared_library
 from springpot.host.simulation.objects import ALL_OBJECTS, HAND_NAMES
-from springpot.host.wings.devices.wire import Receiver, Sender, constant, layout
 from springpot.runtime_c.paths import SIM
 
 SOURCE = Path(__file__).with_name("libdhd.c")

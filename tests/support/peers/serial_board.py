@@ -12,8 +12,8 @@ from typing import Any
 from line import Port, arguments, be_a_device
 from serial_device import PRESS, RESET, START, Board
 
+from springpot.host.devices.wire import constant
 from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.wings.devices.wire import constant
 
 
 class RenderingBoard(Board):

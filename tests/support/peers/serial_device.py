@@ -11,7 +11,7 @@ from typing import Any
 
 from line import Clock, Faults, Noise, Port, Tool, arguments, be_a_device, say
 
-from springpot.host.wings.devices.wire import Receiver, Sender, constant, layout
+from springpot.host.devices.wire import Receiver, Sender, constant, layout
 
 START, STOP, RESET, PRESS = (constant(name) for name in ("START", "STOP", "RESET", "PRESS"))
 IDLE_RATE_HZ = 1000.0

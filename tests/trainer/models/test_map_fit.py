@@ -10,13 +10,15 @@ import pytest
 from support.presses.places import grid_profiles
 from support.small import DT_S, passive_model, press, scene
 
-from springpot import DataError, FitOptions, Model, Recording, UsageError
+from springpot import Model, Recording
+from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.model_file import write_model
 from springpot.host.emission.emission import emit
+from springpot.host.recording.protocols import load_protocol
 from springpot.host.recording.session import open_press_device, record_session
 from springpot.host.validation.validation import validate
-from springpot.modelling import fit_model
-from springpot.simulation import load_protocol
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.recordings.recording_file import read_recordings
 

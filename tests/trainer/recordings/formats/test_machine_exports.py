@@ -8,8 +8,10 @@ import pytest
 from support.messages import refusing
 from support.small import press, soft_force, training
 
-from springpot import DataError, FitOptions, Recording, UsageError
-from springpot.modelling import fit_model
+from springpot import Recording
+from springpot.codegen.errors import DataError, UsageError
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.recordings.formats.column_map import guess_column, parse_map, split_unit
 from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
 

@@ -9,9 +9,11 @@ import pytest
 from support.files.recording_files import PressedObject
 from support.presses.structures import recorded
 
-from springpot import DataError, Recording
-from springpot.modelling import Finding, find_contact
+from springpot import Recording
+from springpot.codegen.errors import DataError
+from springpot.trainer.recordings.contact_point import find_contact
 from springpot.trainer.recordings.quality.contact.surface import contact_findings
+from springpot.trainer.recordings.quality.finding import Finding
 
 TIME_S = np.arange(4000) * 1e-3
 

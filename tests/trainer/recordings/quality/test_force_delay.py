@@ -8,9 +8,10 @@ import pytest
 from support.presses.structures import recorded
 
 from springpot import Recording, check_recordings
-from springpot.console import check_parts
-from springpot.modelling import Finding, find_cycles
+from springpot.host.commands.recordings.check import check_parts
 from springpot.trainer.recordings.quality.alignment import estimate_skew, low_pass_delay_s
+from springpot.trainer.recordings.quality.cycles import find_cycles
+from springpot.trainer.recordings.quality.finding import Finding
 
 TIME_S = np.arange(4000) * 1e-3
 

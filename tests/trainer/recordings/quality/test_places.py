@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from springpot import DataError, Recording, UsageError, check_recordings
+from springpot import Recording, check_recordings
+from springpot.codegen.errors import DataError, UsageError
 from springpot.host.commands.recordings.check import check_
 from springpot.host.commands.recordings.import_ import import_
 from springpot.trainer.recordings.formats.importing import (
