@@ -21,10 +21,7 @@ COMMANDS = {
         "Measure every kind and size of model on your recordings; mark the front; pick.",
     ),
     "report": LazyCommand(f"{_HERE}.report.commands:report"),
-    "page": LazyCommand(
-        f"{_HERE}.page.commands.page:page",
-        "Write one HTML file in which people press the emitted FOLDERS, in a browser.",
-    ),
+    "page": LazyCommand(f"{_HERE}.page.command:page"),
     "reproduce": LazyCommand(
         f"{_HERE}.evidence.commands.reproduce:reproduce",
         "Repeat the paper's tables and figures, and say which of its claims hold here.",

@@ -18,7 +18,6 @@ from springpot.host.native.compiler import (
     compiler_version,
     find_compiler,
 )
-from springpot.host.native.toolchain import missing_tools, toolchain
 
 _PROGRAMS = (
     ("arm-none-eabi-gcc", "gcc-arm-none-eabi", "C for Cortex-M boards"),
@@ -78,9 +77,6 @@ def examine() -> Iterator[Diagnosis]:
     yield _timer()
     ports = [_serial_port(port.device, port.description) for port in list_ports.comports()]
     yield from ports or [Diagnosis("serial ports", False, "none", "plug the device in")]
-    tools = toolchain("wasm32")
-    seen = f"{' '.join(tools.compiler)} and {' '.join(tools.linker)}" if tools else "no compiler"
-    yield Diagnosis("C as WebAssembly", tools is not None, seen, missing_tools("wasm32"))
     for program, package, why in _PROGRAMS:
         path = shutil.which(program)
         do = "" if path else f"`apt-get install {package}`"

@@ -6,7 +6,7 @@ from typing import Any
 
 from springpot.codegen.atomic_write import write_file
 from springpot.codegen.errors import DataError
-from springpot.host.emission.emission import read_emission
+from springpot.host.emission.emission import read_emission, require_emission
 from springpot.host.metrics import JND_WORDS, SCORED_ABOVE_N, floor_words
 from springpot.host.native.footprint import measure_footprint
 from springpot.host.native.scene_library import scene_prefix
@@ -47,6 +47,7 @@ def write_report(folder: Path) -> Path:
 
 def _matching_validation(folder: Path) -> Stored:
     """Read the last validation. Raises DataError where it is not of this emission."""
+    require_emission(folder)
     stored = read_validation(folder)
     result = stored.metadata["result"]
     emitted = read_emission(folder, accept_edited=bool(result.get("edited")))
