@@ -5,7 +5,7 @@ import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -250,26 +250,26 @@ def bench(
     *,
     out: File = "bench",
     target: Target = "cortex-m4f",
-    kinds: Sequence[str] = (),
+    models: Sequence[str] = (),
     seed: int = 0,
-) -> dict[str, object]:
-    """Measure every kind and size of model: error, run time and bytes of each; what to pick.
+) -> dict[str, Any]:
+    """Measure every kind and size of model: error, run time and bytes of each, and the front.
 
     validation: other recordings; by default a fifth of `recordings` is not trained on. out: folder
-    of the results; what is there is not computed again. target: board, of which the flash is
-    counted. kinds: those that are measured; all by default. Returns what `springpot bench --json`
-    prints. Raises UsageError for an unknown kind.
+    of the results; what is there is not computed again. target: board of which the flash is
+    counted. models: kinds and files of models; by default every kind. Returns what `springpot
+    bench --json` prints. Raises UsageError for an unknown kind.
 
-    >>> "picks" in bench(recordings, kinds=["hammerstein"])
-    True
+    >>> bench(recordings, models=["hammerstein"])["points"][0]["model"]
+    'hammerstein'
     """
-    from springpot.host.evidence.benchmark.run import Bench, run_bench
-    from springpot.host.evidence.splits import holdout
+    from springpot.host.bench.bench import Bench, run_bench
+    from springpot.host.bench.splits import holdout
 
     training, testing = _some(recordings), given_recordings(validation)
     if not testing:
         training, testing = holdout(training, seed)
-    asked = Bench(tuple(training), tuple(testing), target, seed, tuple(kinds), None)
+    asked = Bench(tuple(training), tuple(testing), target, seed, tuple(models))
     return run_bench(asked, given_path(out), "springpot.bench")
 
 

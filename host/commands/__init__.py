@@ -16,10 +16,7 @@ COMMANDS = {
     "stability": LazyCommand(f"{_HERE}.commands.scenes.stability:stability_"),
     "validate": LazyCommand(f"{_HERE}.commands.scenes.validate:validate_"),
     "run": LazyCommand(f"{_HERE}.commands.scenes.run:run"),
-    "bench": LazyCommand(
-        f"{_HERE}.evidence.commands.bench:bench",
-        "Measure every kind and size of model on your recordings; mark the front; pick.",
-    ),
+    "bench": LazyCommand(f"{_HERE}.bench.command:bench"),
     "report": LazyCommand(f"{_HERE}.report.commands:report"),
     "page": LazyCommand(f"{_HERE}.page.command:page"),
     "reproduce": LazyCommand(

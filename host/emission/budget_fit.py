@@ -24,18 +24,16 @@ def emit_fitting(
     accept_unsafe: bool,
     recordings: Sequence[Recording],
     fit: bool,
-    accept_unmeasured: bool = False,
 ) -> Emission:
     """Emit; where the scene does not fit its budget, list the best reductions, or apply the best.
 
-    accept_unmeasured: as of `emit`.
     Raises BudgetError, exit status 4, where it does not fit and `fit` is not asked for, or where
     no reduction fits; UsageError for `fit` without recordings; DataError for those of another rate.
     """
     if fit and not recordings:
         raise UsageError("--fit measures what it leaves out: give --recording REC")
     try:
-        return emit(scene, model_file, folder, accept_unsafe, accept_unmeasured)
+        return emit(scene, model_file, folder, accept_unsafe)
     except BudgetError as error:
         if toolchain(scene.runtime.target) is None:
             raise  # nothing can be measured, of a smaller model neither

@@ -4,7 +4,6 @@ from pathlib import Path
 
 import click
 
-from springpot.codegen.entry_points import part
 from springpot.host.console.output import json_option, print_result, progress_bar
 
 
@@ -43,9 +42,12 @@ def demo(out: Path, object_name: str, as_json: bool) -> None:
 @json_option
 def report(folder: Path, as_json: bool) -> None:
     """Write a self-contained HTML page on FOLDER: a benchmark, or an emitted, validated scene."""
+    from springpot.host.bench.page import write_bench_page
     from springpot.host.report.scene_page import write_report
 
-    of_bench = part("bench-report")
     with progress_bar("report"):
-        path = (of_bench and of_bench(folder)) or write_report(folder)
+        if (folder / "bench.json").is_file():
+            path = write_bench_page(folder)
+        else:
+            path = write_report(folder)
     print_result({"report": str(path)}, as_json, {"report": str(path)})

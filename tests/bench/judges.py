@@ -26,8 +26,8 @@ from judges_recordings import PAPER_SIGNALS, SEED, SETTINGS, Recordings, recorde
 from spring_dashpot import spring_dashpot_percent
 
 from springpot.codegen.plan.make_plan import make_plan
-from springpot.host.evidence.benchmark.measure import bench_scene, hot_ns, prediction_errors
-from springpot.host.evidence.benchmark.store import code_hash, key_of
+from springpot.host.bench.bench import code_hash, key_of
+from springpot.host.bench.measure import bench_scene, hot_ns, prediction_errors
 from springpot.host.native.machine import machine_metadata
 from springpot.host.native.trial_build import built
 from springpot.host.simulation.objects import FOREIGN_OBJECTS, OBJECTS

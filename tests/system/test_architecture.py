@@ -84,7 +84,15 @@ def test_no_folder_is_crowded() -> None:
     assert not crowded
 
 
-FITTING = {"study", "evidence", "estimators", "report", "smaller"}  # rooms of host
+FITTING = {
+    "bench",
+    "study",
+    "evidence",
+    "estimators",
+    "force_sensor",
+    "report",
+    "smaller",
+}  # rooms of host
 
 
 def test_only_what_fits_imports_what_fits() -> None:

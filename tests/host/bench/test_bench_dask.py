@@ -9,8 +9,10 @@ from contextlib import ExitStack, contextmanager
 from pathlib import Path
 
 import pytest
-from support.bench_folder import write_training
 from support.in_process import spring
+from support.small import training
+
+from springpot.host.api.files import write_recordings
 
 _WAIT_S = 60.0
 
@@ -39,7 +41,8 @@ def wait_for(file: Path) -> None:
 def test_two_workers_give_the_points_of_one_machine(tmp_path: Path) -> None:
     from distributed import Client  # slow to load, and this test alone needs it
 
-    recordings = str(write_training(tmp_path / "training"))
+    recordings = str(tmp_path / "training")
+    write_recordings(recordings, training())
     known = tmp_path / "scheduler.json"
     with ExitStack() as stack:
         stack.enter_context(
@@ -58,13 +61,11 @@ def test_two_workers_give_the_points_of_one_machine(tmp_path: Path) -> None:
         done = spring("bench", "--recording", recordings, "--model", "hammerstein", "--json",
                       "--out", str(tmp_path / "cluster"), "--dask", address)  # fmt: skip
     assert done.returncode == 0, done.stderr
-    found = json.loads(done.stdout)
-    assert found["computed"] == len(found["points"]) == 7
+    found = json.loads(done.stdout)["points"]
     here = spring("bench", "--recording", recordings, "--model", "hammerstein", "--json",
                   "--out", str(tmp_path / "here"))  # fmt: skip
-    alike = json.loads(here.stdout)["points"]
-    for one, other in zip(found["points"], alike, strict=True):
-        for name in ("key", "hash", "rmse_n", "cv_rmse_n", "flash_bytes"):
-            assert one[name] == other[name]
-    workers = {point["worker"] for point in found["points"]}
-    assert len(workers) == 2, "one worker did it all"
+    alike = {point["hash"]: point for point in json.loads(here.stdout)["points"]}
+    assert len(found) == 7
+    for one in found:
+        for name in ("options", "rmse_n", "flash_bytes", "ram_bytes"):
+            assert one[name] == alike[one["hash"]][name]

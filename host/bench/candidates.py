@@ -1,8 +1,8 @@
-"""The default sweep of the benchmark: kinds x sizes x filter engines and windows x number types."""
+"""What the benchmark measures: kinds x sizes x filter engines and windows x number types."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, fields, replace
-from typing import Any
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
 
 from springpot.codegen.scene import Number
 from springpot.trainer.kinds import KINDS
@@ -14,25 +14,20 @@ _CENTERS = (10, 20, 30, 60, PAPER_CENTERS, 200, 300)
 
 @dataclass(frozen=True)
 class Candidate:
-    """One model to fit and measure: its kind, its options, the number type of its C."""
+    """One model: its kind and options to fit it with, or its file; the number type of its C."""
 
     kind: str
     options: FitOptions
     number: Number = "float32"
+    file: Path | None = None
 
-    def named_options(self) -> dict[str, Any]:
+    def named_options(self) -> dict[str, object]:
         """Return options that differ from the defaults."""
-        plain = FitOptions()
-        named = {
-            field.name: getattr(self.options, field.name)
-            for field in fields(FitOptions)
-            if getattr(self.options, field.name) != getattr(plain, field.name)
+        plain = asdict(FitOptions())
+        named: dict[str, object] = {
+            name: value for name, value in asdict(self.options).items() if value != plain[name]
         }
         return named | ({"number": self.number} if self.number != "float32" else {})
-
-    def as_dict(self) -> dict[str, Any]:
-        """Return everything that decides the fit, JSON values."""
-        return {"kind": self.kind, "number": self.number, "options": asdict(self.options)}
 
 
 def default_sweep(dt_s: float, options: FitOptions, kinds: Sequence[str] = ()) -> list[Candidate]:
