@@ -64,8 +64,8 @@ def test_two_workers_give_the_points_of_one_machine(tmp_path: Path) -> None:
     found = json.loads(done.stdout)["points"]
     here = spring("bench", "--recording", recordings, "--model", "hammerstein", "--json",
                   "--out", str(tmp_path / "here"))  # fmt: skip
-    alike = {point["hash"]: point for point in json.loads(here.stdout)["points"]}
+    alike = {(point["hash"], point["number"]): point for point in json.loads(here.stdout)["points"]}
     assert len(found) == 7
     for one in found:
         for name in ("options", "rmse_n", "flash_bytes", "ram_bytes"):
-            assert one[name] == alike[one["hash"]][name]
+            assert one[name] == alike[one["hash"], one["number"]][name]
