@@ -6,12 +6,11 @@ import sys
 from collections.abc import Sequence
 from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from springpot.codegen.entry_points import required_part
 from springpot.codegen.errors import UsageError
 from springpot.codegen.plurals import number_of
 from springpot.host.console.options import PATH, POSITIVE
@@ -80,6 +79,7 @@ def record(
 
     On a real device, the key q and Ctrl-C stop with zero force.
     """
+    from springpot.host.force_sensor.sensed_press import opened_sensor
     from springpot.host.recording.indentation import Limits
     from springpot.host.recording.protocols import load_protocol
     from springpot.host.recording.session import open_press_device, record_session
@@ -108,10 +108,8 @@ def record(
     limits = Limits(max_force_n, max_depth_mm / 1e3, max_speed_mps)
     profiles = load_protocol(protocol, seed)
     total_s = sum(len(profile.command_n) for profile in profiles) / 1000
-    measured = sensor_url is not None
-    open_sensor: Any = required_part("force-sensor", "--force") if measured else nullcontext
     with (
-        open_sensor(sensor_url) as pressing,
+        nullcontext() if sensor_url is None else opened_sensor(sensor_url) as pressing,
         progress,
         stopping_on_sigterm(),
     ):

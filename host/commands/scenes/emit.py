@@ -33,9 +33,9 @@ if TYPE_CHECKING:
     multiple=True,
     type=click.Path(),
     metavar="REC",
-    help="What smaller versions are measured on, where the scene does not fit its budget.",
+    help="What --fit measures smaller forests on.",
 )
-@click.option("--fit", is_flag=True, help="Emit the most accurate reduction that fits the budget.")
+@click.option("--fit", is_flag=True, help="Make a forest smaller until it fits the budget.")
 @json_option
 def emit_(
     scene_file: Path | None,

@@ -9,10 +9,11 @@ from support.small import model_file, press, recording, scene, small_fit
 
 from springpot.codegen.errors import BudgetError, DataError, UsageError
 from springpot.codegen.scene import Budget, Coupling, Runtime, Scene
+from springpot.host.emission import budget_fit
 from springpot.host.emission.budget_fit import emit_fitting
 from springpot.host.emission.emission import emit
 from springpot.host.native import toolchain
-from springpot.host.smaller import pruned_models as prune
+from springpot.host.validation.validation import validate
 
 EVALUATION = recording("judge", press(1.5, 0.011))
 
@@ -26,31 +27,30 @@ def tight(folder: Path) -> tuple[Scene, Path, int]:
 
 
 def build_few(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Try few reductions: one that fits is among them."""
-    monkeypatch.setattr(prune, "_TREES", (1.0, 0.5, 0.2))
-    monkeypatch.setattr(prune, "_LEAVES", (1, 8))
+    """Try few forests: one that fits is among them."""
+    monkeypatch.setattr(budget_fit, "_TREES", (1.0, 0.5, 0.2))
+    monkeypatch.setattr(budget_fit, "_LEAVES", (1, 8))
 
 
-@pytest.mark.parametrize("reductions", ["few", pytest.param("all", marks=pytest.mark.slow)])
-def test_a_reduction_that_fits_is_named_and_then_applied(
+@pytest.mark.parametrize("forests", ["few", pytest.param("all", marks=pytest.mark.slow)])
+def test_the_best_forest_that_fits_is_emitted(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
-    reductions: str,
+    forests: str,
 ) -> None:
-    if reductions == "few":
+    if forests == "few":
         build_few(monkeypatch)
     chosen, model, flash_bytes = tight(tmp_path)
-    with pytest.raises(BudgetError, match="would fit: add --fit"):
+    with pytest.raises(BudgetError, match="--fit --recording REC makes a forest smaller"):
         emit_fitting(chosen, model, tmp_path / "c", False, [EVALUATION], fit=False)
-    named = [line for line in capsys.readouterr().err.splitlines() if "would fit: " in line]
-    assert 1 <= len(named) <= 3
-    for line in named:
-        assert int(line.split(" bytes of flash")[0].split()[-1]) <= flash_bytes
-        assert float(line.split("RMSE ")[1].split()[0]) > 0
     assert not (tmp_path / "c").exists()
     fitted = emit_fitting(chosen, model, tmp_path / "c", False, [EVALUATION], fit=True)
     assert fitted.footprint.flash_bytes <= flash_bytes
+    (line,) = [one for one in capsys.readouterr().err.splitlines() if one.startswith("fitted: ")]
+    said_n = float(line.split("RMSE ")[1].split()[0])
+    measured = validate(tmp_path / "c", [EVALUATION], paced_s=0.01)
+    assert said_n == pytest.approx(measured.accuracy.rmse_n, rel=1e-3)
 
 
 @pytest.mark.parametrize(
@@ -58,8 +58,8 @@ def test_a_reduction_that_fits_is_named_and_then_applied(
     [
         ([dataclasses.replace(EVALUATION, dt_s=2e-3)], True, None, DataError, "500 Hz, the scene"),
         ([], True, None, UsageError, "give --recording REC"),
-        ([], False, None, BudgetError, "give --recording REC"),
-        ([EVALUATION], True, Budget(flash_bytes=100), BudgetError, "no reduction of this model"),
+        ([], False, None, BudgetError, "--fit --recording REC"),
+        ([EVALUATION], True, Budget(flash_bytes=100), BudgetError, "no smaller version of this"),
     ],
 )
 def test_what_cannot_be_fitted_is_refused(tmp_path, recordings, fit, budget, error, told) -> None:
@@ -70,7 +70,7 @@ def test_what_cannot_be_fitted_is_refused(tmp_path, recordings, fit, budget, err
         emit_fitting(chosen, model, tmp_path / "c", False, recordings, fit=fit)
 
 
-def test_what_was_accepted_for_the_model_is_accepted_for_its_reductions(
+def test_what_was_accepted_for_the_model_is_accepted_for_a_smaller_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     build_few(monkeypatch)
@@ -80,7 +80,7 @@ def test_what_was_accepted_for_the_model_is_accepted_for_its_reductions(
     assert fitted.manifest["accept_unsafe"] is True
 
 
-def test_without_a_compiler_no_reduction_is_blamed(
+def test_without_a_compiler_no_model_is_blamed(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     found = shutil.which
@@ -93,4 +93,4 @@ def test_without_a_compiler_no_reduction_is_blamed(
     with pytest.raises(BudgetError) as refused:
         emit_fitting(chosen, model_file(tmp_path), tmp_path / "c", False, [EVALUATION], fit=True)
     assert "no compiler for rv32imafc" in str(refused.value)
-    assert "no reduction" not in str(refused.value)
+    assert "no smaller version" not in str(refused.value)
