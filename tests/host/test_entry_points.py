@@ -1,4 +1,4 @@
-"""Another package's command, kind, device and file format are used by their names."""
+"""Another package's kind, device and file format are used by their names."""
 
 import json
 import os
@@ -58,14 +58,12 @@ def write_rig_file(path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_a_package_adds_a_command_a_kind_a_device_and_a_format(tmp_path: Path) -> None:
+def test_a_package_adds_a_kind_a_device_and_a_format(tmp_path: Path) -> None:
     target = installed(tmp_path)
 
     def run(*words: str) -> str:
         return said(target, tmp_path, *words)
 
-    assert "hello" in run("--help")
-    assert json.loads(run("hello", "sponge", "--json"))["greeted"] == "sponge"
     write_rig_file(tmp_path / "rig.txt")
     imported = json.loads(run("import", "rig.txt", "--out", "recordings", "--json"))
     assert "soft rig at 1000 Hz" in imported["guess"]
@@ -79,17 +77,20 @@ def test_a_package_adds_a_command_a_kind_a_device_and_a_format(tmp_path: Path) -
     assert felt["ticks"] > 0
     log = json.loads(run("validate", "c", "--recording", "felt.h5", "--json"))
     assert log["mismatches"] == 0
+    bench = json.loads(run("bench", "--recording", "recordings", "--validate", "recordings",
+                           "--model", "spring", "--model", "rig.spm", "--json"))  # fmt: skip
+    assert {point["model"] for point in bench["points"]} == {"spring", "rig.spm"}
 
 
 def test_what_cannot_be_loaded_is_left_out_and_said(tmp_path: Path) -> None:
-    entries = "[springpot.commands]\nbroken = no_such_module:BROKEN\ntrain = json:loads\n"
-    result = cli("--help", env=beside(tmp_path, entries, ""))
+    entries = "[springpot.kinds]\nbroken = no_such_module:BROKEN\nrf-fd = json:loads\n"
+    script = "from springpot.trainer.kinds import KINDS; print(*KINDS)"
+    result = python(beside(tmp_path, entries, ""), script)
     left_out = [line for line in result.stderr.splitlines() if "left out" in line]
-    assert [("'broken' of other" in line, "'train' of other" in line) for line in left_out] == [
+    assert [("'broken' of other" in line, "'rf-fd' of other" in line) for line in left_out] == [
         (True, False), (False, True),
     ]  # fmt: skip
-    assert "Traceback" not in result.stderr
-    assert "train " in result.stdout
+    assert "rf-fd" in result.stdout.split()
 
 
 def beside(folder: Path, entries: str, module: str) -> dict[str, str]:
@@ -129,25 +130,17 @@ def test_a_link_that_cannot_be_built_leaves_all_other_links(
     )
     links = f"Path({str(file)!r}), Path({str(tmp_path / 'good.c')!r})"
     module = (
-        "from pathlib import Path\nfrom springpot.devices import Driver\n"
+        "from pathlib import Path\nfrom springpot.host.devices.drivers import Driver\n"
         f"OTHER = Driver('other://1', 'other:Other', links=({links}))\n"
     )
     environment = beside(tmp_path, "[springpot.devices]\nother = other:OTHER\n", module)
-    result = python(environment, "from springpot.loop import loop_library\n"
+    result = python(environment, "from springpot.host.native.loop_library import loop_library\n"
                     "c = loop_library('double').c\n"
                     "print(c.sp_link_sim_size() > 0, c.good())")  # fmt: skip
     assert result.stdout == "True 7\n", result.stderr
     (said,) = [line for line in result.stderr.splitlines() if "left out" in line]
     assert str(file) in said
     assert "good.c" not in said
-
-
-def test_a_part_of_springpot_is_its_own_whoever_takes_the_name(tmp_path: Path) -> None:
-    entries = "[springpot.parts]\nforce-sensor = other:taken\nbench-report = other:taken\n"
-    environment = beside(tmp_path, entries, "def taken(*_):\n    return 'taken'\n")
-    result = python(environment, "from springpot.codegen.entry_points import part\n"
-                    "print(part('force-sensor').__module__)")  # fmt: skip
-    assert result.stdout.strip() == "springpot.host.force_sensor.sensed_press"
 
 
 def test_a_missing_extra_is_named_and_not_taken_for_a_broken_package(tmp_path: Path) -> None:

@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 
-from springpot.codegen.entry_points import absent
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.regular_file import require_regular
 from springpot.codegen.short_repr import short_repr
@@ -141,12 +140,8 @@ def _imported(
 
 
 def _read(path: Path, start: bytes, request: FileRequest) -> tuple[list[RawChannels], str]:
-    formats = file_formats()
-    chosen = next(one for one in formats.values() if one.fits(path, start))
-    try:
-        return chosen.read(path, request)
-    except DataError as error:
-        raise type(error)(f"{error}{absent('formats', formats)}") from None
+    chosen = next(one for one in file_formats().values() if one.fits(path, start))
+    return chosen.read(path, request)
 
 
 def _import_again(
