@@ -45,8 +45,7 @@ def test_everything_locked_has_a_hash_and_everything_needed_is_locked() -> None:
     assert names - locked == {"springpot", "ziglang"}  # ziglang: where there is no compiler at all
 
 
-EXTRAS = ("scipy", "sklearn", "joblib", "matplotlib", "can", "cantools", "openpyxl",
-          "nptdms", "m2cgen", "statsmodels")  # fmt: skip
+EXTRAS = ("scipy", "sklearn", "joblib", "matplotlib", "can", "m2cgen", "statsmodels")
 CODE = (
     "import sys\nfor name in {!r}: sys.modules[name] = None\n"
     "sys.argv = ['springpot', *{!r}]\nfrom springpot.host.cli import main\nmain()"

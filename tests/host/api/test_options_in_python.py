@@ -61,7 +61,7 @@ def test_a_remedy_is_an_argument(
             "pass --place X,Y and --align",
             "pass ImportOptions(place_m=(X, Y)) and Conditioning(align=True)",
         ),
-        ("--resample-hz 1e+06, --compliance 5e4", "resample_hz=1e+06, Conditioning(frame_npm=5e4)"),
+        ("--resample-hz 1e+06, --mass-kg 5e4", "resample_hz=1e+06, Conditioning(mass_kg=5e4)"),
         (
             "--decimal comma, or --decimal point",
             "ImportOptions(decimal='comma'), or ImportOptions(decimal='point')",
