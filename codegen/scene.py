@@ -13,7 +13,7 @@ from annotated_types import Gt, Interval
 from springpot.codegen.short_repr import short_repr
 
 Number = Literal["float32", "float64"]
-Target = Literal["host", "cortex-m4f", "cortex-m7", "rv32imafc", "wasm32"]
+Target = Literal["host", "cortex-m4f", "cortex-m7", "rv32imafc"]
 _CLOSED = {"extra": "forbid", "allow_inf_nan": False, "strict": True}
 
 
@@ -32,8 +32,7 @@ class Runtime:
     number: Number = "float32"
     """Type of all numbers in the C."""
     target: Target = "host"
-    """Processor whose flash, stack and instructions `emit` states; of `wasm32`, a web page, the
-    bytes of the module."""
+    """Processor whose flash, stack and instructions `emit` states."""
     prefix: str = "sp"
     """Beginning of every C name, so that two objects live in one image. May be: lower-case
     letters, digits, underscores."""

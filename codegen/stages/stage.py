@@ -175,7 +175,7 @@ def regressor_stage(
 
 def vector_width_of(runtime: Runtime) -> int:
     """Numbers that tables are padded to whole vectors of; 1 where the target has no vectors."""
-    return VECTOR_WIDTH if runtime.target in ("host", "wasm32") else 1
+    return VECTOR_WIDTH if runtime.target == "host" else 1
 
 
 def flushed(x: Any) -> Any:

@@ -49,6 +49,7 @@ if TYPE_CHECKING:
     from springpot.host.emission.emission import (
         Emitted as Emitted,
         read_emission as read_emission,
+        require_emission as require_emission,
         write_emission as write_emission,
     )
     from springpot.host.emission.folder import emitted_folder as emitted_folder

@@ -1,4 +1,4 @@
-"""Figures of one style, and pages of HTML: self-contained files, and a local server.
+"""Figures of one style, and self-contained pages of HTML.
 
 >>> from springpot.figures import plain
 >>> plain(0.012345)
@@ -21,12 +21,6 @@ if TYPE_CHECKING:
         log_ticks as log_ticks,
         stride as stride,
         svg_text as svg_text,
-    )
-    from springpot.host.wings.pages.server import (
-        Answer as Answer,
-        PageEvent as PageEvent,
-        PageServer as PageServer,
-        PageWatcher as PageWatcher,
     )
 else:
     __getattr__, __dir__, __all__ = lazy_names(__name__, __file__)

@@ -1,4 +1,4 @@
-"""The C on this machine, on boards and in WebAssembly: build, load, replay, measure.
+"""The C on this machine and on boards: build, load, replay, measure.
 
 >>> from springpot.emission import make_plan
 >>> from springpot.native import Replay, built
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
         compiler_version as compiler_version,
         find_compiler as find_compiler,
         first_error as first_error,
+        packaged_compiler as packaged_compiler,
     )
     from springpot.host.native.footprint import (
         Footprint as Footprint,
@@ -51,15 +52,11 @@ if TYPE_CHECKING:
         missing as missing,
     )
     from springpot.host.wings.boards.emulator import run_batch as run_batch, steps as steps
-    from springpot.host.wings.wasm.wasm_module import scene_module as scene_module
-    from springpot.host.wings.wasm.wasm_node import (
-        missing_node as missing_node,
-        run_in_node as run_in_node,
-    )
     from springpot.runtime_c.paths import (
         INCLUDE as INCLUDE,
         PORT_BROWSER as PORT_BROWSER,
         PORT_MCU as PORT_MCU,
+        PORT_WASM as PORT_WASM,
         PORT_WIRE as PORT_WIRE,
         SIM as SIM,
         SOURCE as SOURCE,

@@ -9,7 +9,6 @@ from typing import Any
 
 from springpot.codegen.atomic_write import folder_written_aside
 from springpot.codegen.emit.files import emit_files
-from springpot.codegen.entry_points import required_part
 from springpot.codegen.errors import BudgetError, DataError, MismatchError
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import MODEL_SUFFIX, read_model
@@ -29,7 +28,7 @@ from springpot.host.emission.felt import felt_notices, rate_notices
 from springpot.host.emission.result import Emission, budgeted_sizes, over_budget
 from springpot.host.emission.scene_file import scene_from_json, scene_to_json
 from springpot.host.native.compiler import NoCompilerError
-from springpot.host.native.footprint import WASM, measure_footprint
+from springpot.host.native.footprint import measure_footprint
 from springpot.host.native.scene_library import SceneLibrary, scene_prefix
 from springpot.host.native.toolchain import SOFT_DOUBLES, missing_tools, toolchain
 from springpot.host.stability.check import Check, check
@@ -152,8 +151,6 @@ def _built(
             tools = toolchain(plan.scene.runtime.target)
             assert tools is not None, "nothing of it is missing"
             footprint = measure_footprint(aside, f"{scene_prefix(aside)}.c", tools)
-            if plan.scene.runtime.target == "wasm32":
-                notices += required_part("wasm-selftest", WASM)(plan, aside)
         checked = check(plan, library)
         notices += _activity(checked)
     except NoCompilerError as error:

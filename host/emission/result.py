@@ -67,15 +67,9 @@ def over_budget(emission: Emission, budget: Budget, accept_unmeasured: bool = Fa
     why, what to do.
     """
     missing = emission.unmeasured
-    wasm = emission.plan.scene.runtime.target == "wasm32"
-    no_stack = (
-        "the stack of a wasm module is set where it is linked, and no compiler reports it"
-        if wasm
-        else "this compiler does not report it: use gcc"
-    )
     whys = {
         "flash": missing,
-        "stack": missing or no_stack,
+        "stack": missing or "this compiler does not report it: use gcc",
         "a tick": "the bound of instructions does not cover this scene: measure it on the board",
     }
     over = []

@@ -6,14 +6,12 @@ import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from springpot.codegen.entry_points import required_part
 from springpot.host.native.compiler import CompilerError
 from springpot.host.native.toolchain import Toolchain
 from springpot.runtime_c.paths import flags
 
 _FLASH_SIZES = re.compile(r"^\.(?:text|rodata|data)\S*\s+(\d+)", re.M)
 _NODE = re.compile(r'^node: \{ title: "([^"]+)" label: "[^"]*?(?:\\n(\d+) bytes \((\w+)[^"]*)?"')
-WASM = 'target = "wasm32"'
 _NO_SELFTEST = "-DSP_NO_SELFTEST"  # where it is in the same file
 _EDGE = re.compile(r'^edge: \{ sourcename: "([^"]+)" targetname: "([^"]+)"')
 
@@ -22,7 +20,7 @@ _EDGE = re.compile(r'^edge: \{ sourcename: "([^"]+)" targetname: "([^"]+)"')
 class Footprint:
     """Bytes of the scene's translation unit; stack_bytes is None where unreported.
 
-    flash_bytes: code, constants and initialised data; of a wasm module all of it.
+    flash_bytes: code, constants and initialised data.
     """
 
     flash_bytes: int
@@ -31,8 +29,6 @@ class Footprint:
 
 def measure_footprint(folder: Path, source: str, tools: Toolchain) -> Footprint:
     """Compile folder/source for the target and read the sizes. Raises CompilerError."""
-    if tools.size is None:
-        return Footprint(required_part("wasm-module-bytes", WASM)(folder, source), None)
     with tempfile.TemporaryDirectory() as scratch:
         built = Path(scratch) / "scene.o"
         command = [

@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -26,14 +26,13 @@ _HOT_TICKS = 500
 
 @dataclass(frozen=True, eq=False)
 class TickTimes:
-    """Time of one tick, ns: hot (in a tight loop), and paced with cold caches (all: paced_ns)."""
+    """Time of one tick, ns: hot (in a tight loop), and paced with cold caches."""
 
     hot_median: float
     p50: float
     p99: float
     p999: float
     max: float
-    paced_ns: Reals = field(repr=False)
 
 
 class Replay:
@@ -105,7 +104,7 @@ class Replay:
         hot = self.hot_ns(position_m, velocity_mps)
         paced = self._paced_ns(position_m, velocity_mps, dt_s, paced_s)
         p50, p99, p999, longest = map(float, np.percentile(paced, [50, 99, 99.9, 100]))
-        return TickTimes(hot, p50, p99, p999, longest, paced)
+        return TickTimes(hot, p50, p99, p999, longest)
 
     def hot_ns(self, position_m: Reals, velocity_mps: Reals) -> float:
         """Median time of a tick in a tight loop over all samples, ns."""

@@ -4,21 +4,16 @@ import shutil
 from dataclasses import dataclass
 
 from springpot.codegen.short_repr import short_repr
-from springpot.host.native.compiler import find_compiler, packaged_compiler
-from springpot.runtime_c.paths import PORT_WASM
+from springpot.host.native.compiler import find_compiler
 
 
 @dataclass(frozen=True)
 class Toolchain:
-    """A compiler's command, its size tool, and the flags of one target.
-
-    size: None where the size is that of a linked module. linker: its command, of such a module.
-    """
+    """A compiler's command, its size tool, and the flags of one target."""
 
     compiler: tuple[str, ...]
-    size: str | None
+    size: str
     flags: tuple[str, ...]
-    linker: tuple[str, ...] = ()
     __repr__ = short_repr
 
 
@@ -38,12 +33,6 @@ _CROSS: dict[str, tuple[str, tuple[str, ...]]] = {
         ),
     ),
 }
-# No C library, no header of this machine. Every browser has the vectors since 2023; sums keep their
-# order, so that they change no bit.
-_WASM = (
-    "-msimd128", "-mbulk-memory", "-nostdlibinc", "-isystem", str(PORT_WASM),
-)  # fmt: skip
-
 SOFT_DOUBLES = ("cortex-m4f", "rv32imafc")  # doubles run in software
 
 
@@ -55,15 +44,6 @@ def toolchain(target: str) -> Toolchain | None:
     if target == "host":
         size = shutil.which("size")
         return Toolchain(find_compiler(), size, ()) if size else None
-    if target == "wasm32":
-        clang, linker = shutil.which("clang"), shutil.which("wasm-ld")
-        if clang is not None and linker is not None:
-            return Toolchain((clang,), None, ("--target=wasm32", *_WASM), (linker,))
-        packaged = packaged_compiler()
-        if not packaged:
-            return None
-        target_flags = ("--target=wasm32-freestanding", *_WASM)
-        return Toolchain((*packaged, "cc"), None, target_flags, (*packaged, "wasm-ld"))
     prefix, flags = _CROSS[target]
     compiler, size = shutil.which(prefix + "gcc"), shutil.which(prefix + "size")
     if compiler is None or size is None:
@@ -75,8 +55,6 @@ def package_of(target: str) -> str:
     """System packages that hold the target's compiler, or this machine's size tool."""
     if target == "host":
         return "binutils"
-    if target == "wasm32":
-        return "clang lld"
     return "gcc-arm-none-eabi" if target.startswith("cortex") else "gcc-riscv64-unknown-elf"
 
 
@@ -87,5 +65,4 @@ def missing_tools(target: str) -> str:
     install = f"`apt-get install {package_of(target)}`"
     if target == "host":
         return f"no `size` on PATH: {install}"
-    packaged = " or `pip install 'springpot[cc]'`" if target == "wasm32" else ""
-    return f"no compiler for {target}: {install}{packaged}"
+    return f"no compiler for {target}: {install}"

@@ -22,33 +22,29 @@ _ARRAYS = ("position_m", "measured_n", "predicted_n")  # of a recording
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """One validated recording: time step, three arrays of shape (n,), and x and y, m, if known."""
+    """One validated recording: time step, and three arrays of shape (n,)."""
 
     name: str
     dt_s: float
     position_m: NDArray[np.float64]
     measured_n: NDArray[np.float64]
     predicted_n: NDArray[np.float64]
-    place_m: tuple[float, float] | None = None
     __repr__ = short_repr
 
 
 @dataclass(frozen=True, eq=False)
 class Stored:
-    """What the report reads: metadata (result, machine, recordings), samples, paced tick times."""
+    """What the report reads: metadata (result, machine, recordings), and samples."""
 
     metadata: dict[str, Any]
     series: tuple[Series, ...]
-    tick_ns: NDArray[np.float64]
     __repr__ = short_repr
 
 
 def series_of(validation: Validation) -> list[Series]:
     """Return each recording beside the forces of the C."""
     pairs = zip(validation.recordings, validation.predicted_n, strict=True)
-    return [
-        Series(r.name, r.dt_s, r.position_m, r.force_n, force_n, r.place_m) for r, force_n in pairs
-    ]
+    return [Series(r.name, r.dt_s, r.position_m, r.force_n, force_n) for r, force_n in pairs]
 
 
 def store_validation(folder: Path, validation: Validation) -> None:
@@ -59,15 +55,11 @@ def store_validation(folder: Path, validation: Validation) -> None:
         "result": validation.as_dict(),
         "machine": machine_metadata(),
         "recordings": [
-            {
-                **{"name": rec.name, "dt_s": rec.dt_s, "source": rec.source},
-                "hash": rec.content_hash,
-                **({} if rec.place_m is None else {"place_m": list(rec.place_m)}),
-            }
+            {"name": rec.name, "dt_s": rec.dt_s, "source": rec.source, "hash": rec.content_hash}
             for rec in validation.recordings
         ],
     }
-    arrays = {"tick_ns": validation.ticks.paced_ns}
+    arrays: dict[str, NDArray[np.float64]] = {}
     for i, series in enumerate(series_of(validation)):
         arrays |= {f"{name}_{i}": getattr(series, name) for name in _ARRAYS}
     with written_aside(target / _SERIES) as aside, aside.open("wb") as file:
@@ -83,15 +75,10 @@ def read_validation(folder: Path) -> Stored:
         metadata["result"]["clamped_low"]  # which an older validation lacks
         with np.load(target / _SERIES, allow_pickle=False) as stored:
             series = tuple(
-                Series(
-                    name=rec["name"],
-                    dt_s=rec["dt_s"],
-                    place_m=tuple(rec["place_m"]) if "place_m" in rec else None,
-                    **{name: stored[f"{name}_{i}"] for name in _ARRAYS},
-                )
+                Series(rec["name"], rec["dt_s"], *(stored[f"{name}_{i}"] for name in _ARRAYS))
                 for i, rec in enumerate(metadata["recordings"])
             )
-            return Stored(metadata=metadata, series=series, tick_ns=stored["tick_ns"])
+            return Stored(metadata=metadata, series=series)
     except (OSError, ValueError, KeyError):
         raise DataError(
             f"{folder}: no validation to report: run `springpot validate {folder} --recording ...`"

@@ -5,18 +5,12 @@ import json
 import re
 import shutil
 import subprocess
-import urllib.error
-import urllib.request
 from pathlib import Path
 
 import pytest
 
-from springpot.host.native.toolchain import missing_tools
-
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
 NEEDS_CHROMIUM = pytest.mark.skipif(CHROMIUM is None, reason="no chromium on PATH")
-_NO_WASM = missing_tools("wasm32")
-NEEDS_PAGES = [NEEDS_CHROMIUM, pytest.mark.skipif(bool(_NO_WASM), reason=_NO_WASM or "-")]
 A4_PIXELS = 703  # between the margins
 FLAGS = ("--headless", "--no-sandbox", "--disable-gpu", "--hide-scrollbars",
          "--enable-logging=stderr")  # fmt: skip
@@ -42,18 +36,6 @@ while (walker.nextNode()) {
 }
 document.body.dataset.measures = JSON.stringify({out, cut});
 </script></body>"""
-
-
-def answer_of(
-    address: str, body: bytes | None = None, method: str | None = None, **headers: str
-) -> tuple[int, bytes]:
-    """Status and content of what a page's server answers."""
-    request = urllib.request.Request(address, body, headers, method=method)
-    try:
-        with urllib.request.urlopen(request, timeout=10) as answer:
-            return answer.status, answer.read()
-    except urllib.error.HTTPError as error:
-        return error.code, b""
 
 
 def browse(page: Path, width: int, *how: str) -> subprocess.CompletedProcess[str]:

@@ -1,6 +1,5 @@
 """A headless browser driven through the DevTools protocol, over two pipes: time is real there."""
 
-import base64
 import contextlib
 import json
 import os
@@ -24,11 +23,12 @@ class DrivenBrowser:
         self._unread = b""
         self._session = ""
         self.errors: list[str] = []
+        self.requests: list[str] = []  # addresses
         target = self.call("Target.createTarget", url="about:blank")["targetId"]
         self._session = self.call("Target.attachToTarget", targetId=target, flatten=True)[
             "sessionId"
         ]
-        for domain in ("Page", "Runtime", "Log", "Performance"):
+        for domain in ("Page", "Runtime", "Log", "Network"):
             self.call(f"{domain}.enable")
 
     def call(self, method: str, **parameters: Any) -> dict[str, Any]:
@@ -50,6 +50,8 @@ class DrivenBrowser:
         found: dict[str, Any] = json.loads(text)
         if found.get("method") in ("Runtime.exceptionThrown", "Log.entryAdded"):
             self.errors.append(json.dumps(found["params"]))
+        if found.get("method") == "Network.requestWillBeSent":
+            self.requests.append(found["params"]["request"]["url"])
         return found
 
     def open(self, address: str, width: int = 1600, height: int = 1200) -> None:
@@ -93,31 +95,10 @@ class DrivenBrowser:
             assert time.monotonic() < end_s, f"{what}; {self.errors}"
             time.sleep(0.05)
 
-    def screenshot(self, file: Path) -> None:
-        file.write_bytes(base64.b64decode(self.call("Page.captureScreenshot")["data"]))
-
     def mouse(self, kind: str, x: float, y: float) -> None:
         """kind: mousePressed, mouseMoved or mouseReleased."""
         self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", buttons=1,
                   clickCount=1)  # fmt: skip
-
-    def key(self, kind: str, key: str) -> None:
-        """kind: keyDown or keyUp."""
-        self.call("Input.dispatchKeyEvent", type=kind, key=key)
-
-    def press(self, *keys: str) -> None:
-        """Keys as a person presses them, one after the other; a letter types itself."""
-        for key in keys:
-            typed = {"text": key} if len(key) == 1 else {}
-            code = {"Backspace": 8}.get(key, 0)
-            self.call(
-                "Input.dispatchKeyEvent",
-                type="keyDown",
-                key=key,
-                windowsVirtualKeyCode=code,
-                **typed,
-            )
-            self.key("keyUp", key)
 
 
 @contextlib.contextmanager

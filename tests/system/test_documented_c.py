@@ -19,7 +19,7 @@ from support.small import model_file, scene
 from springpot import Runtime
 from springpot.host.emission.emission import emit
 from springpot.host.native.compiler import run_compiler
-from springpot.native import PORT_WIRE, SceneLibrary, flags, missing_node, missing_tools
+from springpot.native import PORT_WIRE, SceneLibrary, flags
 
 
 @pytest.fixture(scope="module")
@@ -144,32 +144,3 @@ def test_the_cs_of_a_game_engine(tmp_path: Path) -> None:
     assert drawn_n == pytest.approx(stepped_n, rel=0.02), out  # at 90 Hz, in steps of 1 ms
     after_n = [float(force_n) for force_n in re.findall(r"after (\S+) N", out)]
     assert len(after_n) == 3 and min(after_n) > 0.5 * stepped_n, out  # no position that is none
-
-
-@pytest.mark.board
-def test_the_module_of_a_web_engine(tmp_path):
-    """The JavaScript of the page in node, on what `build --wasm` writes: the forces of the C."""
-    if lacking := missing_tools("wasm32") or missing_node():
-        pytest.skip(lacking)
-    text = (ROOT / "docs" / "how-to" / "game-engine.md").read_text()
-    example = re.findall(r"```js\n(.*?)```", text, re.DOTALL)[0]
-    eco = scene(prefix="eco")
-    emit(eco, model_file(tmp_path), tmp_path / "eco")
-    built = spring("build", tmp_path / "eco", "--wasm", tmp_path / "eco.wasm", "--json")
-    assert json.loads(built.stdout)["library"] == str(tmp_path / "eco.wasm")
-    (tmp_path / "page.mjs").write_text(
-        "import fs from 'fs';\n"
-        "const fetch = async (f) => ({ arrayBuffer: async () => fs.readFileSync(f) });\n"
-        f"{example}console.log(notes);\n"
-        "for (let k = 0; k < 200; k++) {\n"
-        "  c.eco_step(state, 2e-5 * k, 0.02, force);\n"
-        "  console.log(new Float32Array(c.memory.buffer, force, 1)[0]);\n"
-        "}\n"
-    )
-    ran = subprocess.run(["node", "page.mjs"], cwd=tmp_path, check=True, capture_output=True)
-    notes, *forces_n = map(float, ran.stdout.split())
-    state = SceneLibrary(tmp_path / "eco").new_state()
-    assert notes == state.step(0.002, 0.01)[1]
-    expected_n = [state.step(2e-5 * k, 0.02)[0] for k in range(200)]
-    assert max(expected_n) > 0.0
-    np.testing.assert_array_equal(np.float32(forces_n), np.float32(expected_n))

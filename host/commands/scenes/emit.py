@@ -160,28 +160,17 @@ def _stability(emission: Emission) -> str:
 
 @click.command()
 @click.argument("folder", type=PATH)
-@click.option(
-    "--wasm",
-    type=PATH,
-    metavar="FILE.wasm",
-    help="Write one WebAssembly module in place of the library; it imports nothing.",
-)
 @accept_edited_option
 @json_option
-def build(folder: Path, wasm: Path | None, accept_edited: bool, as_json: bool) -> None:
+def build(folder: Path, accept_edited: bool, as_json: bool) -> None:
     """Build an emitted FOLDER's shared library in the cache; print its path."""
-    from springpot.codegen.atomic_write import write_file
     from springpot.host.emission.checksums import require_as_emitted
     from springpot.host.emission.emission import require_emission
     from springpot.host.native.scene_library import build_scene
 
     require_emission(folder)
     edited = require_as_emitted(folder, accept_edited)
-    if wasm is None:
-        library = build_scene(folder)
-    else:
-        library = wasm
-        write_file(wasm, required_part("wasm-module", "--wasm")(folder))
+    library = build_scene(folder)
     if as_json:
         print_result({"library": str(library), "edited": list(edited)}, True, {})
     else:

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.codegen.entry_points import required_part
 from springpot.codegen.errors import UsageError
 from springpot.host.console.options import PATH, POSITIVE, accept_edited_option
 from springpot.host.console.output import json_option, print_result, progress_console
@@ -41,7 +39,6 @@ if TYPE_CHECKING:
     show_default=True,
     help="How long to wait for a device that was unplugged.",
 )
-@click.option("--page", "with_page", is_flag=True, help="Show it in a browser, with a STOP button.")
 @accept_edited_option
 @json_option
 def run(
@@ -53,7 +50,6 @@ def run(
     max_force_n: float | None,
     max_depth_mm: float | None,
     reconnect_s: float,
-    with_page: bool,
     accept_edited: bool,
     as_json: bool,
 ) -> None:
@@ -74,13 +70,7 @@ def run(
         if line != session.line:  # why it ended is printed once: in the table, or as the error
             _say_above(line)
 
-    # A page's `append` takes rows, `actions` are its buttons, `end` takes the last line.
-    open_page = required_part("session-page", "--page") if with_page else lambda *_: nullcontext()
-    with (
-        emitted_folder(scene) as folder,
-        open_page(folder, accept_edited, _say_above) as page,
-        stopping_on_sigterm(),
-    ):
+    with emitted_folder(scene) as folder, stopping_on_sigterm():
         session = Session(
             folder,
             url,
@@ -92,10 +82,9 @@ def run(
             report=report,
             accept_edited=accept_edited,
             place_m=parse_place(place) if place else None,
-            viewer=page,
             alarm=_alarm,
         )
-        _hold(session, page)
+        _hold(session)
         result = session.result()
     rows = _rows(result)
     if session.error is not None:
@@ -105,21 +94,17 @@ def run(
         raise session.error
 
 
-def _hold(session: Session, page: Any) -> None:
-    """Run a session to its end, with its page if there is one."""
+def _hold(session: Session) -> None:
+    """Run a session to its end."""
     from springpot.host.session.terminal import watch
 
     try:
         with session:
-            if page is not None:
-                page.actions = {"stop": session.runner.ask_stop, "reset": session.reset}
             session.start()
             watch(session.runner)
     except KeyboardInterrupt:
         if not session.line:  # it had not begun; else its line says that, and by whom
             raise
-    if page is not None:
-        page.end(session.line)
 
 
 def _alarm(line: str, begins: bool) -> None:

@@ -17,8 +17,6 @@ from springpot.native import (
     compiler_reason,
     compiler_version,
     find_compiler,
-    missing_tools,
-    toolchain,
 )
 
 _LATENCY_MS = 1
@@ -38,7 +36,7 @@ def examine() -> list[Diagnosis]:
     """Look at everything that springpot uses on this machine."""
     checks: tuple[Callable[[], Diagnosis], ...] = (_compiler, _cache, _scheduling, _locked, _timer)
     findings = [check() for check in checks]
-    findings += [*_serial_ports(), *_force_dimension(), _webassembly()]
+    findings += [*_serial_ports(), *_force_dimension()]
     for program, package, why in (
         ("arm-none-eabi-gcc", "gcc-arm-none-eabi", "C for Cortex-M boards"),
         ("riscv64-unknown-elf-gcc", "gcc-riscv64-unknown-elf", "C for RISC-V boards"),
@@ -137,13 +135,6 @@ def _serial_port(device: str, description: str) -> Diagnosis:
 def _force_dimension() -> list[Diagnosis]:
     sdk_found = part("force-dimension")
     return [] if sdk_found is None else [Diagnosis("Force Dimension's SDK", *sdk_found())]
-
-
-def _webassembly() -> Diagnosis:
-    what, tools = "C as WebAssembly", toolchain("wasm32")
-    if tools is None:
-        return Diagnosis(what, False, "no compiler for it", missing_tools("wasm32"))
-    return Diagnosis(what, True, f"{' '.join(tools.compiler)} and {' '.join(tools.linker)}")
 
 
 def _program(program: str, package: str, why: str) -> Diagnosis:

@@ -1,1 +1,5 @@
-"""Pages that run the emitted C, or show a session, in a browser."""
+"""A page in which people press emitted scenes, in a browser."""
+
+from springpot.console import LazyCommand
+
+PAGE = LazyCommand("springpot.host.wings.page.command:page", place=18)

@@ -1,94 +1,109 @@
-"""`springpot page`: one self-contained file in which people press what was emitted, and its check
-in node: self-test, and the forces of this machine's C, bit for bit."""
+"""One self-contained HTML file in which people press emitted scenes."""
 
-import hashlib
+import base64
 import json
+import zlib
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
+import numpy as np
 from markupsafe import Markup
 
-from springpot import MismatchError
+from springpot import DataError, UsageError
 from springpot.basics import write_file
-from springpot.checks import DESIGN_HAND
+from springpot.checks import DESIGN_HAND, Hand, is_stable, loop_words, scene_loop
 from springpot.console import counted
-from springpot.emission import backward_velocity, golden_positions, read_emission
+from springpot.emission import Emitted, Plan, read_emission
 from springpot.figures import page_text, plain
-from springpot.host.wings.page.hands import MASS_KG, STIFFNESS_NPM, added_delays
-from springpot.host.wings.page.scene_entry import module_of, scene_entry
-from springpot.native import Replay, SceneLibrary, missing_node, run_in_node
+from springpot.host.wings.page.wasm_module import node_force_hash, page_module
+from springpot.loop import NOTE_WORDS
+from springpot.simulation import Workspace
+from springpot.validation import read_validation
 
-# In the order in which they use each other.
-_SCRIPTS = ("scene.js", "intent.js", "trace.js", "canvas.js", "object_view.js", "plots.js",
-            "sources.js", "readout.js", "controls.js", "main.js")  # fmt: skip
-_MAP_SCRIPTS = ("map/place.js", "map/object_map.js", "map/stiffness.js", "map/view.js",
-                "map/search.js", "map/trials.js", "map/controls.js")  # fmt: skip
+STIFFNESS_NPM = (100.0, 200.0, 300.0, 400.0, 600.0, 1000.0, 1500.0)  # of the hand
+ADDED_DELAYS = range(4)  # samples beyond those of the scene's device
+_MAX_RECORDED = 8000  # samples of a recording
 
 
 def write_press_page(
-    folders: Sequence[Path], out: Path, accept_edited: bool = False, about: str = ""
-) -> list[dict[str, Any]]:
-    """Write the page of one emitted folder or several; returns their entries.
+    folders: Sequence[Path], out: Path, accept_edited: bool = False
+) -> dict[str, Any]:
+    """Write the page of emitted folders; return the keys of `page --json`.
 
-    about: a sentence on the objects, for who opens the page.
-
-    Raises DataError for no emission, UsageError without the compiler for WebAssembly.
+    Raises DataError for no emission, UsageError for a scene with places and without a compiler for
+    WebAssembly, MismatchError where node computes other forces than this machine.
     """
-    entries = [scene_entry(folder, accept_edited) for folder in counted(folders, "building")]
-    names = [entry["name"] for entry in entries]
-    for entry, folder in zip(entries, folders, strict=True):
-        if names.count(entry["name"]) > 1:
-            entry["name"] = f"{entry['name']} ({folder.name})"
-    write_file(out, press_page(entries, "hand", about).encode())
-    return entries
-
-
-def session_page(folder: Path, accept_edited: bool = False) -> str:
-    """Return the page that shows a session of an emitted folder; raises as write_press_page."""
-    return press_page([scene_entry(folder, accept_edited, with_map=False)], "session")
-
-
-def press_page(
-    entries: Sequence[dict[str, Any]], source: Literal["hand", "session"], about: str = ""
-) -> str:
-    """Return the page's text. source: a hand on the page, or a session of `springpot run`."""
-    first, maps = entries[0], any("map" in entry for entry in entries)
+    entries, scenes = [], []
+    for folder in counted(folders, "building"):
+        emitted = read_emission(folder, accept_edited)
+        if emitted.plan.has_places:
+            raise UsageError(
+                f"{folder}: has places; the page presses one point: emit another model"
+            )
+        module = page_module(folder, emitted.plan)
+        force_hash = node_force_hash(folder, emitted.plan, module)
+        entries.append(_entry(folder, emitted, module))
+        known = {key: entries[-1][key] for key in ("name", "hash")} | {"wasm_bytes": len(module)}
+        selftest = None if force_hash is None else 0
+        scenes.append(known | {"selftest": selftest, "force_hash": force_hash})
     context = {
-        "title": first["name"],
-        "source": source,
-        "about": about,
         "entries": entries,
-        "min_mm": plain(1e3 * first["free_m"]),
-        "max_mm": plain(1.3e3 * max(entry["depth_m"] for entry in entries)),
-        "stiffnesses": len(STIFFNESS_NPM),
         "stiffness_at": STIFFNESS_NPM.index(DESIGN_HAND.stiffness_npm),
-        "masses": len(MASS_KG),
-        "mass_at": MASS_KG.index(DESIGN_HAND.mass_kg),
-        "delays": len(added_delays()),
-        "damping_nspm": plain(DESIGN_HAND.damping_nspm),
         "scenes": Markup(json.dumps(entries).replace("<", "\\u003c")),
-        "maps": maps,
-        "scripts": (*_SCRIPTS[:-1], *(_MAP_SCRIPTS if maps else ()), _SCRIPTS[-1]),
     }
-    return page_text("press.html", context, "springpot.host.wings.page")
+    write_file(out, page_text("press.html", context, "springpot.host.wings.page").encode())
+    unmeasured = [entry["name"] for entry in entries if entry["recording"] is None]
+    size = out.stat().st_size
+    return {"out": str(out), "bytes": size, "scenes": scenes, "without_recording": unmeasured}
 
 
-def check_module(folder: Path, entry: dict[str, Any], accept_edited: bool) -> dict[str, Any]:
-    """Return `selftest`, 0, and `force_hash` of the golden motion; None for both without node.
+def _entry(folder: Path, emitted: Emitted, module: bytes) -> dict[str, Any]:
+    """Return what the page holds of a scene, for JSON."""
+    plan = emitted.plan
+    device, depth_m = plan.loop_device, float(plan.range.max_m)
+    edited = f"; edited: {', '.join(emitted.edited)}" if emitted.edited else ""
+    return {
+        "name": plan.scene.name,
+        "what": f"Model {plan.model.kind}, recorded down to {plain(1e3 * depth_m)} mm, "
+        f"{plain(1 / plan.dt_s)} steps a second{edited}.",
+        "hash": emitted.hash,
+        "prefix": plan.scene.runtime.prefix,
+        "number": plan.scene.runtime.number,
+        "dt_s": plan.dt_s,
+        "free_m": Workspace.of(plan).free_m,
+        "depth_m": depth_m,
+        "min_n": float(plan.output.min_n),
+        "max_n": float(plan.output.max_n),
+        "notes": list(NOTE_WORDS.items()),
+        "device": [device.mass_kg, device.viscous_nspm, device.coulomb_n],
+        "own_delay": device.delay_samples,
+        "hand": [DESIGN_HAND.mass_kg, DESIGN_HAND.damping_nspm],
+        "stiffness_npm": STIFFNESS_NPM,
+        "verdicts": [[_verdict(plan, k, more) for more in ADDED_DELAYS] for k in STIFFNESS_NPM],
+        "wasm": _packed(module),
+        "recording": _recording(folder),
+    }
 
-    Raises MismatchError where the page's C gives other forces than that of this machine.
-    """
-    if missing_node():
-        return {"selftest": None, "force_hash": None}
-    plan = read_emission(folder, accept_edited).plan
-    position = golden_positions(plan)
-    velocity = backward_velocity(position, plan.dt_s)
-    ticks = run_in_node(module_of(entry["wasm"]), entry["prefix"], position, velocity)
-    here, _ = Replay(SceneLibrary(folder)).run(position, velocity)
-    if ticks.selftest or ticks.force_n.tobytes() != here.tobytes():
-        raise MismatchError(
-            f"{folder}: the page's C gives other forces in node than this machine's (self-test "
-            f"{ticks.selftest}): report clang, or the compiler of springpot[cc], and node"
-        )
-    return {"selftest": 0, "force_hash": hashlib.sha256(here.tobytes()).hexdigest()}
+
+def _verdict(plan: Plan, stiffness_npm: float, more_delay: int) -> str:
+    """Return what the stability check says of a hand, in words."""
+    hand = Hand(DESIGN_HAND.name, DESIGN_HAND.mass_kg, stiffness_npm, DESIGN_HAND.damping_nspm)
+    loop = scene_loop(plan, hand, more_delay)
+    return loop_words(is_stable(plan, loop), float(loop.spectral_radius(plan.stiffness_npm)[0]))
+
+
+def _recording(folder: Path) -> list[str] | None:
+    """Return depth and force of the first validated recording, float32; None without one."""
+    try:
+        series = read_validation(folder).series[0]
+    except DataError:
+        return None
+    step = -(-len(series.position_m) // _MAX_RECORDED)
+    thinned = [its[::step].astype(np.float32) for its in (series.position_m, series.measured_n)]
+    return [_packed(its.tobytes()) for its in thinned]
+
+
+def _packed(content: bytes) -> str:
+    """Deflate, and write in letters."""
+    return base64.b64encode(zlib.compress(content, 9)).decode()

@@ -6,7 +6,7 @@ from typing import Any
 
 from springpot import DataError
 from springpot.basics import write_file
-from springpot.emission import read_emission
+from springpot.emission import read_emission, require_emission
 from springpot.figures import page_text, plain
 from springpot.host.wings.report import figures
 from springpot.loop import notes_in_words
@@ -50,6 +50,7 @@ def write_report(folder: Path) -> Path:
 
 def _matching_validation(folder: Path) -> Stored:
     """Read the last validation. Raises DataError where it is not of this emission."""
+    require_emission(folder)
     stored = read_validation(folder)
     result = stored.metadata["result"]
     emitted = read_emission(folder, accept_edited=bool(result.get("edited")))

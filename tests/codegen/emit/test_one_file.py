@@ -19,7 +19,6 @@ from springpot.host.emission.emission import emit
 from springpot.host.native.toolchain import missing_tools
 from springpot.host.wings.boards.boards import default_board
 from springpot.host.wings.boards.firmware import build_firmware
-from springpot.host.wings.page.page_module import page_module
 from springpot.runtime_c.paths import SOURCE
 
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
@@ -185,17 +184,13 @@ def test_the_header_says_all_and_names_nothing_but_the_prefix(tmp_path: Path) ->
 
 
 @pytest.mark.slow
-def test_a_page_and_a_board_take_it(tmp_path: Path) -> None:
-    """Their C includes headers that a single file does not bring."""
+def test_a_board_takes_it(tmp_path: Path) -> None:
+    """Its C includes headers that a single file does not bring."""
     emission = emit(scene(prefix="eco"), model_file(tmp_path), tmp_path / "c")
-    if not (why := missing_tools("wasm32")):
-        assert page_module(emission.folder, emission.plan, False).startswith(b"\0asm")
-    board = default_board("cortex-m4f")
-    if not missing_tools("cortex-m4f"):
-        built = build_firmware(emission.folder, board, tmp_path / "firmware", strict=True)
-        assert built.exists()
-    elif why:
+    if why := missing_tools("cortex-m4f"):
         pytest.skip(why)
+    board = default_board("cortex-m4f")
+    assert build_firmware(emission.folder, board, tmp_path / "firmware", strict=True).exists()
 
 
 def test_the_header_says_the_scene_s_numbers(tmp_path: Path) -> None:

@@ -161,9 +161,7 @@ def test_the_stack_of_the_selftest_is_told(tmp_path: Path, stack_bytes: int, tol
     assert bool(notices) is told
 
 
-@pytest.mark.parametrize(
-    ("target", "software"), [("cortex-m4f", True), ("cortex-m7", False), ("wasm32", False)]
-)
+@pytest.mark.parametrize(("target", "software"), [("cortex-m4f", True), ("cortex-m7", False)])
 def test_doubles_in_software_are_told(tmp_path: Path, target: str, software: bool) -> None:
     chosen = scene(number="float64")
     chosen = replace(chosen, runtime=replace(chosen.runtime, target=target))

@@ -104,6 +104,3 @@ def test_the_compiler_of_an_extra_serves_where_there_is_none(
     assert "no `size` on PATH" in emission.notices[0]
     row = next(row for row in examine() if row.what == "C compiler")
     assert "of springpot[cc]: there is no gcc" in row.seen
-    row = next(row for row in examine() if row.what == "C as WebAssembly")
-    assert row.found
-    assert "ziglang wasm-ld" in row.seen

@@ -1,134 +1,128 @@
-"""The page in a browser: the forces of the PC bit for bit, the words of the stability check."""
+"""The page in a browser: it is pressed by a pointer, and its forces have the bits of the C."""
 
 import json
-import re
+import shutil
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from support.browser import NEEDS_PAGES
+from support.browser import NEEDS_CHROMIUM
+from support.driven_browser import DrivenBrowser, driven_browser
 from support.in_process import spring
-from support.pressed_page import Pressed, press_page
-from support.small import model_file, scene, small_model, training
+from support.small import model_file, passive_model, press, recording, scene
 
-from springpot.codegen.model.model import Model
-from springpot.codegen.scene import Device
+from springpot import UsageError
+from springpot.codegen.model.model_file import write_model
+from springpot.codegen.model.places import Places
 from springpot.host.emission.emission import emit
+from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.validation.store import store_validation
 from springpot.host.validation.validation import validate
 from springpot.host.wings.page.press_page import write_press_page
-from springpot.trainer.kinds import fit_model
-from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.recordings.recording_file import read_recording
 
-pytestmark = [pytest.mark.slow, *NEEDS_PAGES]
-
-
-ASSUMED = Device()
-
-
-def fitted(kind: str) -> Model:
-    return fit_model(kind, kind, training(), FitOptions(seed=1, trees=5, leaf=20)).model
+NEEDS_CLANG = pytest.mark.skipif(
+    shutil.which("clang") is None or shutil.which("wasm-ld") is None,
+    reason="no clang and wasm-ld: apt-get install clang lld",
+)
+CSV = """new Promise((done) => {
+  URL.createObjectURL = (blob) => { blob.text().then(done); return "#"; };
+  document.getElementById("download").click();
+})"""
 
 
-def emitted(
-    folder: Path,
-    model: Model,
-    number: str = "float32",
-    mode: str = "off",
-    device: Device = ASSUMED,
-) -> Path:
-    folder.mkdir(exist_ok=True)
-    chosen = replace(scene(number=number, mode=mode), name=folder.name, device=device)
-    emit(chosen, model_file(folder, model), folder / "c", accept_unsafe=True)
+PICK = """(() => {
+  const picker = document.getElementById("picker");
+  picker.value = %d;
+  picker.dispatchEvent(new Event("change"));
+})()"""
+
+
+def emitted(folder: Path, number: str = "float32", mode: str = "off", prefix: str = "sp") -> Path:
+    folder.mkdir()
+    chosen = replace(scene(number=number, mode=mode, prefix=prefix), name=folder.name)
+    emit(chosen, model_file(folder, passive_model()), folder / "c", accept_unsafe=True)
     return folder / "c"
 
 
-def page_of(folder: Path, *folders: Path) -> Path:
-    write_press_page(folders, folder / "press.html")
-    return folder / "press.html"
+def pressed(browser: DrivenBrowser) -> np.ndarray:
+    """Press with a real pointer and let go; time, position, velocity and force, (n, 4)."""
+    left, y, width, height = browser.box("object")
+    x = left + width / 2
+    browser.mouse("mousePressed", x, y + 0.32 * height)
+    browser.mouse("mouseMoved", x, y + 0.7 * height)
+    browser.wait_for(lambda: float(browser.text("force").split()[0]) > 0.5, "a force")
+    browser.mouse("mouseReleased", x, y + 0.7 * height)
+    browser.wait_for(lambda: float(browser.text("depth").split()[0]) < 0.0, "the hand has left")
+    return np.loadtxt(str(browser.value(CSV)).splitlines(), delimiter=",", skiprows=1)
 
 
-@pytest.mark.parametrize(
-    ("kind", "number", "mode"),
-    [
-        ("hammerstein", "float32", "off"),
-        ("hammerstein", "float64", "proxy"),
-        ("rf-fd", "float32", "off"),
-        ("rbf-pv", "float64", "off"),
-    ],
-)
-def test_what_is_pressed_is_what_validate_computes(
-    tmp_path: Path, kind: str, number: str, mode: str
-) -> None:
-    folder = emitted(tmp_path / "scene", fitted(kind), number, mode)
-    store_validation(folder, validate(folder, training()[5:6], paced_s=0.1))
-    pressed = press_page(page_of(tmp_path, folder))
-    assert pressed.console == []
-    assert pressed.found["errors"] == []
-    assert pressed.found["fetched"] == []
-    assert "the same bits" in pressed.found["proof"]
-    assert pressed.found["tick"] in (folder / "sp.c").read_text()
-    assert re.search(r"self-test0 of \d+ steps differ", pressed.found["proof"])
-    (tmp_path / "pressed.csv").write_text(pressed.csv)
-    assert spring("import", tmp_path / "pressed.csv", "--out", tmp_path / "in").returncode == 0
-    imported = read_recording(tmp_path / "in" / "pressed.h5")
-    assert imported.position_m.max() > 0.003
-    found = validate(folder, [imported], paced_s=0.1)
-    assert found.mismatches == 0
-    dtype = np.dtype(number)
-    there = np.array([float(row.split(",")[2]) for row in pressed.csv.split()[1:]])
-    assert there.max() > 0.5
-    assert (found.predicted_n[0].astype(dtype) == there.astype(dtype)).all()
+@NEEDS_CHROMIUM
+@NEEDS_CLANG
+def test_what_is_pressed_has_the_bits_of_the_c(tmp_path: Path) -> None:
+    """Two scenes of one page, of both number types, with and without a coupling."""
+    folders = [emitted(tmp_path / "soft"), emitted(tmp_path / "held", "float64", "proxy", "pad")]
+    store_validation(folders[0], validate(folders[0], [recording("one", press(1.0))], paced_s=0.1))
+    page = tmp_path / "press.html"
+    write_press_page(folders, page)
+    with driven_browser(tmp_path) as browser:
+        browser.open_ready(page.as_uri())
+        for index, folder in enumerate(folders):
+            if index > 0:
+                browser.value(PICK % index)
+            browser.until(
+                f"document.getElementById('object-name').textContent === '{folder.parent.name}'"
+            )
+            assert browser.text("selftest") == "no step differs from the reference"
+            rows = pressed(browser)
+            library = SceneLibrary(folder)
+            position, velocity, force = rows[:, 1:].T.astype(library.dtype)
+            here, _ = library.new_state().run(position, velocity)
+            assert here.max() > 0.5
+            np.testing.assert_array_equal(here, force)  # text has no -0
+        assert browser.errors == []
+        assert [
+            url for url in browser.requests if not url.startswith(("data:", page.as_uri()))
+        ] == []
+        for width in (400, 1366):
+            browser.open_ready(page.as_uri(), width)
+            assert browser.value("document.documentElement.scrollWidth") <= width
 
 
-def test_another_object_is_taken_up_at_rest(tmp_path: Path) -> None:
-    folders = [emitted(tmp_path / name, fitted("hammerstein")) for name in ("soft", "other")]
-    pressed = press_page(page_of(tmp_path, *folders), pick=1)
-    assert pressed.found["object-name"] == "other"
-    assert pressed.found["said"] == "Now you press other; the file begins anew."
-    assert pressed.rows[0, 2] == 0.0
-    assert pressed.rows[:, 2].max() > 0.5
+@NEEDS_CLANG
+def test_the_command_states_what_the_page_holds(tmp_path: Path) -> None:
+    folder = emitted(tmp_path / "soft")
+    done = spring("page", folder, "--out", tmp_path / "press.html", "--json")
+    found = json.loads(done.stdout)
+    assert found["bytes"] == (tmp_path / "press.html").stat().st_size
+    assert found["without_recording"] == ["soft"]
+    (one,) = found["scenes"]
+    assert one["name"] == "soft"
+    assert 1000 < one["wasm_bytes"] < found["bytes"]
+    node = shutil.which("node") is not None
+    assert (one["selftest"], one["force_hash"] is not None) == (
+        (0, True) if node else (None, False)
+    )
 
 
-HOLD = [0.3 + 0.3 * min(1.0, i / 50) for i in range(150)]
+def test_a_scene_with_places_is_refused_in_one_line(tmp_path: Path) -> None:
+    model = passive_model()
+    places = Places(
+        np.zeros(2), np.full(2, 0.01), np.ones((2, 2, 1)), model.hammerstein.slopes_n[None]
+    )
+    with_places = replace(model, hammerstein=replace(model.hammerstein, places=places))
+    write_model(tmp_path / "model.spm", with_places)
+    emit(scene(), tmp_path / "model.spm", tmp_path / "c")
+    with pytest.raises(UsageError, match="has places; the page presses one point"):
+        write_press_page([tmp_path / "c"], tmp_path / "press.html")
 
 
-def shaking_mps(pressed: Pressed) -> float:
-    return float(pressed.found["vibration"].removesuffix(" mm/s"))
-
-
-def test_delay_makes_a_stiff_object_shake_as_the_check_says(tmp_path: Path) -> None:
-    folder = emitted(tmp_path / "stiff", fitted("hammerstein").stiffened(5.0))
-    page = page_of(tmp_path, folder)
-    for delay in (0, 3):
-        pressed = press_page(page, path=HOLD, sliders={"delay": delay})
-        assert shaking_mps(pressed) > 5.0 if delay else shaking_mps(pressed) < 1.0
-        (tmp_path / "scene.toml").write_text(
-            f'schema = 1\nname = "stiff"\nmodel = "{folder / "from" / "model.spm"}"\n'
-            f'[coupling]\nmode = "off"\n[device]\ndelay_samples = {delay}\n'
-        )
-        assert pressed.found["device"].startswith("assumed device: 0.3 kg, 4 N s/m")
-        assert ("vibrates" in pressed.found["state"]) == (delay > 0)
-        told = json.loads(spring("stability", "--scene", tmp_path / "scene.toml", "--json").stdout)
-        assert told["recommendation"].startswith(pressed.found["verdict"])
-        limit_npm = told["limit"]["max_stiffness_npm"]["mid, 0 more samples"]
-        assert f"{1e-3 * limit_npm:.3g} N/mm" in pressed.found["limit"]
-
-
-def test_the_page_holds_the_scenes_own_device(tmp_path: Path) -> None:
-    """An object that the assumed device holds quietly makes a light, late one shake."""
-    light = Device(mass_kg=0.05, viscous_nspm=0.5, delay_s=0.003)
-    folder = emitted(tmp_path / "light", fitted("hammerstein").stiffened(5.0), device=light)
-    pressed = press_page(page_of(tmp_path, folder), path=HOLD)
-    assert pressed.found["device"] == "the scene's device: 0.05 kg, 0.5 N s/m, 3 ms late."
-    assert pressed.found["verdict"].startswith("Unstable")
-    assert shaking_mps(pressed) > 5.0
-
-
-def test_a_page_that_cannot_run_says_so(tmp_path: Path) -> None:
-    page = page_of(tmp_path, emitted(tmp_path / "scene", small_model()))
-    page.write_text(page.read_text().replace("DecompressionStream(", "MissingStream("))
-    pressed = press_page(page)
-    assert pressed.found["broken"].startswith("This page cannot run here: MissingStream")
+def test_a_missing_compiler_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = emitted(tmp_path / "soft")
+    module = "springpot.host.wings.page.wasm_module"
+    monkeypatch.setattr(f"{module}.shutil.which", lambda _: None)
+    monkeypatch.setattr(f"{module}.packaged_compiler", lambda: ())
+    with pytest.raises(
+        UsageError, match="no compiler for WebAssembly: `apt-get install clang lld`"
+    ):
+        write_press_page([folder], tmp_path / "press.html")

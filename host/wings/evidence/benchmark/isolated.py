@@ -1,16 +1,11 @@
 """What is measured of the front and the picks alone on the machine: paced ticks, the closed loop,
-instructions on the target's emulated board, or ticks in node for a web page."""
+instructions on the target's emulated board."""
 
-import math
 import tempfile
-import time
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from springpot import (
-    MismatchError,
     Model,
     Recording,
     Runtime,
@@ -21,31 +16,23 @@ from springpot import (
 )
 from springpot.basics import Number, Target
 from springpot.checks import require_stable, stability
-from springpot.emission import RESYNC, Plan, backward_velocity, make_plan, write_emission
+from springpot.emission import RESYNC, backward_velocity, make_plan, write_emission
 from springpot.host.wings.evidence.benchmark.measure import NAME, bench_scene
 from springpot.native import (
     Board,
     Replay,
-    SceneLibrary,
     TickTimes,
     built,
     default_board,
     missing,
-    missing_node,
-    missing_tools,
     run_batch,
-    run_in_node,
-    scene_module,
     steps,
-    written,
 )
 
 ISOLATED_PACED_S = 2.0
 PACED_TRIES = 3
 DISTURBED = 5.0  # times the median: other work had the processor in one of 100 ticks
 COUNTED_TICKS = 4000
-NODE_TICKS = 10_000  # at once: a browser's clock has steps of 0.1 ms
-_TIMED_S = 0.1  # again and again for so long, and the lowest, as in node
 
 
 def measure_isolated(model_file: Path, number: Number, recording: Recording) -> dict[str, Any]:
@@ -102,8 +89,6 @@ def closed_loop(model: Model, number: Number) -> dict[str, Any]:
 
 def missing_for(target: Target) -> str:
     """Return what is missing to run ticks as on the target; nothing if they can be run."""
-    if target == "wasm32":
-        return missing_tools("wasm32") or missing_node()
     board = default_board(target)
     return missing(board) if board else "a PC has no emulated board: give --target"
 
@@ -111,29 +96,20 @@ def missing_for(target: Target) -> str:
 def measure_on_target(
     model_file: Path, number: Number, recording: Recording, target: Target
 ) -> dict[str, Any]:
-    """Measure ticks as on the target: `instructions`; of a page `node_tick_ns`, `portable_tick_ns`.
-
-    None if they cannot be measured; `instructions_why` or `node_why` then says why.
-    """
+    """Count `instructions` on the target's board; None, with `instructions_why`, if it cannot."""
     if why := missing_for(target):
-        return unmeasured_on(target, why)
+        return unmeasured_on(why)
     board = default_board(target)
+    assert board is not None, "nothing of it is missing"
     try:
-        if board is not None:
-            counted = _counted(model_file, number, recording, board)
-            return {"instructions": counted, "instructions_why": f"emulated {board.name}"}
-        plan = make_plan(read_model(model_file), bench_scene(number, target), accept_unsafe=True)
-        position = np.resize(recording.position_m, NODE_TICKS).astype(plan.dtype)
-        node_ns, portable_ns = node_and_portable_ns(plan, position)
+        counted = _counted(model_file, number, recording, board)
     except SpringpotError as error:
-        return unmeasured_on(target, str(error))
-    return {"node_tick_ns": node_ns, "portable_tick_ns": portable_ns, "node_why": None}
+        return unmeasured_on(str(error))
+    return {"instructions": counted, "instructions_why": f"emulated {board.name}"}
 
 
-def unmeasured_on(target: Target, why: str) -> dict[str, Any]:
+def unmeasured_on(why: str) -> dict[str, Any]:
     """Return keys of `measure_on_target` if nothing was measured, with the reason."""
-    if target == "wasm32":
-        return {"node_tick_ns": None, "portable_tick_ns": None, "node_why": why}
     return {"instructions": None, "instructions_why": why}
 
 
@@ -149,28 +125,3 @@ def _counted(model_file: Path, number: Number, recording: Recording, board: Boar
         batch = run_batch(folder, board, calls)
     # A restart fills its filters once, and is no tick of a loop.
     return int(batch.instructions[(batch.notes & RESYNC) == 0].max())
-
-
-def node_and_portable_ns(plan: Plan, position: np.ndarray) -> tuple[float, float]:
-    """Return time of a tick, ns, in node and of the same C built here; each the lowest of many.
-
-    The plan is for wasm32: its C has no vector units of this processor. Raises MismatchError where
-    the two do not return the same bits.
-    """
-    velocity = backward_velocity(position, plan.dt_s)
-    with written(plan) as folder:
-        library = SceneLibrary(folder)
-        state = library.new_state()
-        times = [math.inf]
-        until = time.perf_counter() + _TIMED_S
-        while time.perf_counter() < until:
-            state.reset()
-            begin = time.perf_counter_ns()
-            state.run(position, velocity)
-            times.append((time.perf_counter_ns() - begin) / len(position))
-        force_n, notes = Replay(library).run(position, velocity)
-        ticks = run_in_node(scene_module(folder), plan.scene.runtime.prefix, position, velocity)
-    same = ticks.force_n.tobytes() == force_n.tobytes() and ticks.notes.tobytes() == notes.tobytes()
-    if ticks.selftest or not same:
-        raise MismatchError("the wasm module differs from this machine's C: report clang and node")
-    return ticks.tick_ns, min(times)

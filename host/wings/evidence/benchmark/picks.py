@@ -36,10 +36,9 @@ class PlatformBudget:
 
 
 def budgets(target: Target) -> tuple[PlatformBudget, ...]:
-    """Return a PC at 1 and at 4 kHz that spares a tenth of a period, and the board or the page.
+    """Return a PC at 1 and at 4 kHz that spares a tenth of a period, and the board.
 
-    A board has 256 kB of flash and spares 8 000 instructions a tick. A page has 200 kB, most of it
-    the module, which base64 makes a third longer.
+    A board has 256 kB of flash and spares 8 000 instructions a tick.
     """
     pcs = tuple(
         PlatformBudget(f"pc-{khz}khz", f"PC at {khz} kHz", rate_hz=1e3 * khz,
@@ -48,9 +47,6 @@ def budgets(target: Target) -> tuple[PlatformBudget, ...]:
     )  # fmt: skip
     if target == "host":
         return pcs
-    if target == "wasm32":
-        page = PlatformBudget(target, "web page", flash_bytes=120 * 1024, target=target)
-        return (*pcs, page)
     board = PlatformBudget(
         target, f"board with a {target}", flash_bytes=256 * 1024, ram_bytes=64 * 1024,
         instructions=8000, target=target,

@@ -28,7 +28,6 @@ class Isolated:
 
     tick_ns_*: paced, caches cold. bounded: in the closed loop with every hand. instructions: of
     the longest tick on the target's board; instructions_why: how they were counted, or why not.
-    node_tick_ns: of a tick as wasm32; portable_tick_ns: of the same C here; node_why: why not.
     """
 
     tick_ns_p50: float | None = None
@@ -38,9 +37,6 @@ class Isolated:
     bounded: bool | None = None
     instructions: int | None = None
     instructions_why: str | None = None
-    node_tick_ns: float | None = None
-    portable_tick_ns: float | None = None
-    node_why: str | None = None
     spectral_radius: float | None = None
     coupling: str | None = None
     worst_fidelity_percent: float | None = None

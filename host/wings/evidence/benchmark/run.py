@@ -199,10 +199,9 @@ class _Isolated:
     def _on_target(self, key: str, asked: tuple[Path, Number, Recording]) -> Metadata:
         target = self._bench.target
         if why := missing_for(target):
-            return unmeasured_on(target, why)  # not kept: the tools may come
-        kind = "node_ticks" if target == "wasm32" else "instructions"
+            return unmeasured_on(why)  # not kept: the tools may come
         version = key_of([key, target_compiler(target)])
-        return self._once(kind, version, lambda: measure_on_target(*asked, target))
+        return self._once("instructions", version, lambda: measure_on_target(*asked, target))
 
     def _once(self, kind: str, key: str, measure: Callable[[], Metadata]) -> Metadata:
         metadata = self._store.read(kind, key)

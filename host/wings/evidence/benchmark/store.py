@@ -44,7 +44,7 @@ class Store:
             raise UsageError(
                 f"{self.folder}: not empty and no earlier benchmark: give --out a new folder"
             )
-        for name in ("points", "isolated", "instructions", "node_ticks", "models"):
+        for name in ("points", "isolated", "instructions", "models"):
             (self.folder / name).mkdir(parents=True, exist_ok=True)
         (self.folder / _MARK).touch()
 

@@ -19,7 +19,7 @@ from springpot.modelling import KINDS
     help="Recording or folder to report on; default: a fifth of the others is kept for it.",
 )  # fmt: skip
 @click.option(
-    "--target", type=click.Choice(["host", "cortex-m4f", "cortex-m7", "rv32imafc", "wasm32"]),
+    "--target", type=click.Choice(["host", "cortex-m4f", "cortex-m7", "rv32imafc"]),
     default="cortex-m4f", show_default=True, help="Board whose flash is counted.",
 )  # fmt: skip
 @click.option(

@@ -1,151 +1,108 @@
-// The page: which object lies there, and what happens in every frame.
+// The page: which object lies there, what people do to it, and what happens in every frame.
 
+const KEYS = { ArrowDown: 1, ArrowRight: 1, ArrowUp: -1, ArrowLeft: -1 };
+const READ_MS = 100; // numbers are renewed so often
 const find = (id) => document.getElementById(id);
 const entries = JSON.parse(find("scenes").textContent);
-const live = document.body.dataset.source === "session";
-const still = matchMedia("(prefers-reduced-motion: reduce)");
-// One scale for all objects of the page, so that they can be compared.
-const scale = {
+const pictures = new Pictures({
   depth_m: Math.max(...entries.map((entry) => entry.depth_m)),
-  free_m: Math.min(0, ...entries.map((entry) => entry.free_m)),
+  free_m: Math.min(...entries.map((entry) => entry.free_m)),
   max_n: Math.max(...entries.map((entry) => entry.max_n)),
   min_n: Math.min(0, ...entries.map((entry) => entry.min_n)),
-};
-const loops = new Map(); // of objects pressed before, by name
+});
+let scene, trace, intent, read_ms = 0;
 
-// intent: null where the hand is a real one, elsewhere.
-let scene, trace, view, source, rendered_n, intent = null;
-
-function say(text) {
-  find("said").textContent = text;
-}
-
-function hand() {
-  const { hands } = scene, at = (id) => Number(find(id).value);
-  return {
-    stiffness_npm: hands.stiffness_npm[at("stiffness")],
-    mass_kg: hands.mass_kg[at("mass")],
-    delay: at("delay"),
-    verdict: hands.verdicts[at("stiffness")][at("mass")][at("delay")],
-  };
-}
-
-function hold() {
-  const { hands, entry } = scene, held = hand();
-  scene.c.sp_page_device(...hands.device);
-  scene.c.sp_page_hold(held.mass_kg, held.stiffness_npm, hands.damping_nspm, hands.own_delay + held.delay);
-  // So deep a hand has to intend to be, to reach the greatest force.
-  if (intent !== null) intent.deepest_m = entry.depth_m + entry.max_n / held.stiffness_npm;
-  read_hand(held);
+async function show(index) {
+  scene = await Scene.load(entries[index]);
+  const { entry } = scene;
+  find("object-name").textContent = entry.name;
+  find("what").textContent = entry.what;
+  find("selftest").textContent = scene.proof();
+  find("hash").textContent = entry.hash;
+  start();
 }
 
 function start() {
-  trace = new Trace(scene.entry.dt_s, scene.Real);
-  if (live || source instanceof Board) return;
-  intent = new Intent(scene.entry.free_m, 1);
-  scene.c.sp_page_start(scene.entry.free_m);
-  source = new HandOnPage(scene, intent);
+  trace = new Trace(scene);
+  intent = new Intent(scene.entry.free_m);
+  scene.start();
   hold();
 }
 
-async function show(index) {
-  if (trace !== undefined && trace.most_m > 0) loops.set(scene.entry.name, trace.loop());
-  scene = await Scene.load(entries[index]);
-{% if maps %}
-  take_map();
-{% endif %}
-  loops.delete(scene.entry.name);
-  document.documentElement.dataset.object = index % 6;
-  palette.clear();
-  find("object-name").textContent = scene.entry.name;
-  find("what").textContent = scene.entry.what;
-  rendered_n = prove();
-  view = new ObjectView(find("object"), scene.entry, scale);
-  start();
-  if (live) source = new Session(scene, say);
-  draw_recording(find("recording"), scene, rendered_n);
+function hold() {
+  const { entry } = scene, stiffness = Number(find("stiffness").value), delay = Number(find("delay").value);
+  scene.hold(entry.stiffness_npm[stiffness], delay);
+  // So deep a hand has to intend to be, to reach the greatest force.
+  intent.deepest_m = entry.depth_m + entry.max_n / entry.stiffness_npm[stiffness];
+  find("stiffness-is").textContent = `${entry.stiffness_npm[stiffness]} N/m`;
+  find("delay-is").textContent = `${delay} steps`;
+  find("verdict").textContent = entry.verdicts[stiffness][delay];
 }
 
-// Another object, when the hand has left this one: no force comes or goes in a jump.
-function pick(index) {
-  const leave = () => {
-    if (intent.now_m > intent.free_m || trace.newest_m > Math.max(0, intent.free_m + 1e-4))
-      return requestAnimationFrame(leave);
-    return show(index).then(() => say(`Now you press ${scene.entry.name}; the file begins anew.`));
-  };
-  intent.let_go(performance.now());
-  leave();
-}
-
-function stop() {
-  source.stop?.();
-  say("STOP was sent.");
+function read({ depth_m, force_n, notes }) {
+  const depth = `${(1e3 * depth_m).toFixed(2)} mm`, force = `${force_n.toFixed(2)} N`;
+  find("depth").textContent = depth;
+  find("force").textContent = force;
+  find("object").setAttribute("aria-valuenow", (1e3 * depth_m).toFixed(2));
+  find("object").setAttribute("aria-valuetext", `${depth} deep, ${force}`);
+  const words = scene.entry.notes.filter(([bit]) => notes & bit).map(([, text]) => text);
+  find("notes").textContent = words.join(", ") || "fine";
 }
 
 function download() {
-  save({{ "map?.csv(trace.csv()) ?? " if maps }}trace.csv(), "pressed");
-}
-
-function save(text, what) {
   const link = document.createElement("a");
-  link.href = URL.createObjectURL(new Blob([text], { type: "text/csv" }));
-  link.download = `${scene.entry.name}-${what}.csv`;
+  link.href = URL.createObjectURL(new Blob([trace.csv()], { type: "text/csv" }));
+  link.download = `${scene.entry.name}-pressed.csv`;
   link.click();
   URL.revokeObjectURL(link.href);
 }
 
-async function connect() {
-  try {
-    const board = await Board.open(scene, say);
-    intent = null;
-    trace = new Trace(scene.entry.dt_s, scene.Real);
-    source = board;
-    find("picker").disabled = true;
-    for (const element of document.querySelectorAll(".own-hand")) element.hidden = true;
-    for (const element of document.querySelectorAll(".other-hand")) element.hidden = false;
-    setTimeout(() => {
-      const hash = board.other_hash;
-      say(hash === null ? "The board does not answer: is it one that renders?"
-        : hash === scene.entry.hash ? "The board renders this scene; the page shows it."
-        : `The board renders another scene (${hash.slice(0, 12)}): what it sends is shown all the same.`);
-    }, 500);
-  } catch (error) {
-    say(`No board: ${error.message}`);
-  }
-}
-
-// For who measures the page from outside.
-function count(name, more) {
-  document.body.dataset[name] = Number(document.body.dataset[name] ?? 0) + more;
+function listen() {
+  const canvas = find("object");
+  let pressing = null;
+  const follow = (event) => {
+    if (pressing !== event.pointerId) return;
+    const all = event.getCoalescedEvents?.() ?? [], { top } = canvas.getBoundingClientRect();
+    for (const one of all.length > 0 ? all : [event])
+      intent.add(one.timeStamp, pictures.intent_at(one.clientY - top, intent));
+  };
+  canvas.addEventListener("pointerdown", (event) => {
+    pressing = event.pointerId;
+    follow(event);
+  });
+  addEventListener("pointermove", follow);
+  for (const kind of ["pointerup", "pointercancel"])
+    addEventListener(kind, (event) => {
+      if (pressing !== event.pointerId) return;
+      pressing = null;
+      intent.let_go(event.timeStamp);
+    });
+  canvas.addEventListener("keydown", (event) => {
+    if (event.key in KEYS) intent.key = KEYS[event.key];
+    else if (event.key === " ") intent.let_go(performance.now());
+    else return;
+    event.preventDefault();
+  });
+  for (const kind of ["keyup", "blur"]) canvas.addEventListener(kind, () => { intent.key = 0; });
+  for (const id of ["stiffness", "delay"]) find(id).addEventListener("input", hold);
+  find("picker").addEventListener("change", (event) => show(Number(event.target.value)));
+  find("download").addEventListener("click", download);
+  find("again").addEventListener("click", start);
 }
 
 function frame(now_ms) {
-  const began_ms = performance.now(), had_room = !trace.full;
-  let rows = source.advance(now_ms);
-  while (rows > 0) {
-    trace.take(scene.position_m, scene.force_n, rows, scene.notes);
-    rows = intent === null ? source.advance() : 0; // a link may have more
+  trace.take(scene, scene.advance(now_ms, intent));
+  pictures.draw(scene, trace, intent);
+  if (now_ms - read_ms > READ_MS) {
+    read_ms = now_ms;
+    read(trace.now);
   }
-  if (had_room && trace.full) say(`${KEPT_S} s are in the file, and no more: start again to record anew.`);
-  view.draw(trace, intent);
-{% if maps %}
-  draw_map(now_ms);
-{% endif %}
-  draw_scope(find("scope"), trace, scale, still.matches);
-  draw_loop(find("loop"), trace, scene, scale, Array.from(loops, ([name, points]) => ({ name, points })));
-  if (trace.count > 0) read_tick(now_ms);
-  count("frames", 1);
-  count("busy_ms", performance.now() - began_ms);
-  document.body.dataset.ticks = trace.count;
   requestAnimationFrame(frame);
 }
 
 try {
   await show(0);
   listen();
-{% if maps %}
-  listen_to_map();
-{% endif %}
   document.body.classList.add("ready");
   requestAnimationFrame(frame);
 } catch (error) {

@@ -12,12 +12,10 @@ from support.bench_folder import CANDIDATES, asked, small
 from support.c.cross_tools import path_with, path_without
 from wings.evidence.benchmark.test_bench import point as made
 
-from springpot.codegen.errors import BudgetError, UsageError
+from springpot.codegen.errors import BudgetError
 from springpot.host.cli import springpot
-from springpot.host.native.toolchain import missing_tools
 from springpot.host.wings.evidence import parallel
 from springpot.host.wings.evidence.benchmark.choice import choose_within
-from springpot.host.wings.evidence.benchmark.isolated import missing_for
 from springpot.host.wings.evidence.benchmark.picks import (
     PlatformBudget,
     budgets,
@@ -29,7 +27,6 @@ from springpot.host.wings.evidence.benchmark.report import bench_page
 from springpot.host.wings.evidence.benchmark.run import run_bench
 from springpot.host.wings.evidence.benchmark.store import read_result
 from springpot.host.wings.evidence.sweep import Candidate
-from springpot.host.wings.wasm.wasm_module import wasm_module
 from springpot.trainer.models.fit import FitOptions
 
 REMEDY = "no compiler for cortex-m4f: `apt-get install gcc-arm-none-eabi`"
@@ -128,16 +125,3 @@ def test_a_size_that_is_not_known_neither_wins_nor_loses() -> None:
     assert pick(points, board, 1000.0, lambda found: found) is slow
     assert "1 above 262144 bytes of flash" in why(slow, points, board, 1000.0)
     assert why(slow, points, board, 1000.0).endswith(f"({REMEDY}), and did not decide")
-
-
-def test_a_machine_without_clang_says_what_to_install(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setenv("PATH", path_without(tmp_path / "bin"))
-    install = "`apt-get install clang lld` or `pip install 'springpot[cc]'`"
-    remedy = f"no compiler for wasm32: {install}"
-    assert missing_tools("wasm32") == remedy == missing_for("wasm32")
-    with pytest.raises(UsageError, match="no compiler for wasm32"):
-        wasm_module([], [], [])
-    *_, page = budgets("wasm32")
-    assert (page.name, page.flash_bytes, page.ram_bytes) == ("wasm32", 120 * 1024, None)

@@ -1,1 +1,0 @@
-"""C as WebAssembly: built, measured, run in node."""
