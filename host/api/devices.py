@@ -46,7 +46,6 @@ if TYPE_CHECKING:
         python_can_bus as python_can_bus,
     )
     from springpot.host.wings.devices.serial_device import (
-        BAUD as BAUD,
         SerialDevice as SerialDevice,
     )
     from springpot.host.wings.devices.serial_port import (
@@ -55,8 +54,6 @@ if TYPE_CHECKING:
         require_fast_adapter as require_fast_adapter,
     )
     from springpot.host.wings.devices.wire import (
-        Frame as Frame,
-        Sender as Sender,
         constant as constant,
     )
 else:

@@ -27,7 +27,6 @@ if TYPE_CHECKING:
         state_members as state_members,
     )
     from springpot.codegen.reference.notes import (
-        CLAMPED as CLAMPED,
         LATCHED as LATCHED,
         RESYNC as RESYNC,
     )

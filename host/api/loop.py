@@ -14,10 +14,8 @@ if TYPE_CHECKING:
     from springpot.host.devices.device import requirements_of as requirements_of
     from springpot.host.native.loop_library import (
         COLUMN as COLUMN,
-        COLUMNS as COLUMNS,
         IDLE as IDLE,
         NONE as NONE,
-        RESET as RESET,
         LoopRows as LoopRows,
         Stop as Stop,
         empty_rows as empty_rows,
@@ -25,7 +23,6 @@ if TYPE_CHECKING:
     )
     from springpot.host.session.c_loop import StepFunctions as StepFunctions
     from springpot.host.session.loop import (
-        LinkCounts as LinkCounts,
         LoopSettings as LoopSettings,
         LoopState as LoopState,
     )

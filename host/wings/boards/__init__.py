@@ -1,4 +1,4 @@
-"""Boards: firmware, emulator, replay through a board and its log; `springpot firmware`."""
+"""Boards: firmware and emulator; `springpot firmware`."""
 
 from springpot.console import LazyCommand
 

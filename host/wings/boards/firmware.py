@@ -1,17 +1,14 @@
-"""Firmware: an emitted scene, the protocol and a board's port, built for that board."""
+"""Firmware: an emitted scene and a board's port, built for that board."""
 
 import shutil
 import subprocess
 from pathlib import Path
-
-import numpy as np
 
 from springpot import BudgetError
 from springpot.basics import folder_written_aside
 from springpot.emission import (
     Plan,
     is_edited,
-    literal,
     prefixed,
     read_emission,
     require_replaceable,
@@ -19,11 +16,10 @@ from springpot.emission import (
     write_checksums,
 )
 from springpot.host.wings.boards.boards import Board, compiler_of
-from springpot.native import PORT_MCU, PORT_WIRE, CompilerError, flags, port_headers, scene_prefix
+from springpot.native import PORT_MCU, CompilerError, flags, port_headers, scene_prefix
 
 TRANSDUCER = "sp_transducer.c"  # the user's encoder and drive
 _COMMON = ("sp_firmware.c", "sp_port.c", TRANSDUCER)
-_WIRE = ("sp_wire.c", "sp_wire.h", "sp_wire_messages.h")
 _NAME = "firmware.elf"
 _STACK_BYTES = 4096  # of everything else
 
@@ -36,22 +32,18 @@ def build_firmware(
     An earlier firmware there is replaced; TRANSDUCER, where its user changed it, is built as it is.
     Raises UsageError without a compiler, or where `out` holds anything else or other changes,
     BudgetError where it does not fit the board, DataError where the C is not as emitted, unless
-    that is accepted: the board then reports another hash.
+    that is accepted.
     """
     require_replaceable(out, yours=[TRANSDUCER])
-    emitted = read_emission(folder, accept_edited)
-    plan = emitted.plan
+    plan = read_emission(folder, accept_edited).plan
     with folder_written_aside(out) as aside:
         _copy(folder, aside, plan)
         for name in (*_COMMON, *_headers(), *board.sources):
             _port_file(name, plan, aside)
-        for name in _WIRE:
-            shutil.copyfile(PORT_WIRE / name, aside / name)
-        (aside / "sp_metadata.h").write_text(_metadata(plan, emitted.hash))
         write_checksums(aside)
         if is_edited(out, TRANSDUCER):
             shutil.copyfile(out / TRANSDUCER, aside / TRANSDUCER)
-        sources = (f"{scene_prefix(folder)}.c", *_COMMON, "sp_wire.c", *board.sources)
+        sources = (f"{scene_prefix(folder)}.c", *_COMMON, *board.sources)
         _linked(board, aside, sources, state_bytes(plan), strict)
     return out / _NAME
 
@@ -84,24 +76,6 @@ def _port_file(name: str, plan: Plan, out: Path) -> None:
     prefix = plan.scene.runtime.prefix
     text = (PORT_MCU / name).read_text().replace('"sp_scene.h"', f'"{prefix}_scene.h"')
     (out / name).write_text(prefixed(text, prefix))
-
-
-def _metadata(plan: Plan, scene_hash: str) -> str:
-    """What the protocol says of the scene."""
-    digest = bytes.fromhex(scene_hash)
-    items = ", ".join(f"{byte}" for byte in digest)
-    return (
-        "/* What the firmware reports of its scene. */\n"
-        "#ifndef SP_METADATA_H\n#define SP_METADATA_H\n\n"
-        f"#define SP_METADATA_DT_S {_float(plan.dt_s)}\n"
-        f"#define SP_METADATA_WATCHDOG_S {_float(plan.watchdog_s)}\n"
-        f"#define SP_METADATA_MAX_N {_float(plan.max_force_n)}\n"
-        f"#define SP_METADATA_HASH {{{{{items}}}}}\n\n#endif\n"
-    )
-
-
-def _float(value: float) -> str:
-    return literal(np.float32(value))
 
 
 def _linked(
