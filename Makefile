@@ -24,11 +24,6 @@ $(STAMP): requirements.lock pyproject.toml
 	$(PYTHON) -m venv .venv
 	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
 	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
-	@# From its parent folder, a clone named springpot looks like a package without modules: the
-	@# finder of what is installed goes before that of folders, unless somebody names folders.
-	@echo 'import os, sys; "PYTHONPATH" in os.environ or sys.meta_path.sort(key=lambda f:' \
-	  '"Editable" not in getattr(f, "__name__", ""))' \
-	  > `$(BIN)/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))'`/springpot_first.pth
 	@touch $@
 
 demo: $(STAMP)
@@ -93,14 +88,15 @@ licences: $(STAMP)
 
 # Long tests: 10 000 malformed files, an hour at 1 kHz; all 2^32 bit patterns through the guards, 1e8
 # hostile ticks a scene, 24 simulated hours of pressing, every object and model in closed loop; a
-# million damaged frames, every fault of a session five times; every reader of files, and of the wire,
-# an hour under a fuzzer.
+# million damaged frames, every fault of a session five times, a minute on every emulated board; every
+# reader of files, and of the wire, an hour under a fuzzer.
 soak: $(STAMP) test-c
 	SPRINGPOT_FUZZ=10000 $(BIN)/pytest tests/trainer/recordings/test_hostile_files.py tests/host/commands/test_import_command.py
 	$(C_BUILD)/$(firstword $(COMPILERS))/float/test_patterns 1
 	SPRINGPOT_SOAK=1 $(BIN)/pytest tests/host/stability/test_hostile.py tests/host/stability/test_stability.py tests/codegen/stages/test_engines.py
 	SPRINGPOT_FRAMES=1000000 $(BIN)/pytest tests/wings/devices/test_wire.py
 	SPRINGPOT_ROUNDS=5 $(BIN)/pytest -n0 tests/host/session/test_faults.py
+	SPRINGPOT_SOAK=1 $(BIN)/pytest -n0 tests/wings/boards/test_mcu_board.py
 	$(BIN)/pip install --quiet --disable-pip-version-check atheris
 	$(BIN)/python tests/proof/fuzz/fuzz.py
 
@@ -136,11 +132,9 @@ types: $(STAMP) ns
 	$(BIN)/mypy
 	MYPYPATH=docs/_ext:build/ns $(BIN)/mypy docs/_ext
 
-# mypy and pyright do not see packages mapped by an editable install: a tree of links shows them.
+# mypy and pyright find springpot by a folder of that name.
 ns:
-	@mkdir -p build/ns/springpot && rm -f build/ns/springpot/*.py
-	@for file in host/api/*.py host/api/py.typed; do ln -sfn ../../../$$file build/ns/springpot/; done
-	@for floor in runtime_c codegen trainer host; do ln -sfn ../../../$$floor build/ns/springpot/$$floor; done
+	@mkdir -p build/ns && ln -sfn ../.. build/ns/springpot
 
 # Each program of tests/c by every compiler, with sp_real float and double: built once, all cores.
 C_BUILD ?= build/c

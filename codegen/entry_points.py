@@ -22,7 +22,7 @@ from typing import Any, TypeVar
 from springpot.codegen.errors import SpringpotError, UsageError
 
 Entry = TypeVar("Entry")
-_WINGS = "springpot.host.wings"  # folders that an installation may leave out
+_WINGS = "springpot.host"  # folders that an installation may leave out
 
 
 @cache

@@ -8,8 +8,8 @@ import sys
 import click
 
 from springpot.codegen import errors
-from springpot.codegen.entry_points import registered
-from springpot.host.console.lazy_group import LazyCommand, LazyGroup
+from springpot.host.commands import COMMANDS
+from springpot.host.console.lazy_group import LazyGroup
 from springpot.host.console.output import notices_said, say
 
 _EXIT_STATUS: dict[type[Exception], int] = {
@@ -27,14 +27,9 @@ def exit_status(error: errors.SpringpotError) -> int:
     return next((_EXIT_STATUS[kind] for kind in type(error).__mro__ if kind in _EXIT_STATUS), 1)
 
 
-def every_command() -> dict[str, LazyCommand | click.Command]:
-    """Return the table of commands: entry points of the group springpot.commands."""
-    return registered("commands", (LazyCommand, click.Command))
-
-
 @click.group(
     cls=LazyGroup,
-    find_commands=every_command,
+    table=COMMANDS,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
 @click.version_option(package_name="springpot")

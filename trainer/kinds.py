@@ -51,6 +51,8 @@ RBF_PV = Kind("rbf-pv", "the paper's baseline: radial basis functions on positio
               f"{_MODELS}.rbf:fit_rbf_pv", "^", "#e09f3e", 2)  # fmt: skip
 HAMMERSTEIN = Kind("hammerstein", "springs, Maxwell branches and stops with non-negative weights",
                    f"{_MODELS}.hammerstein:fit_hammerstein", "P", "#2d6a4f", 4)  # fmt: skip
+SPRINGPOT = Kind("springpot", "a fractional solid: three or four numbers with intervals",
+                 f"{_MODELS}.springpot:fit_springpot", "*", "#6c584c", 7)  # fmt: skip
 AUTO = "auto"  # the kind of lowest cross-validated error
 _AUTO_FIT = "springpot.trainer.selection.auto:fit_auto"
 

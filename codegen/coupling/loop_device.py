@@ -64,7 +64,7 @@ class LoopDevice:
         named = ", ".join(figures)
         if self.stated:
             return f"the scene's device: {named}"
-        return f"assumed device: {named} (none is measured: `springpot identify`)"
+        return f"assumed device: {named} (none is stated in [device])"
 
 
 ASSUMED_DEVICE = LoopDevice()

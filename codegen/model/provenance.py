@@ -6,8 +6,6 @@ from typing import Any
 
 from springpot.codegen.errors import DataError
 
-_LAW = ("stiffness_npm", "coefficient", "order")
-
 
 def require_provenance(metadata: Mapping[str, Any]) -> None:
     """Raise DataError naming the first item that is not what its readers take."""
@@ -26,20 +24,12 @@ def _number(value: Any) -> bool:
     return isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
 
 
-def _number_or_none(value: Any) -> bool:
-    return value is None or _number(value)
-
-
 def _not_negative(value: Any) -> bool:
     return _number(value) and value >= 0
 
 
 def _numbers(value: Any) -> bool:
     return isinstance(value, list | tuple) and all(map(_number, value))
-
-
-def _range(value: Any) -> bool:
-    return value is None or (_numbers(value) and len(value) == 2 and value[0] <= value[1])
 
 
 def _texts(value: Any) -> bool:
@@ -50,28 +40,8 @@ def _names(value: Any) -> bool:
     return isinstance(value, list | tuple) and all(isinstance(text, str) for text in value)
 
 
-def _rows(value: Any) -> bool:
-    return isinstance(value, list | tuple) and all(
-        isinstance(row, Mapping) and all(map(_number, row.values())) for row in value
-    )
-
-
 def _zero(value: Any) -> bool:
     return isinstance(value, str) and value in {"none", "first", "min"}
-
-
-def _law(value: Any) -> bool:
-    return (
-        isinstance(value, Mapping)
-        and all(name in value for name in _LAW)
-        and all(
-            isinstance(pair, list | tuple)
-            and len(pair) == 2
-            and _number(pair[0])
-            and _number_or_none(pair[1])
-            for pair in value.values()
-        )
-    )
 
 
 _ITEMS: dict[str, tuple[Callable[[Any], bool], str]] = {
@@ -84,11 +54,6 @@ _ITEMS: dict[str, tuple[Callable[[Any], bool], str]] = {
     "recordings": (_texts, "no hash for each name"),
     "accepted_signs": (_names, "no list of names"),
     "importance": (_numbers, "no list of numbers"),
-    "material": (_law, f"not {', '.join(_LAW)}, each a number and its half width or null"),
-    "not_identified": (_texts, "no reason for each name"),
-    "residual_percent": (_number_or_none, "no number"),
-    "covered_hz": (_range, "no two ascending numbers"),
-    "measured": (_rows, "no list of rows of numbers"),
 }
 
 

@@ -64,8 +64,6 @@ def _model(model: Model, n_features: int) -> None:
     alone_at_a_surface = adds and model.regressor is None and model.contact == "surface"
     _require(alone_at_a_surface or not placed, "places: of no passive model with a surface")
     require_provenance(model.provenance)
-    law = model.kind == "springpot" and "material" in model.provenance
-    _require(not law or model.hammerstein is not None, "provenance.material: of no passive model")
     for part, value in (
         ("trained", model.trained),
         ("features", model.features),

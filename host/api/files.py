@@ -1,6 +1,7 @@
 """Files from Python: recordings, models and scenes; paths are strings or Paths."""
 
 from os import PathLike
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from springpot.codegen.errors import UsageError
@@ -12,6 +13,7 @@ from springpot.trainer.recordings import recording_file
 from springpot.trainer.recordings.formats.importing import ImportOptions
 from springpot.trainer.recordings.notices import notice
 from springpot.trainer.recordings.recording import Recording, Zero
+from springpot.trainer.recordings.recording_file import Recordings, given_recordings
 
 if TYPE_CHECKING:
     from springpot.trainer.models.fit import Fit
@@ -35,14 +37,28 @@ def read_recordings(*paths: File) -> list[Recording]:
         return recording_file.read_recordings(map(given_path, paths))
 
 
-def write_recording(path: File, recording: Recording) -> None:
-    """Write one recording to a file ending in .h5; a reader never sees half of it.
+def write_recordings(path: File, recordings: Recordings) -> list[Path]:
+    """Write one recording to a file ending in .h5, or any number to a folder, NAME.h5 each.
 
-    >>> write_recording("press.h5", press)
-    >>> read_recordings("press.h5")[0].name == press.name
-    True
+    Returns the files that were written; a reader never sees half of one. Raises UsageError for
+    several recordings in one file, or two of one name in a folder.
+
+    >>> write_recordings("presses", presses)[0].name
+    'press.h5'
     """
-    recording_file.write_recording(given_path(path), recording)
+    out, chosen = given_path(path), given_recordings(recordings)
+    if out.suffix == ".h5":
+        if len(chosen) != 1:
+            raise UsageError(f"{out}: {len(chosen)} recordings for one file: give a folder")
+        files = [out]
+    else:
+        files = [out / f"{recording.name}.h5" for recording in chosen]
+        if len({file.name for file in files}) < len(files):
+            raise UsageError(f"{out}: recordings of one name: give each a name of its own")
+        out.mkdir(parents=True, exist_ok=True)
+    for file, recording in zip(files, chosen, strict=True):
+        recording_file.write_recording(file, recording)
+    return files
 
 
 def import_recordings(

@@ -5,7 +5,7 @@ import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,8 +15,8 @@ from springpot.codegen.arrays import Samples, given_numbers
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.model import Model
 from springpot.codegen.regular_file import given_path
-from springpot.codegen.scene import Scene
-from springpot.files import File, given_model, read_recordings, write_model
+from springpot.codegen.scene import Scene, Target
+from springpot.host.api.files import File, given_model, read_recordings, write_model
 from springpot.trainer.models.fit import Engine, Fit, FitOptions
 from springpot.trainer.recordings.notices import notice
 from springpot.trainer.recordings.recording import Recording
@@ -207,13 +207,14 @@ def validate(
     recordings: Recordings,
     *,
     paced_s: float = 3.0,
+    device: str | None = None,
     accept_edited: bool = False,
 ) -> "Validation":
     """Replay recordings through the C of `folder`: its error, its time, its bits against numpy's.
 
-    paced_s: how long ticks are timed at the scene's rate, s. accept_edited: C that is not as
-    emitted is no refusal; the result's `edited` names its files. Raises DataError for recordings of
-    another rate or zero than the model's.
+    paced_s: how long ticks are timed at the scene's rate, s. device: URL of a board that renders
+    the scene too. accept_edited: C that is not as emitted is no refusal; the result's `edited`
+    names its files. Raises DataError for recordings of another rate or zero than the model's.
 
     >>> validate("c", recordings).mismatches  # C and its reference: the same bits
     0
@@ -223,7 +224,7 @@ def validate(
 
     chosen, emitted = _some(recordings), given_path(folder)
     require_emission(emitted)
-    return validate_folder(emitted, chosen, paced_s, accept_edited)
+    return validate_folder(emitted, chosen, paced_s, device, accept_edited)
 
 
 def stability(
@@ -241,6 +242,35 @@ def stability(
 
     stated, chosen = _resolved(scene, model)
     return check(make_plan(chosen, stated, accept_unsafe=True))
+
+
+def bench(
+    recordings: Recordings,
+    validation: Recordings = (),
+    *,
+    out: File = "bench",
+    target: Target = "cortex-m4f",
+    models: Sequence[str] = (),
+    seed: int = 0,
+) -> dict[str, Any]:
+    """Measure every kind and size of model: error, run time and bytes of each, and the front.
+
+    validation: other recordings; by default a fifth of `recordings` is not trained on. out: folder
+    of the results; what is there is not computed again. target: board of which the flash is
+    counted. models: kinds and files of models; by default every kind. Returns what `springpot
+    bench --json` prints. Raises UsageError for an unknown kind.
+
+    >>> bench(recordings, models=["hammerstein"])["points"][0]["model"]
+    'hammerstein'
+    """
+    from springpot.host.bench.bench import Bench, run_bench
+    from springpot.host.bench.splits import holdout
+
+    training, testing = _some(recordings), given_recordings(validation)
+    if not testing:
+        training, testing = holdout(training, seed)
+    asked = Bench(tuple(training), tuple(testing), target, seed, tuple(models))
+    return run_bench(asked, given_path(out), "springpot.bench")
 
 
 def _fit_options(given: Mapping[str, object]) -> FitOptions:

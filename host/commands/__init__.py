@@ -1,14 +1,30 @@
-"""The command line: one file a command. This table is registered in pyproject.toml."""
+"""The command line: one file a command; this table is in the order of a job."""
 
 from springpot.host.console.lazy_group import LazyCommand
 
-_HERE = "springpot.host.commands"
-RECORD = LazyCommand(f"{_HERE}.recordings.record:record", place=2)
-IMPORT = LazyCommand(f"{_HERE}.recordings.import_:import_", place=3)
-CHECK = LazyCommand(f"{_HERE}.recordings.check:check_", place=4)
-TRAIN = LazyCommand(f"{_HERE}.models.train:train", place=7)
-EMIT = LazyCommand(f"{_HERE}.scenes.emit:emit_", place=8)
-BUILD = LazyCommand(f"{_HERE}.scenes.emit:build", place=9)
-STABILITY = LazyCommand(f"{_HERE}.scenes.stability:stability_", place=11)
-VALIDATE = LazyCommand(f"{_HERE}.scenes.validate:validate_", place=12)
-RUN = LazyCommand(f"{_HERE}.scenes.run:run", place=13)
+_HERE = "springpot.host"
+COMMANDS = {
+    "doctor": LazyCommand(f"{_HERE}.doctor.doctor:doctor"),
+    "demo": LazyCommand(f"{_HERE}.report.commands:demo"),
+    "record": LazyCommand(f"{_HERE}.commands.recordings.record:record"),
+    "import": LazyCommand(f"{_HERE}.commands.recordings.import_:import_"),
+    "check": LazyCommand(f"{_HERE}.commands.recordings.check:check_"),
+    "train": LazyCommand(f"{_HERE}.commands.models.train:train"),
+    "emit": LazyCommand(f"{_HERE}.commands.scenes.emit:emit_"),
+    "build": LazyCommand(f"{_HERE}.commands.scenes.emit:build"),
+    "firmware": LazyCommand(f"{_HERE}.boards.command:firmware"),
+    "stability": LazyCommand(f"{_HERE}.commands.scenes.stability:stability_"),
+    "validate": LazyCommand(f"{_HERE}.commands.scenes.validate:validate_"),
+    "run": LazyCommand(f"{_HERE}.commands.scenes.run:run"),
+    "bench": LazyCommand(f"{_HERE}.bench.command:bench"),
+    "report": LazyCommand(f"{_HERE}.report.commands:report"),
+    "page": LazyCommand(f"{_HERE}.page.command:page"),
+    "reproduce": LazyCommand(
+        f"{_HERE}.evidence.commands.reproduce:reproduce",
+        "Repeat the paper's tables and figures, and say which of its claims hold here.",
+    ),
+    "study": LazyCommand(
+        f"{_HERE}.study.commands:study",
+        "Does it feel like the object? Plan a study, run it with people, and report.",
+    ),
+}

@@ -4,23 +4,20 @@ import difflib
 import importlib
 import re
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import cached_property
 from importlib.resources import files
 from typing import Any
 
 import click
-from click.shell_completion import CompletionItem
 
 
 @dataclass(frozen=True)
 class LazyCommand:
-    """path: "module:function". place: in lists. short_help: else the first line of its help."""
+    """path: "module:function". short_help: in lists, by default the first line of its help."""
 
     path: str
     short_help: str = ""
-    place: int = 100
 
     def load(self) -> click.Command:
         """Import the command."""
@@ -45,30 +42,18 @@ class LazyCommand:
 
 
 class LazyGroup(click.Group):
-    """A group whose commands are imported when they are used.
+    """A group whose commands, by name, are imported when they are used."""
 
-    find_commands: returns them by name, when they are first asked for.
-    """
-
-    def __init__(
-        self,
-        *args: Any,
-        find_commands: Callable[[], Mapping[str, LazyCommand | click.Command]],
-        **options: Any,
-    ) -> None:
+    def __init__(self, *args: Any, table: Mapping[str, LazyCommand], **options: Any) -> None:
         super().__init__(*args, **options)
-        self._find = find_commands
-
-    @cached_property
-    def _lazy(self) -> Mapping[str, LazyCommand | click.Command]:
-        return self._find()
+        self._table = table
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        return list(self._lazy)
+        return list(self._table)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        found = self._lazy.get(cmd_name)
-        return found.load() if isinstance(found, LazyCommand) else found
+        found = self._table.get(cmd_name)
+        return found.load() if found else None
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
@@ -76,29 +61,17 @@ class LazyGroup(click.Group):
         """Resolve as click does; refuse empty words, and name the nearest of an unknown command."""
         if not ctx.resilient_parsing:
             _refuse_empty(ctx, args)
-        near = difflib.get_close_matches(args[0], self._lazy, 1)
-        if near and args[0] not in self._lazy and not ctx.resilient_parsing:
+        near = difflib.get_close_matches(args[0], self._table, 1)
+        if near and args[0] not in self._table and not ctx.resilient_parsing:
             ctx.fail(f"No such command {args[0]!r} (did you mean {near[0]}?)")
         return super().resolve_command(ctx, args)
-
-    def shell_complete(self, ctx: click.Context, incomplete: str) -> list[CompletionItem]:
-        """Complete names of commands, without loading one."""
-        found = [
-            CompletionItem(name, help=text)
-            for name, text in self._short_helps()
-            if name.startswith(incomplete)
-        ]
-        return [*found, *click.Command.shell_complete(self, ctx, incomplete)]
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         with formatter.section("Commands"):
             formatter.write_dl(self._short_helps())
 
     def _short_helps(self) -> list[tuple[str, str]]:
-        return [
-            (name, one.line() if isinstance(one, LazyCommand) else one.get_short_help_str(80))
-            for name, one in self._lazy.items()
-        ]
+        return [(name, one.line()) for name, one in self._table.items()]
 
 
 def _refuse_empty(ctx: click.Context, args: list[str]) -> None:

@@ -12,6 +12,7 @@ from springpot.codegen.scene import Device
 from springpot.codegen.short_repr import short_repr
 
 if TYPE_CHECKING:
+    from springpot.host.devices.url import Address
     from springpot.host.native.c_library import CLibrary
 
 
@@ -36,9 +37,8 @@ class DeviceRequirements:
     """What a session asks of a device.
 
     presses: the loop drives the tool into an object, to record it. senses: it is read only.
-    free: the loop moves a tool that nobody holds, to measure the device.
     examined: nothing is rendered.
-    max_n: of the scene's force.
+    hash: of the scene, for boards that render it themselves. max_n: of the scene's force.
     m_per_turn .. nm_per_a: the transmission and torque constant of a motor drive.
     effector_mass_kg, weight_n: of the handle; its mass is compensated, its weight held up.
     """
@@ -46,10 +46,10 @@ class DeviceRequirements:
     rate_hz: float
     watchdog_s: float
     max_n: float
+    hash: str = ""
     presses: bool = False
     senses: bool = False
     examined: bool = False
-    free: bool = False
     surface_m: float = 0.0
     m_per_turn: float | None = None
     sign: int = 1
@@ -77,12 +77,10 @@ def too_weak(
     gives: that in words. other: what else would help.
     """
     limit = at_most(max_n)
-    who, setting = (
-        ("test", f"give --max-force-n {limit}")
-        if required.free
-        else ("scene", f"set guard.max_force_n = {limit}")
+    return DeviceError(
+        f"{url}: {gives} and the scene up to {required.max_n:g} N: set guard.max_force_n = "
+        f"{limit}{other}"
     )
-    return DeviceError(f"{url}: {gives} and the {who} up to {required.max_n:g} N: {setting}{other}")
 
 
 class OpenedDevice(Protocol):
@@ -101,14 +99,6 @@ class OpenedDevice(Protocol):
         ...
 
     @property
-    def max_n(self) -> float | None:
-        """The largest force that it promises, in the result of identify; None: it says nothing.
-
-        Sessions do not compare it with a scene: a driver refuses what it cannot give (`too_weak`).
-        """
-        return None
-
-    @property
     def rate_advice(self) -> str:
         """What to do where it sends fewer samples than the scene wants."""
         return ""
@@ -123,6 +113,10 @@ class OpenedDevice(Protocol):
         """Return the C link (sp_link *); from then on only the loop reads and writes."""
         ...
 
+    def rendering_board(self) -> "RenderingBoard | None":
+        """The board, where it renders the scene itself and no loop runs here; else None."""
+        return None
+
     @abstractmethod
     def stop(self) -> None:
         """After the loop: no force, acknowledged where the device can. Raises nothing."""
@@ -131,6 +125,12 @@ class OpenedDevice(Protocol):
     @abstractmethod
     def close(self) -> None:
         """Let the device go: the last call."""
+
+
+class RenderingBoard(OpenedDevice, Protocol):
+    """A device that renders the scene itself, and where it is."""
+
+    address: "Address"
 
 
 class VirtualDevice(OpenedDevice):

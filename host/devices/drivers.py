@@ -67,7 +67,7 @@ _HERE = "springpot.host.devices"
 # device needs no serial port.
 SIM = Driver(
     "sim://OBJECT, for example sim://ecoflex-00-30?hand=mid",
-    f"{_HERE}.virtual:simulated_device", virtual=True, place=0,
+    f"{_HERE}.virtual:SimulatedDevice", virtual=True, place=0,
 )  # fmt: skip
 REPLAY = Driver(
     "replay://FILE, a recording", f"{_HERE}.virtual:ReplayDevice", virtual=True, place=1

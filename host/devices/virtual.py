@@ -1,4 +1,4 @@
-"""Devices without hardware: a simulated hand or a free device (sim://), a recording (replay://)."""
+"""Devices without hardware: a simulated hand (sim://), a recording (replay://)."""
 
 from pathlib import Path
 from typing import Any
@@ -7,9 +7,8 @@ import numpy as np
 
 from springpot.codegen.coupling.loop_device import LoopDevice
 from springpot.codegen.emit.golden import backward_velocity
-from springpot.codegen.entry_points import required_part
 from springpot.codegen.errors import DataError, UsageError
-from springpot.host.devices.device import DeviceRequirements, OpenedDevice, VirtualDevice
+from springpot.host.devices.device import DeviceRequirements, VirtualDevice
 from springpot.host.devices.url import Address
 from springpot.host.native.c_library import CLibrary
 from springpot.host.simulation.bench import SimulatedHand
@@ -18,15 +17,6 @@ from springpot.trainer.recordings.recording_file import read_recording
 
 # What the hand intends; its spring and the rendered force decide how deep it comes.
 _INTENDED_M, _PRESSES_HZ = 0.02, 0.5
-FREE = "free"  # sim://free
-
-
-def simulated_device(address: Address, requirements: DeviceRequirements) -> OpenedDevice:
-    """What a sim:// URL names. Raises UsageError for what is none of it."""
-    if address.place != FREE:
-        return SimulatedDevice(address, requirements)
-    free: OpenedDevice = required_part("free-device", address.url)(address, requirements)
-    return free
 
 
 class SimulatedDevice(VirtualDevice):
@@ -34,7 +24,6 @@ class SimulatedDevice(VirtualDevice):
 
     def __init__(self, address: Address, requirements: DeviceRequirements) -> None:
         """Take the hand of the URL. Raises UsageError for a wrong one."""
-        _require_no_measuring(address, requirements)
         simulated = parse_url(address.url)
         if simulated.presses != PressSettings():
             raise UsageError(
@@ -61,7 +50,6 @@ class ReplayDevice(VirtualDevice):
 
     def __init__(self, address: Address, requirements: DeviceRequirements) -> None:
         """Read it. Raises DataError where it cannot be read or has another rate."""
-        _require_no_measuring(address, requirements)
         address.require_known(())
         recording = read_recording(Path(address.place))
         rate_hz = requirements.rate_hz
@@ -83,12 +71,4 @@ class ReplayDevice(VirtualDevice):
             len(self._position_m),
             library.array(self._position_m),
             library.array(self._velocity_mps),
-        )
-
-
-def _require_no_measuring(address: Address, requirements: DeviceRequirements) -> None:
-    if requirements.free:
-        raise UsageError(
-            f"{address.url}: is no device that is free to move: give a real one that nobody "
-            "holds, or sim://free"
         )

@@ -1,20 +1,45 @@
-"""Emission within a budget: as it is, or by a smaller version of the model."""
+"""Emission within a budget: as it is, or a forest made smaller, nothing fitted again.
+
+What costs no error comes first: the window by exponentials and thresholds as 16-bit bins. Then
+forests lose trees and small leaves, those that err least on some recordings first.
+"""
 
 import tempfile
-from collections.abc import Sequence
-from functools import partial
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
-from springpot.codegen.entry_points import required_part
-from springpot.codegen.errors import BudgetError, UsageError
+import numpy as np
+
+from springpot.codegen.arrays import Samples, rms
+from springpot.codegen.errors import BudgetError, SpringpotError, UsageError
+from springpot.codegen.forest.smaller import fewer_trees, larger_leaves, quantised
+from springpot.codegen.model.features import FirBank
+from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import read_model, write_model
-from springpot.codegen.plurals import number_of
-from springpot.codegen.scene import Scene
+from springpot.codegen.model.regressors import Forest
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.plan.units import instruction_bound, state_bytes
+from springpot.codegen.scene import Budget, Scene
 from springpot.host.console.output import say
 from springpot.host.emission.emission import emit
 from springpot.host.emission.result import Emission
+from springpot.host.native.replay import Replay, replayed_accuracy
+from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.native.toolchain import toolchain
 from springpot.trainer.recordings.recording import Recording
+
+_TREES = (1.0, 0.8, 0.6, 0.4, 0.3, 0.2, 0.1, 0.05)  # shares of the trees
+_LEAVES = (1, 2, 4, 8, 16, 32)  # leaves made one
+_EVALUATED = 4000  # samples that decide the order; what is said is measured on all
+
+
+@dataclass(frozen=True, eq=False)
+class _Smaller:
+    """A model, and what was left out of it."""
+
+    what: tuple[str, ...]
+    model: Model
 
 
 def emit_fitting(
@@ -24,37 +49,113 @@ def emit_fitting(
     accept_unsafe: bool,
     recordings: Sequence[Recording],
     fit: bool,
-    accept_unmeasured: bool = False,
 ) -> Emission:
-    """Emit; where the scene does not fit its budget, list the best reductions, or apply the best.
+    """Emit; with `fit`, where that is over the scene's budget, the best smaller forest within it.
 
-    accept_unmeasured: as of `emit`.
-    Raises BudgetError, exit status 4, where it does not fit and `fit` is not asked for, or where
-    no reduction fits; UsageError for `fit` without recordings; DataError for those of another rate.
+    recordings: what smaller forests are measured on.
+    Raises BudgetError, exit status 4, where nothing fits; UsageError for `fit` without recordings;
+    DataError for those of another rate.
     """
     if fit and not recordings:
         raise UsageError("--fit measures what it leaves out: give --recording REC")
     try:
-        return emit(scene, model_file, folder, accept_unsafe, accept_unmeasured)
+        return emit(scene, model_file, folder, accept_unsafe)
     except BudgetError as error:
         if toolchain(scene.runtime.target) is None:
             raise  # nothing can be measured, of a smaller model neither
-        if not recordings:
-            raise BudgetError(f"{error}; give --recording REC to see what would fit") from None
-        best = required_part("reductions", "--fit, --recording")  # loads what fits need
-        emitted = partial(emit, accept_unsafe=accept_unsafe)
-        found = best(scene, read_model(model_file), recordings, accept_unsafe, emitted)
-        if not found:
-            raise BudgetError(
-                f"{error}; no reduction of this model fits: use another kind"
-            ) from None
         if not fit:
-            for reduction in found:
-                say(f"would fit: {reduction.line()}")
-            would = number_of(len(found), "reduction")
-            raise BudgetError(f"{error}; {would} would fit: add --fit") from None
-    say(f"fitted: {found[0].line()}")
+            raise BudgetError(f"{error}; --fit --recording REC makes a forest smaller") from None
+        refused = error
     with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
-        reduced = Path(scratch) / "model.spm"
-        write_model(reduced, found[0].model)
-        return emit(scene, reduced, folder, accept_unsafe)
+        file = Path(scratch) / "model.spm"
+        for smaller in _best_first(scene, read_model(model_file), recordings, accept_unsafe):
+            write_model(file, smaller.model)
+            try:
+                emission = emit(scene, file, folder, accept_unsafe)
+            except SpringpotError:
+                continue
+            replay = Replay(SceneLibrary(emission.folder))
+            found = replayed_accuracy(emission.plan, replay, recordings)
+            say(f"fitted: {', '.join(smaller.what)}: RMSE {found.rmse_n:.4g} N")
+            return emission
+    raise BudgetError(f"{refused}; no smaller version of this model fits: use another kind")
+
+
+def _best_first(
+    scene: Scene, model: Model, recordings: Sequence[Recording], accept_unsafe: bool
+) -> Iterator[_Smaller]:
+    """Smaller models that may be within the budget, those of least error first."""
+    from springpot.trainer.models.compatibility import require_compatible
+    from springpot.trainer.models.predict import regressor_force
+
+    tick_s = make_plan(model, scene, accept_unsafe).dt_s
+    for recording in recordings:
+        require_compatible(recording, model, tick_s)
+    candidates = [one for one in _candidates(model) if not _surely_over(one.model, scene)]
+    if not candidates:
+        return
+    values, target_n = _evaluation(candidates[0].model, recordings)  # all have the same features
+
+    def error_n(smaller: _Smaller) -> float:
+        assert smaller.model.regressor is not None
+        return rms(regressor_force(smaller.model.regressor, values) - target_n)
+
+    yield from sorted(candidates, key=error_n)
+
+
+def _candidates(model: Model) -> Iterator[_Smaller]:
+    """Every smaller version of a model on trees."""
+    from springpot.trainer.features.fast_fir import fast_fir_bank
+    from springpot.trainer.models.rf_fd import MAX_TAPS
+
+    features, whole = model.features, model.regressor
+    if features is None or not isinstance(whole, Forest):
+        return
+    free: tuple[str, ...] = ()
+    if isinstance(features, FirBank) and len(features.taps) <= MAX_TAPS:
+        features, free = fast_fir_bank(features), ("the window by exponentials",)
+    if whole.quantisation is None:
+        whole, free = quantised(whole, features.n_features), (*free, "thresholds in 16-bit steps")
+    n_trees = len(whole.roots)
+    for leaves in _LEAVES:
+        pruned = larger_leaves(whole, leaves)
+        larger = (f"leaves made one up to {leaves}",) if leaves > 1 else ()
+        for count in sorted({max(1, round(share * n_trees)) for share in _TREES}):
+            fewer = (f"{count} of {n_trees} trees",) if count < n_trees else ()
+            if what := (*free, *larger, *fewer):
+                forest = fewer_trees(pruned, count)
+                provenance = {**model.provenance, "left_out": list(what)}
+                smaller = replace(model, features=features, regressor=forest, provenance=provenance)
+                yield _Smaller(what, smaller)
+
+
+def _evaluation(model: Model, recordings: Sequence[Recording]) -> tuple[Samples, Samples]:
+    """Features of some samples, (n, features), and what the trees must give, (n,), N."""
+    from springpot.trainer.features.values import feature_values
+    from springpot.trainer.models.contact import depth_m
+    from springpot.trainer.models.predict import predict_each_n
+
+    assert model.features is not None
+    every = -(-sum(len(item.force_n) for item in recordings) // _EVALUATED)
+    pieces = [(item, np.arange(0, len(item.force_n), every)) for item in recordings]
+    values = [
+        feature_values(model.features, depth_m(item, model.contact), model.dt_s, rows)
+        for item, rows in pieces
+    ]
+    # What is not the trees': the passive part, which remembers through a session.
+    others_n = predict_each_n(replace(model, features=None, regressor=None), pieces)
+    force_n = np.concatenate([item.force_n[rows] for item, rows in pieces])
+    return np.concatenate(values), force_n - others_n
+
+
+def _surely_over(model: Model, scene: Scene) -> bool:
+    """Whether what is known without a compiler is too much already."""
+    plan = make_plan(model, replace(scene, budget=Budget()), accept_unsafe=True)
+    bound, budget = instruction_bound(plan), scene.budget
+    tables_bytes = 0 if plan.regressor is None else plan.regressor.table_bytes
+    known = (
+        (tables_bytes, budget.flash_bytes),
+        (state_bytes(plan), budget.ram_bytes),
+        (bound.tick if bound else 0, budget.tick_instructions),
+    )
+    return any(may is not None and has > may for has, may in known)

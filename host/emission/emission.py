@@ -25,7 +25,7 @@ from springpot.host.emission.checksums import (
     write_checksums,
 )
 from springpot.host.emission.felt import felt_notices, rate_notices
-from springpot.host.emission.result import Emission, budgeted_sizes, over_budget
+from springpot.host.emission.result import Emission, over_budget
 from springpot.host.emission.scene_file import scene_from_json, scene_to_json
 from springpot.host.native.compiler import NoCompilerError
 from springpot.host.native.footprint import measure_footprint
@@ -44,11 +44,9 @@ def emit(
     model_file: Path,
     folder: Path,
     accept_unsafe: bool = False,
-    accept_unmeasured: bool = False,
 ) -> Emission:
     """Emit `scene` into `folder`, replacing an earlier emission there.
 
-    accept_unmeasured: a size of the budget that cannot be measured here is a notice, no refusal.
     Raises UsageError where the folder holds anything else, BudgetError where the C does not fit
     the scene's budget, MismatchError where its self-test fails, UnsafeError where a hand would
     find it unstable, unless that is accepted: the manifest then says so.
@@ -62,7 +60,7 @@ def emit(
         begin = time.perf_counter()
         write_emission(plan, plan.scene, model_file, aside)
         write_s = time.perf_counter() - begin
-        emission = _built(plan, aside, folder, write_s, accept_unmeasured)
+        emission = _built(plan, aside, folder, write_s)
         return replace(emission, notices=(*rate_notices(plan), *emission.notices))
 
 
@@ -128,9 +126,7 @@ def write_emission(plan: Plan, scene: Scene, model_file: Path, folder: Path) -> 
     write_checksums(folder)
 
 
-def _built(
-    plan: Plan, aside: Path, folder: Path, write_s: float, accept_unmeasured: bool
-) -> Emission:
+def _built(plan: Plan, aside: Path, folder: Path, write_s: float) -> Emission:
     notices = [*felt_notices(plan), *_unchecked(plan)]
     footprint = compile_s = checked = None
     unmeasured = ""
@@ -171,14 +167,9 @@ def _built(
         notices=tuple(notices),
     )
     budget = plan.scene.budget
-    if over := over_budget(emission, budget, accept_unmeasured):
+    if over := over_budget(emission, budget):
         raise BudgetError(over)
-    unchecked = [
-        f"not checked against the budget: {what}, at most {may} {unit}"
-        for what, unit, has, may in budgeted_sizes(emission, budget)
-        if has is None
-    ]
-    return replace(emission, notices=(*notices, *unchecked, *_selftest_stack(emission)))
+    return replace(emission, notices=(*notices, *_selftest_stack(emission)))
 
 
 def _selftest_stack(emission: Emission) -> list[str]:

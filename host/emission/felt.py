@@ -58,7 +58,7 @@ def _remedy(plan: Plan) -> str:
         default=None,
     )
     if found is None or found[1] <= plan.coupling.felt_npm:
-        return "a device of less delay and more damping is needed (springpot identify)"
+        return "a device of less delay and more damping is needed, or [device] states yours"
     rate_hz, felt_npm = found
     return (
         f"{plan.model.kind} holds at any rate: [runtime] rate_hz = {rate_hz:g} gives "

@@ -60,11 +60,10 @@ class Emission:
         }
 
 
-def over_budget(emission: Emission, budget: Budget, accept_unmeasured: bool = False) -> str:
+def over_budget(emission: Emission, budget: Budget) -> str:
     """All sizes that are over the budget, with the budget's; nothing if all fit.
 
-    Raises BudgetError if a size that has a budget is not known, unless that is accepted: which,
-    why, what to do.
+    Raises BudgetError if a size that has a budget is not known: which, why, what to do.
     """
     missing = emission.unmeasured
     whys = {
@@ -74,7 +73,7 @@ def over_budget(emission: Emission, budget: Budget, accept_unmeasured: bool = Fa
     }
     over = []
     for what, unit, has, may in budgeted_sizes(emission, budget):
-        if has is None and not accept_unmeasured:
+        if has is None:
             raise BudgetError(
                 f"{what}: could not be measured for its budget of {may} {unit}: {whys[what]}; or "
                 "remove the budget's key"

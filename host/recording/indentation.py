@@ -105,19 +105,23 @@ class PressedDevice:
         self,
         command_n: Samples,
         on_samples: Callable[[Samples, Samples], None] = lambda _position_m, _force_n: None,
-        lead: int = 0,
     ) -> tuple[Samples, Samples]:
         """Drive one press; command_n: (n,), N, one value each ms. Returns position_m and force_n.
 
-        lead: of so many values at its beginning no sample is kept.
         Raises DeviceError where the device fails or measures no force, SpringpotError at a limit.
         """
-        rows = self.rows(len(command_n), on_samples, lead)
-        self.drive(command_n, self.driven(command_n), self.gains, rows, self.room)
-        kept_s = (len(command_n) - lead) / RATE_HZ
-        self.start_s = time.monotonic() - self._taken_s - kept_s
+        position_m, force_n = self.measure(command_n, on_samples)
+        self.start_s = time.monotonic() - self._taken_s - len(command_n) / RATE_HZ
         rest(_REST_S)
-        return rows.position_m[lead:], rows.force_n[lead:]
+        return position_m, force_n
+
+    def measure(
+        self, command_n: Samples, on_samples: Callable[[Samples, Samples], None]
+    ) -> tuple[Samples, Samples]:
+        """Drive one press as `press`, without what comes after it."""
+        rows = PressRows(len(command_n), on_samples)
+        self.drive(command_n, self.gains, rows, self.room)
+        return rows.column("position_m"), rows.column("measured_n")
 
     @property
     def gains(self) -> Mapping[str, float]:
@@ -125,32 +129,23 @@ class PressedDevice:
         # A drive's torque is its own command: fed back, it would only chase itself.
         return OPEN_LOOP if driver_of(self.url).echoes else _GAINS
 
-    def driven(self, command_n: Samples) -> Samples:
-        """What the motor gets for a command (n,), N, before the control adds its part."""
-        return command_n
-
-    def rows(self, n: int, on_samples: Callable[[Samples, Samples], None], lead: int) -> PressRows:
-        """Where the rows of a press of n commands go."""
-        return PressRows(n, on_samples, lead)
-
     def attach(self, runner: SessionRunner) -> None:
         """A press begins with this loop."""
 
     def drive(
         self,
         command_n: Samples,
-        driven_n: Samples,
         gains: Mapping[str, float],
         rows: PressRows,
         room: float,
     ) -> None:
-        """Let the loop follow the command by driven_n; room: of the limit over it.
+        """Let the loop follow the command; room: of the limit over it.
 
         Raises as `press`.
         """
         max_n = float(np.max(np.abs(command_n)))
         max_mps = self._limits.max_speed_mps or self.max_mps
-        steps = press_step_functions(driven_n, _HEADROOM * max_n, {**gains, "max_mps": max_mps})
+        steps = press_step_functions(command_n, _HEADROOM * max_n, {**gains, "max_mps": max_mps})
         settings = LoopSettings(
             period_s=1 / RATE_HZ,
             seconds=(len(command_n) + _MORE_TICKS) / RATE_HZ + 1.0,

@@ -1,16 +1,15 @@
 """Force commands for recording an object: the paper's protocols, an extended one, a user's own."""
 
 import tomllib
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
-from springpot.codegen.entry_points import part, required_part
 from springpot.codegen.errors import UsageError
 from springpot.codegen.short_repr import short_repr
 
@@ -31,8 +30,6 @@ class Profile:
 
     name: unique within its protocol; names sort in the order of recording.
     command_n: shape (n,), N, one value each ms, from 0.
-    lead: of so many values at its beginning, which bring the tool into a preload, nothing is kept.
-    part: "training" or "test" where a protocol has both; they become folders.
     place_m: where the object is pressed, x and y; None: where it lies.
     metadata: how the command was made (amplitude_n, frequency_hz, ...); JSON values.
     """
@@ -40,8 +37,6 @@ class Profile:
     name: str
     command_n: Command
     metadata: Mapping[str, Any] = field(default_factory=dict)
-    lead: int = 0
-    part: str = ""
     place_m: tuple[float, float] | None = None
     __repr__ = short_repr
 
@@ -107,18 +102,15 @@ def extended(seed: int) -> list[Profile]:
 
 
 def from_file(path: Path, seed: int = 0) -> list[Profile]:
-    """Read a user's protocol: TOML, one [[profile]] table for each press, or [places].
+    """Read a user's protocol: TOML, one [[profile]] table for each press.
 
     `amplitude_n` with `frequency_hz` and `cycles` (default 1), or with `hold_s` and `rise_s`
-    (default 0.5; both ramps lie within hold_s). Raises UsageError with the key that is wrong.
+    (default 0.5; both ramps lie within hold_s). `protocol`, in place of profiles: all of another
+    one, by its name. `places_m`, x and y of each place: all presses are made at each.
+    Raises UsageError with the key that is wrong.
     """
     try:
         content = tomllib.loads(path.read_text(encoding="utf-8"))
-        if isinstance(content.get("places"), dict):
-            of_places: list[Profile] = required_part("places-protocol", str(path))(
-                content, path, seed
-            )
-            return of_places
         checked = _ProtocolFile.model_validate(content)
     except OSError as error:
         raise UsageError(f"{path}: {error.strerror}: give a protocol file that exists") from None
@@ -128,7 +120,14 @@ def from_file(path: Path, seed: int = 0) -> list[Profile]:
         first = error.errors()[0]
         key = ".".join(str(part) for part in first["loc"]) or "profile"
         raise UsageError(f"{path}: {key}: {first['msg']}") from None
-    return [_from_table(number, table) for number, table in enumerate(checked.profile, start=1)]
+    presses = load_protocol(checked.protocol, seed) if checked.protocol else []
+    presses += [_from_table(table) for table in checked.profile]
+    places: list[tuple[float, float] | None] = [*checked.places_m] or [None]
+    pairs = [(place, press) for place in places for press in presses]
+    return [
+        replace(press, name=f"{number:03d}-{press.name}", place_m=place)
+        for number, (place, press) in enumerate(pairs, start=1)
+    ]
 
 
 def load_protocol(protocol: str, seed: int) -> list[Profile]:
@@ -136,7 +135,6 @@ def load_protocol(protocol: str, seed: int) -> list[Profile]:
 
     Raises UsageError where it is neither.
     """
-    more: Mapping[str, Callable[[int], list[Profile]]] = part("protocols") or {}
     match protocol:
         case "paper":
             return training()
@@ -144,14 +142,14 @@ def load_protocol(protocol: str, seed: int) -> list[Profile]:
             return validation(seed)
         case "extended":
             return extended(seed)
-    if protocol in more:
-        return more[protocol](seed)
     if not protocol.endswith(".toml"):
-        known = ", ".join(("paper", "validation", "extended", *more))
-        raise UsageError(f"protocol {protocol!r}: give {known}, or a file ending in .toml")
+        raise UsageError(
+            f"protocol {protocol!r}: give paper, validation, extended, or a file ending in .toml"
+        )
     return from_file(Path(protocol), seed)
 
 
+_Metre = Annotated[float, Field(ge=-1, le=1)]
 _Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
 
@@ -176,20 +174,28 @@ class _ProfileTable(BaseModel):
 class _ProtocolFile(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True)
 
-    profile: Annotated[list[_ProfileTable], Field(min_length=1, max_length=999)]
+    profile: Annotated[list[_ProfileTable], Field(max_length=999)] = []
+    protocol: Literal["paper", "validation", "extended"] | None = None
+    places_m: Annotated[list[tuple[_Metre, _Metre]], Field(max_length=999)] = []
+
+    @model_validator(mode="after")
+    def _one_source(self) -> "_ProtocolFile":
+        if bool(self.profile) == (self.protocol is not None):
+            raise ValueError("give either [[profile]] tables or the name of a protocol")
+        return self
 
 
-def _from_table(number: int, table: _ProfileTable) -> Profile:
+def _from_table(table: _ProfileTable) -> Profile:
     metadata: dict[str, Any] = {"amplitude_n": table.amplitude_n}
     if table.frequency_hz is None:
         assert table.hold_s is not None
         metadata |= {"kind": "hold", "hold_s": table.hold_s, "rise_s": table.rise_s}
         command_n = _hold(table.amplitude_n, table.hold_s, table.rise_s)
-        return Profile(f"{number:03d}-{table.amplitude_n:g}n-hold", command_n, metadata)
+        return Profile(f"{table.amplitude_n:g}n-hold", command_n, metadata)
     metadata |= {"kind": "cosine", "frequency_hz": table.frequency_hz, "cycles": table.cycles}
     n = round(table.cycles / table.frequency_hz * RATE_HZ)
     command_n = cosine_cycles(table.amplitude_n, table.frequency_hz, table.cycles, n)
-    name = f"{number:03d}-{table.amplitude_n:g}n-{table.frequency_hz:.3g}hz"
+    name = f"{table.amplitude_n:g}n-{table.frequency_hz:.3g}hz"
     return Profile(name, command_n, metadata)
 
 

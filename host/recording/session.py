@@ -12,8 +12,7 @@ from springpot.host.recording.protocols import RATE_HZ, Profile
 from springpot.host.session.runner import Progress
 from springpot.host.simulation.bench import SimulatedBench
 from springpot.host.simulation.objects import parse_url
-from springpot.trainer.recordings.journal import JournalWriter, refuse_where_journal
-from springpot.trainer.recordings.journal_reader import journal_of
+from springpot.trainer.recordings.journal import JournalWriter, journal_of, require_no_journal
 from springpot.trainer.recordings.recording import RECORDING_SUFFIX, Recording
 from springpot.trainer.recordings.recording_name import require_recording_name, safe_recording_name
 
@@ -67,25 +66,20 @@ def record_session(
 ) -> list[PressQuality]:
     """Record every profile into the folder `out`, calling `on_press` after each.
 
-    Profiles of a part go to a folder of its name in `out`. source, protocol: what `details` and
-    names say of the origin; of a protocol's file, its name.
+    source, protocol: what `details` and names say of the origin; of a protocol's file, its name.
     Raises UsageError, before anything moves, where a recording would be overwritten.
     """
     label = safe_recording_name(Path(protocol).stem)
     names = [f"{device.object_name}-{label}-{profile.name}" for profile in profiles]
     for name in names:
         require_recording_name(name)
-    files = [
-        out / profile.part / f"{name}{RECORDING_SUFFIX}"
-        for name, profile in zip(names, profiles, strict=True)
-    ]
+    files = [out / f"{name}{RECORDING_SUFFIX}" for name in names]
     for file in files:
         if file.exists():
             raise UsageError(f"{file}: exists and is not overwritten: give another --out")
-        refuse_where_journal(journal_of(file))
+        require_no_journal(journal_of(file))
     try:
-        for folder in dict.fromkeys(file.parent for file in files):
-            folder.mkdir(parents=True, exist_ok=True)
+        out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise UsageError(f"{out}: {error.strerror}: give a folder for --out") from None
     of_device = device.prepare()
@@ -97,7 +91,7 @@ def record_session(
         dt_s = 1 / device.rate_hz
         place_m = device.place_m
         with JournalWriter(file, name, dt_s, source, details, place_m=place_m) as journal:
-            position_m, force_n = device.press(profile.command_n, journal.append, profile.lead)
+            position_m, force_n = device.press(profile.command_n, journal.append)
             journal.finish(session=device.session, start_s=device.start_s)
         recording = Recording(name, position_m, force_n, dt_s, source=source, details=details)
         qualities.append(_quality(file, recording, profile))
@@ -106,7 +100,7 @@ def record_session(
 
 
 def _quality(file: Path, recording: Recording, profile: Profile) -> PressQuality:
-    command_n = profile.command_n[profile.lead :: round(RATE_HZ * recording.dt_s)]
+    command_n = profile.command_n[:: round(RATE_HZ * recording.dt_s)]
     error_n = recording.force_n - command_n
     return PressQuality(
         name=recording.name,

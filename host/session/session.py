@@ -1,6 +1,6 @@
 """A real-time session: `with Session(folder, url, log=file) as s: s.start(); ...`.
 
-A loop in a C thread keeps the time; Python watches it, writes the log, and
+A loop (a C thread, or a board that renders) keeps the time; Python watches it, writes the log, and
 brings back a device that was unplugged. However the session is left, the force is zero first.
 """
 
@@ -23,7 +23,7 @@ from springpot.host.session.log import SessionLog, write_flight
 from springpot.host.session.loop import LoopSettings, LoopState
 from springpot.host.session.outcome import BY_USER, expected_ticks, steal_ms
 from springpot.host.session.runner import RowTaker, SessionRunner
-from springpot.trainer.recordings.journal_reader import MIN_SAMPLES
+from springpot.trainer.recordings.journal import MIN_SAMPLES
 from springpot.trainer.recordings.notices import caution, notice
 from springpot.trainer.recordings.recording import Zero
 
@@ -83,6 +83,7 @@ class Session:
             rate_hz=1 / plan.dt_s,
             watchdog_s=plan.watchdog_s,
             max_n=min(plan.max_force_n, settings.max_force_n),
+            hash=self._hash,
         )
         self._zero: Zero = "none" if plan.contact else "first"
         self._file = None if log is None else given_path(log)

@@ -112,11 +112,10 @@ class SimulatedBench:
         self,
         command_n: Samples,
         on_samples: Callable[[Samples, Samples], None] = lambda _position_m, _force_n: None,
-        lead: int = 0,
     ) -> tuple[Samples, Samples]:
         """Drive one press from rest; every press has noise of its own.
 
-        command_n: (n,), N, one value each ms; of its first `lead` values no sample is kept.
+        command_n: (n,), N, one value each ms.
         Returns position_m and force_n at `rate_hz`, and calls on_samples with the newest of both
         about four times a second. Raises DeviceError where the command is beyond the device.
         """
@@ -132,16 +131,15 @@ class SimulatedBench:
         else:
             self._move(np.zeros(round(settings.rest_s / DT_S)))
         self._presses += 1
-        self._move(command_n[:lead])
         self.start_s = None if settings.rest_s is None else DT_S * self._ticks
         parts = []
         chunk = step * max(1, _CHUNK // step)
-        for begin in range(lead, len(command_n), chunk):
+        for begin in range(0, len(command_n), chunk):
             begin_s = DT_S * self._ticks
             position_m, force_n = self._move(command_n[begin : begin + chunk])
             time_s = begin_s + DT_S * np.arange(len(force_n))
             force_n += (settings.drift_npmin / 60.0) * time_s
-            if settings.glitch and begin == lead:
+            if settings.glitch and begin == 0:
                 position_m[0] = 0.0
             parts.append((position_m[::step], force_n[::step]))
             on_samples(*parts[-1])

@@ -2,7 +2,7 @@
 
     python tests/bench/judges.py OUT [--mach1 Dynamic_data.txt] [--objects a,b] [--structures x,y]
 
-Simulated objects by structures of recording (host/wings/presses/structures.py), and Mach-1 with one
+Simulated objects by structures of recording (support/presses/structures.py), and Mach-1 with one
 frequency left out in turn. Models are fitted on the training part, emitted, built, and replayed on
 the test part. Each cell is one file of OUT/cells, written after every candidate: a run goes on
 where another ended, and computes again only what other code or other data would make different.
@@ -26,11 +26,11 @@ from judges_recordings import PAPER_SIGNALS, SEED, SETTINGS, Recordings, recorde
 from spring_dashpot import spring_dashpot_percent
 
 from springpot.codegen.plan.make_plan import make_plan
+from springpot.host.bench.bench import code_hash, key_of
+from springpot.host.bench.measure import bench_scene, hot_ns, prediction_errors
 from springpot.host.native.machine import machine_metadata
 from springpot.host.native.trial_build import built
 from springpot.host.simulation.objects import FOREIGN_OBJECTS, OBJECTS
-from springpot.host.wings.evidence.benchmark.measure import bench_scene, hot_ns, prediction_errors
-from springpot.host.wings.evidence.benchmark.store import code_hash, key_of
 from springpot.trainer.kinds import AUTO, fit_kind
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.training_set import training_set

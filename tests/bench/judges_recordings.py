@@ -1,14 +1,17 @@
 """Recordings of the simulated judges: a structure of recording, its sensors, its noise floor."""
 
-from dataclasses import replace
+import sys
+from pathlib import Path
 
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1]))
+from support.presses.structures import STRUCTURES, TEST, TRAINING, Part
 
 from springpot.host.metrics import rms
 from springpot.host.recording.protocols import RATE_HZ, load_protocol
 from springpot.host.simulation.bench import SUBSTEPS, ObjectMotion, SimulatedBench
 from springpot.host.simulation.objects import parse_url
-from springpot.host.wings.presses.structures import STRUCTURES
 from springpot.trainer.recordings.recording import Recording
 
 Recordings = tuple[Recording, ...]
@@ -34,20 +37,22 @@ def recorded(name: str, structure: str, seed: int = SEED) -> tuple[Recordings, R
     bench = SimulatedBench(simulated)
     if structure == "paper":
         signals = load_protocol("validation", seed)[:PAPER_SIGNALS]
-        profiles = [replace(press, part="training") for press in load_protocol("paper", seed)]
-        profiles += [replace(signal, part="test") for signal in signals]
+        parts = [Part(TRAINING, press) for press in load_protocol("paper", seed)]
+        parts += [Part(TEST, signal) for signal in signals]
     else:
-        profiles = load_protocol(structure, seed)
-    parts: dict[str, list[Recording]] = {"training": [], "test": []}
+        parts = STRUCTURES[structure](seed)
+    found: dict[str, list[Recording]] = {TRAINING: [], TEST: []}
     errors_n: list[np.ndarray] = []
     dt_s = 1 / bench.rate_hz
     itself = None
-    for profile in profiles:
-        position_m, force_n = bench.press(profile.command_n, lead=profile.lead)
+    for part in parts:
+        position_m, force_n = (each[part.lead :] for each in bench.press(part.profile.command_n))
+        if part.lead and simulated.presses.glitch:  # its own is in the lead
+            position_m[0] = 0.0
         session = "" if bench.start_s is None else bench.session
-        parts[profile.part].append(
+        found[part.of].append(
             Recording(
-                profile.name, position_m, force_n, dt_s, session=session, start_s=bench.start_s
+                part.profile.name, position_m, force_n, dt_s, session=session, start_s=bench.start_s
             )
         )
         if itself is None or simulated.presses.rest_s is None:
@@ -55,9 +60,9 @@ def recorded(name: str, structure: str, seed: int = SEED) -> tuple[Recordings, R
         else:
             itself.move(np.zeros(round(simulated.presses.rest_s / dt_s)))
         first = 1 if simulated.presses.glitch else 0
-        if profile.lead:
+        if part.lead:
             itself.move(np.full(round(_SETTLE_S / dt_s), position_m[first]))
         true_n = itself.move(position_m[first:])
-        if profile.part == "test":
+        if part.of == TEST:
             errors_n.append(true_n - force_n[first:])
-    return tuple(parts["training"]), tuple(parts["test"]), rms(np.concatenate(errors_n))
+    return tuple(found[TRAINING]), tuple(found[TEST]), rms(np.concatenate(errors_n))

@@ -3,9 +3,9 @@
 from pathlib import Path
 
 import pytest
-from support.bench_folder import write_training
-from support.small import model_file, press, recording, scene
+from support.small import model_file, press, recording, scene, training
 
+from springpot.host.api.files import write_recordings
 from springpot.host.emission.emission import emit
 from springpot.trainer.recordings.recording_file import write_recording
 
@@ -14,7 +14,7 @@ from springpot.trainer.recordings.recording_file import write_recording
 def job(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Recordings in rec and press.h5, a passive model, a scene, and its C in c."""
     folder = tmp_path_factory.mktemp("job")
-    write_training(folder / "rec")
+    write_recordings(folder / "rec", training())
     write_recording(folder / "press.h5", recording("press", press(2.0)))
     (folder / "scene.toml").write_text('schema = 1\nname = "test"\nmodel = "model.spm"\n')
     emit(scene(), model_file(folder), folder / "c")

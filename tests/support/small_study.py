@@ -7,11 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
-from springpot import Scene, write_scene
-from springpot.host.wings.study.definition import RENDERED
-from springpot.host.wings.study.plan import StudyPlan, write_plan
-from springpot.host.wings.study.session import ANSWER_COLUMNS, RESPONSE_COLUMNS
-from springpot.host.wings.study.table import growing_table
+from springpot import Scene
+from springpot.host.api.files import write_scene
+from springpot.host.study.definition import RENDERED
+from springpot.host.study.plan import StudyPlan, write_plan
+from springpot.host.study.session import ANSWER_COLUMNS, RESPONSE_COLUMNS
+from springpot.host.study.table import growing_table
 from support.paths import TESTS
 
 SOFT, HARD = "ecoflex-00-30", "dragon-skin-10"

@@ -16,10 +16,11 @@ from support.in_process import spring
 from support.paths import ROOT
 from support.small import model_file, scene
 
-from springpot import Runtime
+from springpot.codegen.scene import Runtime
 from springpot.host.emission.emission import emit
 from springpot.host.native.compiler import run_compiler
-from springpot.native import PORT_WIRE, SceneLibrary, flags
+from springpot.host.native.scene_library import SceneLibrary
+from springpot.runtime_c.paths import PORT_WIRE, flags
 
 
 @pytest.fixture(scope="module")

@@ -14,11 +14,12 @@ from support.paths import ROOT
 from springpot.host.cli import springpot
 from springpot.host.emission.scene_file import read_scene
 from springpot.host.recording.protocols import load_protocol
-from springpot.host.wings.study.definition import read_study
+from springpot.host.study.definition import read_study
 
 TESTED = {
     "python": "test_python_examples.py",
     "cpp": "test_documented_c.py",
+    "js": "test_documented_c.py",
     "csharp": "test_documented_c.py",
     "c": "",
     "text": "",
@@ -84,7 +85,7 @@ def test_every_scene_is_one(block: Block, tmp_path: Path) -> None:
     if block.note == "file study.toml":
         read_study(file)
         return
-    if block.note in ("file presses.toml", "file map.toml", "file between.toml"):
+    if "[[profile]]" in block.text or "places_m" in block.text:
         load_protocol(str(file), 0)
         return
     file.write_text(block.text if "schema" in block.text else SCENE + block.text)

@@ -9,40 +9,27 @@ import numpy as np
 import pytest
 from support.small import press, recording, scene, training
 
-from springpot import (
-    Fit,
-    FitOptions,
-    Recording,
-    Runtime,
-    emit,
-    predict,
-    read_model,
-    train,
-    validate,
-    write_model,
-)
-from springpot.emission import (
+from springpot import Fit, Recording, emit, predict, read_model, train, validate, write_model
+from springpot.codegen.literals import literal
+from springpot.codegen.model.features import Features
+from springpot.codegen.model.model_file import register_part
+from springpot.codegen.model.regressors import Regressor
+from springpot.codegen.scene import Runtime
+from springpot.codegen.stages.stage import (
     Columns,
     FeatureStage,
     Member,
     RegressorStage,
     feature_stage,
-    literal,
     regressor_stage,
 )
-from springpot.host.wings.evidence.benchmark.run import Bench, run_bench
-from springpot.modelling import (
-    KINDS,
-    Features,
-    Kind,
-    Regressor,
-    TrainingSet,
-    assemble,
-    feature_values,
-    fit_passive,
-    register_part,
-    regressor_force,
-)
+from springpot.host.evidence.benchmark.run import Bench, run_bench
+from springpot.trainer.features.values import feature_values
+from springpot.trainer.kinds import KINDS, Kind
+from springpot.trainer.models.fit import FitOptions, assemble
+from springpot.trainer.models.passive.passive_fit import fit_passive
+from springpot.trainer.models.predict import regressor_force
+from springpot.trainer.models.training_set import TrainingSet
 
 
 @dataclass(frozen=True)

@@ -1,14 +1,14 @@
-"""Recording without losing anything: an append-only journal, and an HDF5 file only at the end.
+"""Recording without losing anything: an SQLite journal, and an HDF5 file only at the end.
 
-HDF5 survives neither SIGKILL nor a full disk. A journal left behind by either is read like a
-recording (`journal_reader.py`), short of what was not yet written: at most half a second.
+HDF5 survives neither SIGKILL nor a full disk. SQLite does: what was committed is there at the next
+read, short of what was not yet written, at most half a second.
 """
 
-import fcntl
 import json
-import os
-import secrets
+import sqlite3
+import zlib
 from collections.abc import Mapping, Sequence
+from contextlib import closing, suppress
 from dataclasses import replace
 from pathlib import Path
 from time import monotonic
@@ -18,40 +18,58 @@ from typing import Any, Self
 import numpy as np
 
 from springpot.codegen.arrays import Samples
-from springpot.codegen.atomic_write import sync_folder
-from springpot.codegen.errors import DeviceError, UsageError
-from springpot.trainer.recordings.journal_blocks import (
-    LAST_METADATA,
-    METADATA,
-    PAYLOAD_BYTES,
-    SAMPLES,
-    encode,
-    max_rows,
-)
-from springpot.trainer.recordings.journal_reader import (
-    MIN_SAMPLES,
-    is_being_recorded,
-    journal_of,
-    read_journal,
+from springpot.codegen.errors import DataError, DeviceError, UsageError
+from springpot.trainer.recordings.metadata import (
+    RECORDING_SCHEMA,
+    checked_metadata,
+    metadata_of_json,
 )
 from springpot.trainer.recordings.notices import caution
-from springpot.trainer.recordings.recording import Zero
-from springpot.trainer.recordings.recording_file import write_recording
+from springpot.trainer.recordings.recording import RECORDING_SUFFIX, Recording, Zero
+from springpot.trainer.recordings.recording_hdf5 import write_recording
 from springpot.trainer.recordings.recording_name import require_recording_name
 
-_MAX_S = 0.5  # of samples in a block, so that a slow recording loses no more than a fast one
-_SYNC_S = 0.5  # of wall clock between two syncs: what a power cut may take
+JOURNAL_SUFFIX = ".journal"
+MIN_SAMPLES = 2  # fewer are no recording
+_COMMIT_S = 0.5  # of wall clock between two commits: what a crash may take
+_SCHEMA = """
+PRAGMA locking_mode = EXCLUSIVE;
+CREATE TABLE part (id INTEGER PRIMARY KEY, checksum INTEGER NOT NULL, content BLOB NOT NULL);
+"""  # part 0: metadata as JSON; from 1 on rows of float64: position, force, further channels
 
 
-def refuse_where_journal(journal: Path) -> None:
-    """Raise UsageError where a journal is there, saying whether somebody still records it."""
+def journal_of(file: Path) -> Path:
+    """Path of the journal of the recording `file`."""
+    stem = file.name.removesuffix(RECORDING_SUFFIX).removesuffix(JOURNAL_SUFFIX)
+    return file.with_name(stem + JOURNAL_SUFFIX)
+
+
+def _opened(journal: Path, timeout_s: float) -> closing[sqlite3.Connection]:
+    """Open a journal that is there, and close it at the end of a `with`."""
+    uri = f"{journal.absolute().as_uri()}?mode=rw"
+    return closing(sqlite3.connect(uri, uri=True, timeout=timeout_s))
+
+
+def is_being_recorded(journal: Path) -> bool:
+    """Whether a living process still writes this journal."""
     try:
-        recording_now = is_being_recorded(journal)
-    except (FileNotFoundError, NotADirectoryError):
+        with sqlite3.connect(
+            f"{journal.absolute().as_uri()}?mode=rw", uri=True, timeout=0
+        ) as store:
+            store.execute("BEGIN IMMEDIATE")
+            store.rollback()
+    except sqlite3.OperationalError as error:
+        return "locked" in str(error)
+    except sqlite3.DatabaseError:
+        return False
+    return False
+
+
+def require_no_journal(journal: Path) -> None:
+    """Raise UsageError where a journal is there, saying whether somebody still records it."""
+    if not journal.exists():
         return
-    except OSError as error:
-        raise UsageError(f"{journal}: {error.strerror}: choose another name or folder") from None
-    if recording_now:
+    if is_being_recorded(journal):
         raise UsageError(
             f"{journal}: another springpot is recording it now: choose another name or folder"
         )
@@ -59,6 +77,57 @@ def refuse_where_journal(journal: Path) -> None:
         f"{journal}: keeps a recording that was interrupted: choose another name or folder, or "
         "remove it; `springpot import` makes a recording of it"
     )
+
+
+def read_journal(path: Path) -> tuple[Recording, str]:
+    """Return the recording that a journal holds, and what is lost of it, in a line or "".
+
+    Raises DataError where it holds no samples, or is still being recorded.
+    """
+    if not path.exists():
+        raise DataError(f"{path}: no such file: give a recording; `springpot import` makes them")
+    if is_being_recorded(path):
+        raise DataError(f"{path}: still being recorded: wait until that ends")
+    parts, damaged = _whole_parts(path)
+    if not parts:
+        raise DataError(
+            f"{path}: damaged in its first bytes, or interrupted at the very start: without its "
+            "rate and name nothing can be read, remove it"
+        )
+    metadata = checked_metadata(str(path), metadata_of_json(str(path), parts[0]))
+    width = 2 + len(metadata.channels)
+    rows = np.frombuffer(b"".join(parts[1:]), dtype="<f8").reshape(-1, width)
+    if len(rows) < MIN_SAMPLES:
+        raise DataError(f"{path}: interrupted before its first samples: remove it")
+    columns = [np.ascontiguousarray(column, dtype=np.float64) for column in rows.T]
+    channels = dict(zip(metadata.channels, columns[2:], strict=True))
+    recording = metadata.recording(str(path), columns[0], columns[1], channels)
+    lost = f"; from {recording.duration_s:.3f} s on it is damaged, and lost" if damaged else ""
+    return recording, lost
+
+
+def _whole_parts(path: Path) -> tuple[list[bytes], bool]:
+    """Content of the parts up to the first that is damaged or missing, and whether one is."""
+    parts: list[bytes] = []
+    try:
+        with _opened(path, timeout_s=5.0) as store:
+            for number, checksum, content in store.execute(
+                "SELECT id, checksum, content FROM part ORDER BY id"
+            ):
+                if number != len(parts) or not _is_whole(checksum, number, content):
+                    return parts, True
+                parts.append(content)
+    except (sqlite3.DatabaseError, OverflowError):
+        return parts, True
+    return parts, False
+
+
+def _is_whole(checksum: object, number: int, content: object) -> bool:
+    return isinstance(content, bytes) and checksum == _checksum(number, content)
+
+
+def _checksum(number: int, content: bytes) -> int:
+    return zlib.crc32(content, number)
 
 
 class JournalWriter:
@@ -80,39 +149,30 @@ class JournalWriter:
         channels: Sequence[str] = (),
         place_m: tuple[float, float] | None = None,
     ) -> None:
-        """Begin the recording `file`; name, dt_s, source, details, zero, place as in `Recording`.
-
-        channels: names of what each row holds beside position and force.
-        Raises DataError for a name that no recording can have, UsageError where it exists, is
-        being recorded, or was interrupted before; DeviceError where it cannot be written.
-        """
+        """file: of the recording at the end. Raises UsageError where it, or a journal, is there."""
         require_recording_name(name)
         self.file, self.journal = file, journal_of(file)
         if file.exists():
             raise UsageError(f"{file}: exists and is not overwritten: give another name")
-        self._descriptor = self._create()
-        self._number = secrets.randbits(64)
-        self._blocks = self._kept_rows = 0
-        self._width = 2 + len(channels)
-        self._rows = max(1, min(max_rows(self._width), int(_MAX_S / dt_s)))
-        self._pending = np.empty((0, self._width))
-        self._synced_s = monotonic()
+        require_no_journal(self.journal)
         self.full = False
-        self._closed = False
+        self.committed_rows = 0  # that survive whatever happens to this process
+        self._width = 2 + len(channels)
+        self._rows, self._parts, self._committed_s = 0, 0, monotonic()
+        self._store: sqlite3.Connection | None = None
         metadata = {
-            "schema": 1,
-            "name": name,
-            "dt_s": dt_s,
-            "source": source,
-            "zero": zero,
-            "details": dict(details),
-            "channels": list(channels),
-            "block_s": self._rows * dt_s,
-        }
+            "schema": RECORDING_SCHEMA, "name": name, "dt_s": dt_s, "source": source,
+            "zero": zero, "details": dict(details), "channels": list(channels),
+        }  # fmt: skip
         if place_m is not None:
             metadata["place_x_m"], metadata["place_y_m"] = place_m
-        self._write_metadata(json.dumps(metadata).encode())
-        sync_folder(file.parent)
+        try:
+            self._store = sqlite3.connect(self.journal, check_same_thread=False)
+            self._store.executescript(_SCHEMA)
+        except sqlite3.Error as error:
+            raise UsageError(f"{self.journal}: {error}: give another --out") from None
+        self._write(json.dumps(metadata).encode())
+        self._commit()
 
     def append(
         self, position_m: Samples, force_n: Samples, channels: Samples | None = None
@@ -121,15 +181,16 @@ class JournalWriter:
 
         channels: shape (n, k), a column for each channel beside them.
         """
-        new = np.empty((len(position_m), self._width))
-        new[:, 0], new[:, 1] = position_m, force_n
+        if not len(position_m):
+            return
+        rows = np.empty((len(position_m), self._width), dtype="<f8")
+        rows[:, 0], rows[:, 1] = position_m, force_n
         if channels is not None:
-            new[:, 2:] = channels
-        self._pending = np.concatenate((self._pending, new))
-        while len(self._pending) >= self._rows:
-            self._write_samples(self._rows)
-        if monotonic() - self._synced_s > _SYNC_S:
-            self._sync()
+            rows[:, 2:] = channels
+        self._write(rows.tobytes())
+        self._rows += len(rows)
+        if monotonic() - self._committed_s > _COMMIT_S:
+            self._commit()
 
     def finish(
         self,
@@ -143,11 +204,12 @@ class JournalWriter:
         in `Recording`.
         Raises DeviceError where there is no room for it; the journal then stays and is readable.
         """
-        self._flush()
+        self._commit()
+        self._close()
+        recording, _ = read_journal(self.journal)
+        metadata = {**recording.details, **(details or {})}
+        whole = replace(recording, details=metadata, session=session, start_s=start_s)
         try:
-            recording = read_journal(self.journal).recording
-            metadata = {**recording.details, **(details or {})}
-            whole = replace(recording, details=metadata, session=session, start_s=start_s)
             write_recording(self.file, whole, overwrite=False)
         except FileExistsError:
             raise UsageError(
@@ -157,12 +219,11 @@ class JournalWriter:
         except OSError as error:
             raise self._failure(error) from None
         self.journal.unlink()
-        self._close()
 
     def discard(self) -> None:
         """Remove the journal of a recording that never began."""
-        self.journal.unlink(missing_ok=True)
         self._close()
+        self.journal.unlink(missing_ok=True)
 
     def __enter__(self) -> Self:
         return self
@@ -173,70 +234,45 @@ class JournalWriter:
         error: BaseException | None,
         trace: TracebackType | None,
     ) -> None:
-        if self._closed:
+        if self._store is None:
             return
-        try:
-            if not self.full:
-                self._flush()
-        except DeviceError:
-            pass  # the error that is under way is reported instead
-        if self._kept_rows < MIN_SAMPLES:
+        if self._rows < MIN_SAMPLES:
             self.discard()
-        else:
-            self._close()
-            caution(f"{self.journal}: what was recorded until now is kept there and can be read")
+            return
+        with suppress(DeviceError):  # the error that is under way is reported instead
+            self._commit()
+        self._close()
+        caution(f"{self.journal}: what was recorded until now is kept there and can be read")
 
-    def _create(self) -> int:
-        flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | os.O_APPEND | os.O_CLOEXEC
+    def _write(self, content: bytes) -> None:
+        checksum = _checksum(self._parts, content)
+        self._execute("INSERT INTO part VALUES (?, ?, ?)", (self._parts, checksum, content))
+        self._parts += 1
+
+    def _commit(self) -> None:
+        if not self.full:
+            self._execute("COMMIT", ())
+            self.committed_rows, self._committed_s = self._rows, monotonic()
+
+    def _execute(self, statement: str, values: tuple[object, ...]) -> None:
+        assert self._store is not None, "the journal is closed"
         try:
-            descriptor = os.open(self.journal, flags, 0o644)
-        except FileExistsError:
-            refuse_where_journal(self.journal)
-            raise UsageError(f"{self.journal}: was there a moment ago: start again") from None
-        except OSError as error:
-            raise UsageError(f"{self.journal}: {error.strerror}: give another --out") from None
-        fcntl.flock(descriptor, fcntl.LOCK_EX)  # readers see by it that somebody still records
-        return descriptor
-
-    def _write_metadata(self, text: bytes) -> None:
-        parts = [text[k : k + PAYLOAD_BYTES] for k in range(0, len(text), PAYLOAD_BYTES)]
-        for part in parts[:-1]:
-            self._write(METADATA, part)
-        self._write(LAST_METADATA, parts[-1])
-
-    def _write_samples(self, count: int) -> None:
-        self._write(SAMPLES, self._pending[:count].astype("<f8").tobytes())
-        self._kept_rows += count
-        self._pending = self._pending[count:]
-
-    def _write(self, kind: int, payload: bytes) -> None:
-        content = encode(self._number, self._blocks, kind, payload)
-        try:
-            while content:
-                content = content[os.write(self._descriptor, content) :]
-        except OSError as error:
+            if statement == "COMMIT":
+                self._store.commit()
+            else:
+                self._store.execute(statement, values)
+        except sqlite3.Error as error:
             self.full = True
             raise self._failure(error) from None
-        self._blocks += 1
 
-    def _flush(self) -> None:
-        if len(self._pending):
-            self._write_samples(len(self._pending))
-        self._sync()
-
-    def _sync(self) -> None:
-        try:
-            os.fdatasync(self._descriptor)
-        except OSError as error:
-            raise self._failure(error) from None
-        self._synced_s = monotonic()
-
-    def _failure(self, error: OSError) -> DeviceError:
+    def _failure(self, error: Exception) -> DeviceError:
+        reason = getattr(error, "strerror", None) or error
         return DeviceError(
-            f"{self.file}: cannot go on writing ({error.strerror or error}), recording stopped: "
-            f"make room; {self.journal.name} holds what was recorded and can be read"
+            f"{self.file}: cannot go on writing ({reason}), recording stopped: make room; "
+            f"{self.journal.name} holds what was recorded and can be read"
         )
 
     def _close(self) -> None:
-        os.close(self._descriptor)
-        self._closed = True
+        if self._store is not None:
+            self._store.close()
+            self._store = None

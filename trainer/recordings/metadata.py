@@ -19,7 +19,7 @@ _Seconds = Annotated[float, Gt(0)]
 
 @dataclass(frozen=True)
 class RecordingMetadata:
-    """As the fields of `Recording`, and of a journal: block_s: of a full block of samples.
+    """As the fields of `Recording`.
 
     channels: names of those beside position and force in a journal's rows.
     """
@@ -33,7 +33,6 @@ class RecordingMetadata:
     zero: Zero = "none"
     position_delay_s: float = 0.0
     force_delay_s: float = 0.0
-    block_s: _Seconds | None = None
     channels: tuple[str, ...] = ()
     session: str = ""
     start_s: float | None = None

@@ -15,7 +15,7 @@ from reference_pages.docstrings import as_rst
 from reference_pages.exit_statuses import exit_status_table
 from reference_pages.mathml import visit_block, visit_inline
 from reference_pages.opened_pages import open_pages
-from reference_pages.python_names import public_module_list, python_name_list
+from reference_pages.python_names import python_name_list
 from reference_pages.scene_keys import scene_key_tables
 from reference_pages.signatures import as_written
 from reference_pages.wire import wire_messages
@@ -29,7 +29,6 @@ GENERATORS: dict[str, Callable[[], str]] = {
     "scene keys": scene_key_tables,
     "c functions": c_functions,
     "c notes": c_notes,
-    "public modules": public_module_list,
     "python names": python_name_list,
     "wire": wire_messages,
 }

@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator
 
-from springpot.host.wings.devices.wire import messages
+from springpot.host.devices.wire import messages
 from springpot.runtime_c.paths import PORT_WIRE
 
 _DEFINED = re.compile(

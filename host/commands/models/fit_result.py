@@ -71,12 +71,7 @@ def training_rows(
     if "why" in result:
         rows["  why"] = result["why"]
     for what, (value, width) in result.get("material", {}).items():
-        why = result["not_identified"].get(what, "")
-        rows[f"  {what}"] = (
-            f"{value:.5g} +- {width:.2g}"
-            if width is not None
-            else (f"{value:.3g}: not identified, {why}")
-        )
+        rows[f"  {what}"] = f"{value:.5g} +- {width:.2g}"
     if "residual_percent" in result:
         rows["  missed"] = f"{result['residual_percent']:.3g} % of the force that varies, rms"
     if found is not None:

@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.codegen.entry_points import part, required_part
 from springpot.codegen.errors import UsageError
 from springpot.codegen.plurals import number_of
 from springpot.host.console.options import NOT_NEGATIVE, PATH, POSITIVE, SEED, FiniteRange
@@ -96,13 +95,6 @@ if TYPE_CHECKING:
 @click.option(
     "--past-positions", is_flag=True, help="rf-fd: on ten past positions, as its control."
 )
-@click.option(
-    "--next",
-    "next_file",
-    type=PATH,
-    metavar="FILE.toml",
-    help="Write the three presses that would tell most as a protocol for `springpot record`.",
-)
 @json_option
 def train(
     recordings: tuple[str, ...],
@@ -110,7 +102,6 @@ def train(
     validation: tuple[str, ...],
     out: Path,
     smooth_validation: bool,
-    next_file: Path | None,
     as_json: bool,
     **of_fit: Any,  # options of the same names as fields of FitOptions
 ) -> None:
@@ -126,10 +117,6 @@ def train(
     testing = given_recordings(validation)
     report = report_quality(recordings)
     training = report.given
-    planning: Any = part("next-presses")
-    if next_file is not None:
-        planning = required_part("next-presses", "--next")
-        planning.require_surface(next_file, training)
     said = {finding.text for finding in report.findings}
     with progress_bar(f"fitting {kind} on {number_of(len(training), 'recording')}"):
         fit = fit_model(kind, out.stem.split(".")[0], training, options, testing)
@@ -142,11 +129,7 @@ def train(
     result |= figures
     if figures.get("seen"):
         say(seen_line(figures["seen"], len(testing)))
-    rows = training_rows(fit, result, out, found, len(testing))
-    if planning is not None:
-        told, rows["record next"] = planning.next_told(training, fit.model, next_file)
-        result |= told
-    print_result(result, as_json, rows)
+    print_result(result, as_json, training_rows(fit, result, out, found, len(testing)))
 
 
 def _require_model_file(out: Path) -> None:

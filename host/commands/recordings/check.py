@@ -52,8 +52,6 @@ def check_parts(report: QualityReport) -> Iterator[str | TextTable]:
             row.insert(1, _place(figures))
     yield columns, rows
     yield report.figures["signs"]
-    if report.figures["coverage"]:
-        yield from _coverage_parts(report.figures["coverage"])
     known_n = (report.figures["noise_floor_n"], report.figures["sensor_noise_n"])
     known = next((f"{floor_n:.3g} N" for floor_n in known_n if floor_n is not None), "not known")
     yield f"noise floor: {known}, {report.figures['noise_floor']}"
@@ -71,23 +69,6 @@ def check_parts(report: QualityReport) -> Iterator[str | TextTable]:
         )
     for finding in report.findings:
         yield finding.line
-
-
-def _coverage_parts(coverage: dict[str, Any]) -> Iterator[str | TextTable]:
-    """Strokes by depth and speed, and the longest hold at each depth; what to record next."""
-    speeds = [f"{1e3 * speed:.3g}" for speed in coverage["speeds_mps"]]
-    yield "your recordings cover (strokes, by how deep they go and how fast they are):"
-    rows = [
-        (
-            "{:.3g} .. {:.3g}".format(*(1e3 * edge_m for edge_m in row["depth_m"])),
-            *(str(count or "-") for count in row["strokes"]),
-            f"{held_s:.3g} s" if (held_s := row["longest_hold_s"]) else "-",
-        )
-        for row in coverage["table"]
-    ]
-    yield ("mm deep", *(f"from {speed} mm/s" for speed in speeds), "longest hold"), rows
-    for line in coverage["record_next"]:
-        yield f"record next: {line}"
 
 
 def _place(figures: dict[str, Any]) -> str:

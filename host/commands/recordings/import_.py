@@ -19,7 +19,6 @@ from springpot.trainer.recordings.formats.csv.decimals import DecimalMark
 
 if TYPE_CHECKING:
     from springpot.trainer.recordings.formats.importing import ImportResult
-    from springpot.trainer.recordings.formats.specimen import Specimen
     from springpot.trainer.recordings.quality.report import QualityReport
     from springpot.trainer.recordings.recording import Zero
 
@@ -75,8 +74,6 @@ _OF_REPORT = ("name", "samples", "rate_hz", "position_m", "force_n", "signs")  #
     metavar="N/M",
     help="Stiffness of the machine's frame, N/m: its give is taken off the position.",
 )
-@click.option("--area", metavar="M2", help="Of stress: specimen's; 18mm2 too.")
-@click.option("--height", metavar="M", help="Of strain: specimen's before the test; 33mm too.")
 @click.option("--tare", type=AUTO_OR_N, metavar="auto|N", help="Force without contact.")
 @click.option(
     "--contact-force",
@@ -105,8 +102,6 @@ def import_(
     decimal: DecimalMark | None,
     dbc: Path | None,
     block: str | None,
-    area: str | None,
-    height: str | None,
     rest_s: float | None,
     place: str | None,
     out: Path,
@@ -130,7 +125,7 @@ def import_(
 
     mapping = parse_map(map_text) if map_text else None
     options = ImportOptions(
-        dbc, block, decimal, Conditioning(**of_rig), _specimen(area, height),
+        dbc, block, decimal, Conditioning(**of_rig),
         place_m=place_or_columns(place) if place else None,
     )  # fmt: skip
     if out.exists() and not out.is_dir():
@@ -181,16 +176,6 @@ def _read(
     for other in others:
         say(f"left out, no recording: {other}")
     return results
-
-
-def _specimen(area: str | None, height: str | None) -> Specimen | None:
-    from springpot.trainer.recordings.formats.specimen import Specimen, size_in_si
-
-    if area is None and height is None:
-        return None
-    if area is None or height is None:
-        raise UsageError("--area, --height: stress needs the area, strain the height: pass both")
-    return Specimen(size_in_si(area, 2), size_in_si(height, 1))
 
 
 def _say_guesses(files: Sequence[Path], guesses: Sequence[str]) -> None:

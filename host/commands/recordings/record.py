@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections import Counter
+import sys
 from collections.abc import Sequence
 from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from springpot.codegen.entry_points import required_part
+from springpot.codegen.errors import UsageError
 from springpot.codegen.plurals import number_of
 from springpot.host.console.options import PATH, POSITIVE
 from springpot.host.console.output import (
@@ -19,6 +19,7 @@ from springpot.host.console.output import (
     print_json,
     print_table,
     progress_console,
+    say,
 )
 
 if TYPE_CHECKING:
@@ -31,10 +32,14 @@ if TYPE_CHECKING:
 @click.option(
     "--protocol",
     required=True,
-    help="paper, validation, extended, a FILE.toml of profiles, or one with folders of training "
-    "and test: left-out-depth, third-repeat, slow-ramps, one-long, one-speed, preload.",
+    help="paper, validation, extended, or a FILE.toml of profiles.",
 )
-@click.option("--force", "sensor_url", help="Force sensor beside it: serial:///... or can://...")
+@click.option("--force", "sensor_url", help="Force sensor beside it: serial:///dev/ttyACM1.")
+@click.option(
+    "--find-surface",
+    is_flag=True,
+    help="Touch the surface with the tool three times first, the Enter key each time.",
+)
 @click.option("--out", type=PATH, required=True, help="Folder to write to.")
 @click.option(
     "--seed",
@@ -46,7 +51,7 @@ if TYPE_CHECKING:
 @click.option(
     "--max-force-n",
     type=POSITIVE,
-    help="Stop beyond this; default 1.3 x the command (1.6 x with --force).",
+    help="Stop beyond this; default 1.3 x the command (1.7 x with --force).",
 )
 @click.option(
     "--max-depth-mm", type=POSITIVE, default=30.0, show_default=True, help="Stop beyond this depth."
@@ -61,6 +66,7 @@ def record(
     url: str,
     protocol: str,
     sensor_url: str | None,
+    find_surface: bool,
     out: Path,
     seed: int,
     object_name: str | None,
@@ -73,6 +79,7 @@ def record(
 
     On a real device, the key q and Ctrl-C stop with zero force.
     """
+    from springpot.host.force_sensor.sensed_press import opened_sensor
     from springpot.host.recording.indentation import Limits
     from springpot.host.recording.protocols import load_protocol
     from springpot.host.recording.session import open_press_device, record_session
@@ -94,13 +101,15 @@ def record(
     def on_press(quality: PressQuality) -> None:
         progress.update(task, description=quality.name, advance=quality.duration_s)
 
+    if find_surface:
+        surface_mm = _touched_mm(url)
+        say(f"surface_mm = {surface_mm:g}: also for [device] of a scene")
+        url += f"{'&' if '?' in url else '?'}surface_mm={surface_mm:g}"
     limits = Limits(max_force_n, max_depth_mm / 1e3, max_speed_mps)
     profiles = load_protocol(protocol, seed)
-    total_s = sum(len(profile.command_n) - profile.lead for profile in profiles) / 1000
-    measured = sensor_url is not None
-    open_sensor: Any = required_part("force-sensor", "--force") if measured else nullcontext
+    total_s = sum(len(profile.command_n) for profile in profiles) / 1000
     with (
-        open_sensor(sensor_url) as pressing,
+        nullcontext() if sensor_url is None else opened_sensor(sensor_url) as pressing,
         progress,
         stopping_on_sigterm(),
     ):
@@ -114,6 +123,19 @@ def record(
         print_json({"out": out, "recordings": qualities, "duration_s": duration_s})
     else:
         _print(qualities)
+
+
+def _touched_mm(url: str) -> float:
+    from springpot.host.recording.surface import TOUCHES, find_surface
+    from springpot.host.session.terminal import stopping_on_sigterm
+
+    def touched(number: int) -> None:
+        say(f"touch {number} of {TOUCHES}: put the tool on the surface, keep it still, press Enter")
+        if not sys.stdin.readline():
+            raise UsageError("nobody presses Enter: run it in a terminal")
+
+    with stopping_on_sigterm():
+        return find_surface(url, touched)
 
 
 def _print(qualities: Sequence[PressQuality]) -> None:
@@ -130,6 +152,4 @@ def _print(qualities: Sequence[PressQuality]) -> None:
         for quality in qualities
     )
     print_table(columns, rows, numbers=True, width=100)
-    folders = Counter(quality.file.parent for quality in qualities)
-    made = (f"{number_of(many, 'recording')} in {folder}" for folder, many in folders.items())
-    click.echo(", ".join(made))
+    click.echo(f"{number_of(len(qualities), 'recording')} in {qualities[0].file.parent}")

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.codegen.entry_points import required_part
 from springpot.codegen.errors import UsageError
-from springpot.host.console.options import PATH, POSITIVE, accept_edited_option
+from springpot.host.console.options import PATH, accept_edited_option
 from springpot.host.console.output import json_option, print_result, progress_bar, say
 
 if TYPE_CHECKING:
@@ -34,21 +33,9 @@ if TYPE_CHECKING:
     multiple=True,
     type=click.Path(),
     metavar="REC",
-    help="What smaller versions are measured on, where the scene does not fit its budget.",
+    help="What --fit measures smaller forests on.",
 )
-@click.option("--fit", is_flag=True, help="Emit the most accurate reduction that fits the budget.")
-@click.option(
-    "--bench", "bench_folder", type=PATH, default=Path("bench"),
-    show_default=True, help="Benchmark that --pick and the budgets choose from.",
-)  # fmt: skip
-@click.option("--pick", "picked", metavar="NAME", help="Emit a pick of the benchmark: pc-1khz.")
-@click.option(
-    "--budget-us",
-    type=POSITIVE,
-    help="Emit the benchmark's best stable model whose tick takes at most this.",
-)
-@click.option("--flash", type=click.IntRange(1), help="... within these bytes of flash.")
-@click.option("--ram", type=click.IntRange(1), help="... within these bytes of RAM.")
+@click.option("--fit", is_flag=True, help="Make a forest smaller until it fits the budget.")
 @json_option
 def emit_(
     scene_file: Path | None,
@@ -57,36 +44,23 @@ def emit_(
     accept_unsafe: bool,
     recordings: tuple[str, ...],
     fit: bool,
-    bench_folder: Path,
-    picked: str | None,
-    budget_us: float | None,
-    flash: int | None,
-    ram: int | None,
     as_json: bool,
 ) -> None:
-    """Emit a scene as one C source and one header; keys of --scene override a pick's."""
+    """Emit a scene as one C source and one header; from a scene file or a model."""
     from springpot.codegen.model.model_file import read_model
     from springpot.host.emission.budget_fit import emit_fitting
     from springpot.host.emission.scene_file import default_scene, model_path, read_scene
 
     scene = None if scene_file is None else read_scene(scene_file)
-    stated = any(limit is not None for limit in (budget_us, flash, ram))
-    if picked is not None or stated:
-        if (picked is not None and stated) or model_file is not None:
-            raise UsageError("--pick, a budget, --model: each names a model: give one of them")
-        limits = {"tick_us": budget_us, "flash_bytes": flash, "ram_bytes": ram}
-        choose = required_part("bench-choice", "--pick and budgets")
-        scene, model_file = choose(bench_folder, picked, limits, accept_unsafe, scene)
-    elif scene is not None and scene_file is not None:
+    if scene is not None and scene_file is not None:
         model_file = model_file or model_path(scene, scene_file)
     elif model_file is not None:
         scene = default_scene(read_model(model_file))
     else:
-        raise UsageError("nothing to emit: give --model, --scene, or --pick NAME --bench DIR")
+        raise UsageError("nothing to emit: give --model or --scene")
     measured = _recordings(recordings, model_file) if recordings else []
-    unmeasured = picked is not None and scene_file is None  # the budget is the pick's, no one's own
     with progress_bar("emit"):
-        emission = emit_fitting(scene, model_file, out, accept_unsafe, measured, fit, unmeasured)
+        emission = emit_fitting(scene, model_file, out, accept_unsafe, measured, fit)
     for notice in emission.notices:
         say(notice)
     print_result(emission.as_dict(), as_json, emission_rows(emission))

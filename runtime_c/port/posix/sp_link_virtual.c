@@ -1,8 +1,7 @@
-/* Links without hardware: a simulated hand, a device that nobody holds, and a recording. */
+/* Links without hardware: a simulated hand, and a recording. */
 #include <math.h>
 
 #include "sim.h"
-#include "sim_free.h"
 #include "sp_link.h"
 
 /* springpot declarations begin */
@@ -11,10 +10,6 @@
 uint32_t sp_link_sim_size(void);
 sp_link *sp_link_sim_init(void *memory, void *tool, double dt_s, double depth_m,
                           double frequency_hz);
-
-/* A device that nobody holds. device: a sim_free, initialised for the period of the loop. */
-uint32_t sp_link_free_size(void);
-sp_link *sp_link_free_init(void *memory, void *device);
 
 /* n samples that somebody recorded, one a tick. */
 uint32_t sp_link_replay_size(void);
@@ -31,12 +26,6 @@ typedef struct {
     uint64_t ticks;
     double force_n;
 } hand;
-
-typedef struct {
-    sp_link link;
-    sim_free *device;
-    double force_n;
-} let_go;
 
 typedef struct {
     sp_link link;
@@ -91,41 +80,6 @@ sp_link *sp_link_sim_init(void *memory, void *tool, double dt_s, double depth_m,
                    .dt_s = dt_s,
                    .depth_m = depth_m,
                    .turn_rps = 6.283185307179586 * frequency_hz};
-    return &self->link;
-}
-
-static int read_free(sp_link *link, uint64_t now_ns, sp_motion *motion, uint32_t capacity)
-{
-    (void)capacity;
-    let_go *self = (let_go *)link;
-    (void)sim_free_step(self->device, self->force_n, &motion->position_m, &motion->velocity_mps);
-    motion->measured_n = (double)NAN;
-    motion->arrived_ns = now_ns;
-    link->samples++;
-    return 1;
-}
-
-static int write_free(sp_link *link, uint64_t now_ns, double force_n)
-{
-    ((let_go *)link)->force_n = force_n;
-    (void)now_ns;
-    return 0;
-}
-
-uint32_t sp_link_free_size(void)
-{
-    return (uint32_t)sizeof(let_go);
-}
-
-sp_link *sp_link_free_init(void *memory, void *device)
-{
-    let_go *self = (let_go *)memory;
-    *self = (let_go){.link = {.fd = -1,
-                              .ready = 1,
-                              .read = read_free,
-                              .write = write_free,
-                              .reset = reset_nothing},
-                     .device = (sim_free *)device};
     return &self->link;
 }
 

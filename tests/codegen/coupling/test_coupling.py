@@ -2,13 +2,15 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import given
+from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 
-from springpot import Coupling, UnsafeError
 from springpot.codegen.coupling.gains import couple_config, require_plausible_damping, transition
-from springpot.emission import Coupled
+from springpot.codegen.errors import UnsafeError
+from springpot.codegen.reference.tick import Coupled
+from springpot.codegen.scene import Coupling
 
 PAPER = Coupling(mode="tool")
 

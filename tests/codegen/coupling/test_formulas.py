@@ -7,11 +7,12 @@ import pytest
 from scipy.linalg import expm
 from scipy.signal import cont2discrete
 
-from springpot import Coupling
 from springpot.codegen.coupling.auto import GAIN_MARGIN, choose_coupling
+from springpot.codegen.coupling.gains import couple_config
 from springpot.codegen.coupling.linear_loop import DESIGN_HAND, HAND_MODELS, LinearLoop
 from springpot.codegen.coupling.loop_device import LoopDevice
-from springpot.emission import Coupled, couple_config
+from springpot.codegen.reference.tick import Coupled
+from springpot.codegen.scene import Coupling
 
 OFF = Coupling(mode="off")
 LIGHT_DEVICE = LoopDevice(0.05, 0.5)

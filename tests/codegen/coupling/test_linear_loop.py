@@ -5,12 +5,12 @@ import re
 import numpy as np
 import pytest
 
-from springpot import Coupling
 from springpot.codegen.coupling.auto import STIFFNESS_MARGIN_PROXY, choose_coupling
 from springpot.codegen.coupling.gains import transition as exact_step
 from springpot.codegen.coupling.linear_loop import DESIGN_HAND, HAND_MODELS, LinearLoop
 from springpot.codegen.coupling.loop_device import DEVICE_DAMPING_NSPM, DEVICE_MASS_KG, LoopDevice
-from springpot.native import SIM
+from springpot.codegen.scene import Coupling
+from springpot.runtime_c.paths import SIM
 
 SETS = 100_000
 

@@ -15,10 +15,10 @@ from support.small import model_file, scene
 from springpot.codegen.emit.c_blocks import top_level_blocks, without_unused
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import planned_headers
+from springpot.host.boards.boards import default_board
+from springpot.host.boards.firmware import build_firmware
 from springpot.host.emission.emission import emit
 from springpot.host.native.toolchain import missing_tools
-from springpot.host.wings.boards.boards import default_board
-from springpot.host.wings.boards.firmware import build_firmware
 from springpot.runtime_c.paths import SOURCE
 
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")

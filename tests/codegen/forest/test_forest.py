@@ -9,14 +9,16 @@ import pytest
 from sklearn.ensemble import ExtraTreesRegressor, RandomForestRegressor
 from support.paths import C_TESTS
 
-from springpot import UsageError
-from springpot.codegen.forest import compact as compact_layout, node_table
+from springpot.codegen.errors import UsageError
+from springpot.codegen.forest import compact as compact_layout
+from springpot.codegen.forest import node_table
 from springpot.codegen.forest.compact import CompactForest, compact_forest
 from springpot.codegen.forest.leaves import quantisation_over, rounded, used_features
 from springpot.codegen.forest.traverse import compact_sums, feature_bins, forest_force, table_sums
+from springpot.codegen.model.regressors import Forest, Quantisation
+from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import shared_library
-from springpot.modelling import Forest, Quantisation
-from springpot.native import INCLUDE, SOURCE, CLibrary
+from springpot.runtime_c.paths import INCLUDE, SOURCE
 from springpot.trainer.models.fit import PAPER_LEAF, PAPER_TREES
 from springpot.trainer.models.forests import forest_ir
 

@@ -9,9 +9,9 @@ from support.small import scene, small_model
 
 from springpot.codegen.emit.files import manifest_text
 from springpot.codegen.model.forest_extremes import forest_extremes, forest_step
+from springpot.codegen.model.regressors import Forest, Quantisation
 from springpot.codegen.plan.force_facts import force_facts
-from springpot.emission import make_plan
-from springpot.modelling import Forest, Quantisation
+from springpot.codegen.plan.make_plan import make_plan
 
 GRID = 8  # thresholds lie between its lines
 SPLITS = 5

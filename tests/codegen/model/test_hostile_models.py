@@ -11,7 +11,7 @@ import pytest
 from support.c import golden_forces
 from support.files.hostile_models import hostile_models
 
-from springpot import DataError
+from springpot.codegen.errors import DataError
 from springpot.codegen.model.field_types import MAX_NUMBER
 from springpot.codegen.model.model_file import MODEL_MAGIC, MODEL_SCHEMA, model_bytes, read_model
 

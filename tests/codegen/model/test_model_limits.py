@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from support.messages import refusing
 from support.small import damage, flow
 
-from springpot import DataError, Model
+from springpot import Model
+from springpot.codegen.errors import DataError
 from springpot.codegen.model.features import (
     FastFirBank,
     FirBank,
@@ -20,9 +21,10 @@ from springpot.codegen.model.features import (
     RecursiveBank,
 )
 from springpot.codegen.model.field_types import MAX_NUMBER, require_types
+from springpot.codegen.model.model import TrainedRange
+from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.model.regressors import Forest, Quantisation, Rbf
 from springpot.codegen.model.validity import require_valid
-from springpot.modelling import Hammerstein, TrainedRange
 
 ones = np.ones
 PASSIVE = Hammerstein(
@@ -42,7 +44,6 @@ LEAF = Forest(
 BINS = Quantisation(np.zeros(2), ones(2))
 RBF = Rbf(ones(2), ones(2), -ones(2), ones(2), ones((3, 2)), ones(3), ones(3))
 MODEL = Model("rf-fd", "x", 1e-3, "surface", RANGE, FIR, LEAF, PASSIVE, False)
-LAW = dict.fromkeys(("stiffness_npm", "coefficient", "order"), (1.0, None))  # and half widths
 TERMS = 1000
 SAMPLES = 1_000_000
 
@@ -108,7 +109,6 @@ TAKEN: list[tuple[Any, dict[str, Any]]] = [
     (MODEL, {"hammerstein_adds": True}),
     (MODEL, {"hammerstein": None}),
     (MODEL, {"features": None, "regressor": None, "hammerstein_adds": True}),
-    (MODEL, {"provenance": {"material": LAW}, "hammerstein": None}),
     (PASSIVE, terms(TERMS, TERMS)),
     (PASSIVE, terms(0, 0)),
     (PASSIVE, {"flow": FLOW, "damage": DAMAGE, "recovers": True}),
@@ -127,8 +127,6 @@ REFUSED: list[tuple[Any, dict[str, Any], str]] = [
     (MODEL, {"regressor": None}, "features, regressor: "),
     (MODEL, {"features": None, "regressor": None}, "regressor, hammerstein: "),
     (MODEL, {"hammerstein": None, "hammerstein_adds": True}, "hammerstein_adds: "),
-    (MODEL, {"kind": "springpot", "hammerstein": None, "provenance": {"material": LAW}},
-     "provenance.material: "),
     (MODEL, {"provenance": {"seed": -1}}, "provenance"),
     (MODEL, {"trained": dataclasses.replace(RANGE, min_m=1.0)}, "trained.min_m, max_m: "),
     (MODEL, {"features": dataclasses.replace(FIR, taps=ones((0, 2)))}, "features.taps: "),

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 from support.small import DEPTH_M, press, scene, training
 
-from springpot import FitOptions, Guard, Model
-from springpot.emission import make_plan
-from springpot.modelling import fit_model
-from springpot.native import built
+from springpot import Model
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.scene import Guard
+from springpot.host.native.trial_build import built
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
 
 POWER_OF_TWO = 8.0  # exact, so that every decision is the same
 OPTIONS = FitOptions(trees=4, leaf=20, n_centers=20, poles=4)

@@ -6,9 +6,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import given
+from hypothesis import strategies as st
 
-from springpot import DataError, Guard, Scene, UsageError
+from springpot import Scene
+from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.model import TrainedRange
 from springpot.codegen.plan.limits import (
     guard_config,
@@ -17,6 +19,7 @@ from springpot.codegen.plan.limits import (
     silence_config,
     watchdog_s_of,
 )
+from springpot.codegen.scene import Guard
 from springpot.codegen.stages.stage import SceneTicks
 
 RATES_HZ = st.floats(10.0, 8000.0)

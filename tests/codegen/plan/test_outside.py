@@ -7,12 +7,13 @@ import numpy as np
 import pytest
 from support.small import DEPTH_M, model_file, scene, small_model, training
 
-from springpot import FitOptions, Guard
+from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.reference.notes import OUTSIDE
-from springpot.emission import make_plan
+from springpot.codegen.scene import Guard
 from springpot.host.emission.emission import emit
-from springpot.modelling import fit_model
-from springpot.native import SceneLibrary
+from springpot.host.native.scene_library import SceneLibrary
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
 
 
 def pressed(folder: Path, kind: str, outside: str) -> tuple[np.ndarray, np.ndarray, int]:

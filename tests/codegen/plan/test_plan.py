@@ -4,10 +4,13 @@ import numpy as np
 import pytest
 from support.small import DEPTH_M, scene, small_model, training
 
-from springpot import Coupling, FitOptions, Guard, Runtime, Scene, UnsafeError, UsageError
+from springpot import Scene
 from springpot.codegen.emit.files import emit_files
-from springpot.emission import make_plan
-from springpot.modelling import fit_model
+from springpot.codegen.errors import UnsafeError, UsageError
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.scene import Coupling, Guard, Runtime
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
 
 SCENE = Scene(schema=1, name="x", model="x")
 

@@ -9,9 +9,9 @@ import pytest
 from support.c import golden_forces
 from support.small import scene
 
-from springpot.emission import make_plan
+from springpot.codegen.plan.make_plan import make_plan
 from springpot.host.native.replay import Replay
-from springpot.native import built
+from springpot.host.native.trial_build import built
 
 ENCODER_M = 10e-6
 PRESS_TICKS = 500

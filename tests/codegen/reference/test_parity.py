@@ -8,7 +8,10 @@ import pytest
 from codegen.same_bits import require_same_bits
 from support.small import DT_S, press, scene, small_model, training, wandering
 
-from springpot import Coupling, FitOptions, Recording
+from springpot import Recording
+from springpot.codegen.emit.golden import golden_positions
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.plan.plan import Plan
 from springpot.codegen.reference import run as codegen_reference
 from springpot.codegen.reference.notes import (
     CLAMPED,
@@ -19,11 +22,13 @@ from springpot.codegen.reference.notes import (
     RAMPED,
     RESYNC,
 )
+from springpot.codegen.reference.run import run_reference
+from springpot.codegen.scene import Coupling
 from springpot.codegen.stages.model_force import Stages, model_force
-from springpot.emission import Plan, golden_positions, make_plan, run_reference
+from springpot.host.native.trial_build import built
 from springpot.host.validation.compared import proxy_positions
-from springpot.modelling import fit_model
-from springpot.native import built
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
 
 NUMBERS = ["float32", "float64"]
 SHAPES = {

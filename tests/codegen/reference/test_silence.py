@@ -9,10 +9,12 @@ from codegen.same_bits import require_same_bits
 from support.c import golden_forces
 from support.small import DT_S, scene
 
-from springpot.basics import Samples
+from springpot.codegen.arrays import Samples
+from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.plan.plan import Plan
 from springpot.codegen.reference.guarding import SILENCE_WORTH
 from springpot.codegen.reference.notes import HELD, LATCHED
-from springpot.emission import Plan, backward_velocity, make_plan
 
 KINDS = ("hammerstein", "rf-fd", "rbf-fd", "rbf-pv", "rf-fd-long", "rf-history-quantised")
 MODES = ("off", "tool", "proxy")

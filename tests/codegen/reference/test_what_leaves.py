@@ -10,9 +10,13 @@ from support.c import golden_forces
 from support.paths import C_TESTS
 from support.small import scene
 
-from springpot.emission import LATCHED, make_plan
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.reference.notes import LATCHED
+from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import shared_library
-from springpot.native import INCLUDE, CLibrary, Replay, built
+from springpot.host.native.replay import Replay
+from springpot.host.native.trial_build import built
+from springpot.runtime_c.paths import INCLUDE
 
 CALLS = 100_000_000 if os.environ.get("SPRINGPOT_SOAK") else 1_000_000
 DECLARATIONS = """

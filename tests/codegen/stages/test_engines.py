@@ -8,14 +8,18 @@ import numpy as np
 import pytest
 from support.small import DT_S, model_file, press, scene, training
 
-from springpot import FitOptions, UsageError
+from springpot.codegen.errors import UsageError
+from springpot.codegen.model.features import FirBank
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.reference.run import run_reference
 from springpot.codegen.stages.fast_fir import fast_fir_stage
 from springpot.codegen.stages.fir import fir_stage
-from springpot.emission import make_plan, run_reference
 from springpot.host.emission.emission import emit
-from springpot.modelling import PAPER_ORDERS, PAPER_TAPS, FirBank, fit_model, fractional_features
-from springpot.native import SceneLibrary
+from springpot.host.native.scene_library import SceneLibrary
 from springpot.trainer.features.fast_fir import equivalent_taps, fast_fir_bank, imitation_error
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.models.rf_fd import PAPER_ORDERS, PAPER_TAPS, fractional_features
 
 COLUMNS = np.arange(len(PAPER_ORDERS))
 

@@ -8,11 +8,17 @@ import numpy as np
 import pytest
 from support.small import damage, flow, passive_model, press, scene, wandering
 
-from springpot import DataError, Model
+from springpot import Model
+from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.errors import DataError
+from springpot.codegen.model.model_file import model_bytes
+from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.model.places import Places
-from springpot.emission import backward_velocity, make_plan, run_reference, state_bytes
-from springpot.modelling import Hammerstein, model_bytes
-from springpot.native import SceneLibrary, built
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.plan.units import state_bytes
+from springpot.codegen.reference.run import run_reference
+from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.native.trial_build import built
 
 SOFT, STIFF = (0.0, -0.01), (0.01, 0.01)
 CURVE_N = np.linspace(0.5, 3.0, 9)

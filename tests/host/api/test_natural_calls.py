@@ -1,16 +1,15 @@
 """Calls that a person tries first: each works, or one line says what to call."""
 
+import warnings
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from support.in_process import spring
 from support.messages import refusing
-from support.small import model_file, passive_model, scene, training
+from support.small import passive_model, scene, training
 
 import springpot
 from springpot import Recording
-from springpot.trainer.recordings.recording_file import write_recording
 
 ITEM = training()[-1]
 
@@ -92,11 +91,12 @@ def test_a_turned_sign_is_said_where_a_recording_meets_a_model(signs, tmp_path, 
     for item, doubted in ((ITEM, False), (turned, True)):
         folder = tmp_path / item.name
         folder.mkdir()
-        file = model_file(folder)
-        write_recording(folder / "rec.h5", item)
         springpot.emit(folder / "c", model=passive_model(), scene=scene())
-        told = spring("predict", file, folder / "rec.h5", "--out", folder / "p").stderr
-        assert ("turn " in told and f"warning: {item.name}: force falls" in told) == doubted
+        with warnings.catch_warnings(record=True) as said:
+            warnings.simplefilter("always")
+            springpot.predict(passive_model(), item)
+        told = "; ".join(str(one.message) for one in said)
+        assert ("turn " in told and f"{item.name}: force falls" in told) == doubted
         caplog.clear()
         springpot.validate(folder / "c", item, paced_s=0.01)
         assert ("force falls as position rises" in caplog.text) == doubted

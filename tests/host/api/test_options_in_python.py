@@ -10,7 +10,7 @@ import pytest
 
 import springpot
 from springpot import Recording
-from springpot.basics import in_python
+from springpot.host.console.in_python import in_python
 from springpot.host.console.quality import warn_of_quality
 
 TIME_S = np.arange(1000) * 1e-2
@@ -54,8 +54,8 @@ def test_a_remedy_is_an_argument(
         ),
         ("--zero first or min", "zero='first' or min"),
         (
-            "pass --area M2, --place X,Y and --align",
-            "pass Specimen(area_m2=M2), ImportOptions(place_m=(X, Y)) and Conditioning(align=True)",
+            "pass --place X,Y and --align",
+            "pass ImportOptions(place_m=(X, Y)) and Conditioning(align=True)",
         ),
         ("--resample-hz 1e+06, --compliance 5e4", "resample_hz=1e+06, Conditioning(frame_npm=5e4)"),
         (
@@ -75,7 +75,7 @@ def test_every_option_in_a_message_on_recordings_is_an_argument_that_exists() ->
     assert folder.name == "trainer"
     texts = "\n".join(file.read_text() for file in sorted(folder.rglob("*.py")))
     options = set(re.findall(r"--([a-z][a-z-]*[a-z])", texts))
-    assert {"map", "contact-force", "area", "resample-hz", "rest-s"} <= options
+    assert {"map", "contact-force", "resample-hz", "rest-s"} <= options
     functions = (
         springpot.import_recordings,
         springpot.train,

@@ -128,7 +128,7 @@ def test_lists_and_single_ones_are_taken(tmp_path, folder):
     one = training()[-1]
     lists = springpot.Recording("a", list(one.position_m), one.force_n.tolist(), DT_S)
     assert lists.content_hash == one.content_hash
-    springpot.write_recording(tmp_path / "a.h5", one)
+    springpot.write_recordings(tmp_path / "a.h5", one)
     for given in (one, str(tmp_path), [tmp_path], [one]):
         (checked,) = springpot.check_recordings(given).checked
         assert checked.content_hash == one.content_hash

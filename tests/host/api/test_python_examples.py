@@ -51,7 +51,7 @@ def around(tmp_path_factory):
     recordings, model = list(training()[:3]), passive_model()
     (folder / "training").mkdir()
     for number, each in enumerate(recordings):
-        springpot.write_recording(folder / "training" / f"{number}.h5", each)
+        springpot.write_recordings(folder / "training" / f"{number}.h5", each)
     press = recordings[0]
     time_s = np.arange(len(press.force_n)) * press.dt_s
     rows = np.column_stack([time_s, 1e3 * press.position_m, press.force_n])

@@ -10,7 +10,8 @@ from support.messages import refusing
 from support.small import DT_S, press, recording
 
 import springpot
-from springpot import DataError, Recording, UsageError
+from springpot import Recording
+from springpot.codegen.errors import DataError, UsageError
 
 ITEM = recording("press", np.concatenate([press(hz) for hz in (0.5, 1.6, 5.0)]))
 COLUMNS = {

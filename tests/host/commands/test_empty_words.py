@@ -43,7 +43,7 @@ def test_no_command_takes_an_empty_word(tmp_path: Path, monkeypatch: pytest.Monk
 CALLS: list[Callable[[], Any]] = [
     lambda: springpot.read_recordings(""),
     lambda: springpot.import_recordings(""),
-    lambda: springpot.write_recording("", training()[0]),
+    lambda: springpot.write_recordings("", training()[0]),
     lambda: springpot.read_model(""),
     lambda: springpot.read_scene(""),
     lambda: springpot.check_recordings(""),
@@ -64,7 +64,7 @@ def test_no_call_takes_an_empty_path(
     call: Callable[[], Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    springpot.write_recording("press.h5", training()[0])  # what "." would find
+    springpot.write_recordings("press.h5", training()[0])  # what "." would find
     with pytest.raises(springpot.UsageError, match="an empty path"):
         call()
     assert [file.name for file in tmp_path.iterdir()] == ["press.h5"]

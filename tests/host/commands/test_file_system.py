@@ -87,7 +87,6 @@ def validated(job: Path) -> Path:
         ["emit", "--scene", "scene.toml", "--out", "c"],
         ["validate", "c", "--recording", "rec"],
         ["report", "c"],
-        ["export", "rec", "--to", "csv", "--out", "csv"],
     ],
     ids=lambda arguments: arguments[0],
 )

@@ -11,7 +11,6 @@ from pathlib import Path
 
 import pytest
 from click.shell_completion import ShellComplete
-from support.in_process import spring
 from support.pages.run_pages import MAIN
 
 from springpot.host.cli import springpot
@@ -52,14 +51,11 @@ def test_help_loads_nothing_heavy_and_the_list_no_command() -> None:
     listed, loaded_by_list, asked, short, heavy = json.loads(done.stdout)
     assert loaded_by_list == []
     assert heavy == []
-    assert len(asked) >= 18
+    assert len(asked) > 12
     words = " ".join(listed.split())
     for name, text in short.items():
         assert f" {name} {text}" in words, f"host/cli.py lists {name} otherwise than its help"
         assert text.rstrip(".") in " ".join(asked[name].split())
-
-
-SHELLS = ("bash", "zsh", "fish")
 
 
 def offered(*words: str) -> list[str]:
@@ -72,7 +68,6 @@ def test_commands_options_and_choices() -> None:
     assert offered("study", "r") == ["run", "report"]
     assert set(offered("train", "--mo")) == {"--model"}
     assert offered("train", "--model", "rbf") == ["rbf-fd", "rbf-pv"]
-    assert offered("completion", "") == list(SHELLS)
 
 
 @pytest.mark.skipif(shutil.which("bash") is None, reason="no bash")
@@ -81,8 +76,9 @@ def test_bash_takes_the_script(tmp_path: Path) -> None:
     program.write_text(f'#!/bin/sh\nexec {shlex.join(MAIN)} "$@"\n')
     program.chmod(0o755)
     ask = (
-        'eval "$(springpot completion bash)"; COMP_WORDS=(springpot train --model rf); '
-        'COMP_CWORD=3; _springpot_completion springpot; echo "${COMPREPLY[@]}"; '
+        'eval "$(_SPRINGPOT_COMPLETE=bash_source springpot)"; '
+        "COMP_WORDS=(springpot train --model rf); COMP_CWORD=3; "
+        '_springpot_completion springpot; echo "${COMPREPLY[@]}"; '
         "complete -p springpot"
     )
     done = subprocess.run(
@@ -91,11 +87,6 @@ def test_bash_takes_the_script(tmp_path: Path) -> None:
     )  # fmt: skip
     assert done.stdout.splitlines()[0] == "rf-fd", done.stderr
     assert "-F _springpot_completion springpot" in done.stdout
-
-
-@pytest.mark.parametrize("shell", SHELLS)
-def test_each_shell_has_a_script(shell: str) -> None:
-    assert "_SPRINGPOT_COMPLETE" in spring("completion", shell).stdout
 
 
 def test_the_bar_says_which_candidate_is_fitted_and_how_much_is_left() -> None:

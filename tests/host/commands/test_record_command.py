@@ -1,4 +1,3 @@
-import fcntl
 import json
 
 import numpy as np
@@ -9,6 +8,7 @@ from support.messages import require_line
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.host.commands.recordings.record import record
 from springpot.host.recording import protocols
+from springpot.trainer.recordings.journal import JournalWriter
 from springpot.trainer.recordings.recording_file import read_recordings
 
 SHORT = "[[profile]]\namplitude_n = 6\nfrequency_hz = 4\n[[profile]]\namplitude_n=3\nhold_s=2\n"
@@ -95,7 +95,8 @@ def test_what_is_in_the_way(tmp_path, short):
     result = run(*arguments, tmp_path)
     assert isinstance(result.exception, UsageError)
     assert f"{journal}: keeps a recording that was interrupted" in str(result.exception)
-    with journal.open() as held:
-        fcntl.flock(held, fcntl.LOCK_EX)
+    journal.unlink()
+    with JournalWriter(journal.with_suffix(".h5"), "press", 1e-3, "device", {}) as writer:
         assert "another springpot is recording it now" in str(run(*arguments, tmp_path).exception)
+        writer.discard()
     assert "--out" in str(run(*arguments, short).exception)

@@ -6,7 +6,7 @@ import pytest
 from support.in_process import spring
 from support.small import model_file, training
 
-from springpot import write_recording
+from springpot.host.api.files import write_recordings
 
 MODEL, SCENE = "`springpot train --out FILE.spm` makes one", "scene file"
 FOLDER, RECORDING = "not an emitted folder", "`springpot import` makes them"
@@ -27,7 +27,7 @@ def words(command: str, file: Path, job: Path) -> tuple[object, ...]:
     [("model", MODEL), ("scene", SCENE), ("folder", FOLDER), ("recording", RECORDING)],
 )
 def test_what_is_wanted_is_said(command: str, wanted: str, job: Path, tmp_path: Path) -> None:
-    write_recording(tmp_path / "press.h5", training()[0])
+    write_recordings(tmp_path / "press.h5", training()[0])
     files = {
         "none": tmp_path / "none", "recording": tmp_path / "press.h5", "folder": job / "c",
         "model": model_file(tmp_path), "recordings": job / "rec",

@@ -5,9 +5,10 @@ import dataclasses
 import pytest
 from support.messages import refusing
 
-from springpot import DeviceError, UsageError
-from springpot.devices import Address, DeviceRequirements
+from springpot.codegen.errors import DeviceError, UsageError
+from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.drivers import drivers, open_device, parse_device
+from springpot.host.devices.url import Address
 
 
 @pytest.mark.parametrize(
@@ -16,7 +17,7 @@ from springpot.host.devices.drivers import drivers, open_device, parse_device
         ("sim://ecoflex-00-30?hand=mid", ("sim", "", "ecoflex-00-30", {"hand": "mid"})),
         ("replay:///a/b%20c.h5", ("replay", "", "/a/b c.h5", {})),
         ("replay://a/b.h5", ("replay", "", "a/b.h5", {})),
-        ("serial:///dev/x?baud=9600&a=", ("serial", "", "/dev/x", {"baud": "9600", "a": ""})),
+        ("serial:///dev/x?baud=9600&feed=", ("serial", "", "/dev/x", {"baud": "9600", "feed": ""})),
         ("odrive://slcan//dev/x?node=1", ("odrive", "slcan", "/dev/x", {"node": "1"})),
         ("odrive://socketcan/can0", ("odrive", "socketcan", "can0", {})),
         ("dhd://", ("dhd", "", "", {})),

@@ -10,13 +10,13 @@ from support.peer import peer, wait_until
 from springpot.codegen.errors import DeviceError, SpringpotError, UsageError
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.drivers import parse_device
+from springpot.host.devices.serial_device import SerialDevice
+from springpot.host.devices.wire import Receiver, Sender
 from springpot.host.recording import indentation
 from springpot.host.recording.indentation import Limits
 from springpot.host.recording.session import open_press_device
 from springpot.host.session.loop import LoopSettings
 from springpot.host.session.session import Session
-from springpot.host.wings.devices.serial_device import SerialDevice
-from springpot.host.wings.devices.wire import Receiver, Sender
 
 NEEDS = DeviceRequirements(1000, 0.02, 12.0)
 

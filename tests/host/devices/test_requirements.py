@@ -5,21 +5,23 @@ import math
 from typing import Any
 
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import given
+from hypothesis import strategies as st
 from support.paths import ROOT
 
-from springpot import DeviceError
+from springpot.codegen.errors import DeviceError
 from springpot.codegen.scene import Device
-from springpot.devices import (
+from springpot.host.devices.device import (
     FORCE_ZERO,
+    RECONNECT_S,
     ZERO_S,
     DeviceRequirements,
     OpenedDevice,
     VirtualDevice,
     at_most,
+    requirements_of,
     too_weak,
 )
-from springpot.host.devices.device import RECONNECT_S, requirements_of
 
 
 @given(st.floats(1e-9, 1e9))
@@ -54,11 +56,10 @@ KEYS: dict[str, Any] = {
 }
 
 
-@pytest.mark.parametrize("free", [False, True])
-def test_a_driver_gets_the_keys_of_the_scene_as_they_stand(free: bool) -> None:
+def test_a_driver_gets_the_keys_of_the_scene_as_they_stand() -> None:
     asked: dict[str, Any] = {
-        "rate_hz": 2000.0, "watchdog_s": 0.03, "max_n": 9.0, "presses": True,
-        "senses": True, "examined": True, "free": free,
+        "rate_hz": 2000.0, "watchdog_s": 0.03, "max_n": 9.0, "hash": "h", "presses": True,
+        "senses": True, "examined": True,
     }  # fmt: skip
     device = Device(surface_mm=3.0, mass_kg=5.0, **KEYS)
     required = requirements_of(device, **asked)
@@ -69,8 +70,8 @@ def test_without_keys_nothing_is_scaled_turned_moved_or_held_up() -> None:
     required = requirements_of(Device(), rate_hz=1000.0, watchdog_s=0.02, max_n=12.0)
     assert required == DeviceRequirements(1000.0, 0.02, 12.0)
     assert dataclasses.asdict(required) == {
-        "rate_hz": 1000.0, "watchdog_s": 0.02, "max_n": 12.0, "presses": False,
-        "senses": False, "examined": False, "free": False, "surface_m": 0.0, "m_per_turn": None,
+        "rate_hz": 1000.0, "watchdog_s": 0.02, "max_n": 12.0, "hash": "", "presses": False,
+        "senses": False, "examined": False, "surface_m": 0.0, "m_per_turn": None,
         "sign": 1, "force_sign": 1, "zero_turns": 0.0, "max_torque_nm": None, "nm_per_a": None,
         "effector_mass_kg": None, "weight_n": 0.0,
     }  # fmt: skip
@@ -86,8 +87,6 @@ def test_a_device_that_is_too_weak_is_refused_with_the_key_that_limits_the_force
         error = too_weak("x://", "gives 5.678 N", required, 5.678, *([other] if other else []))
         assert isinstance(error, DeviceError)
         assert str(error) == line + other
-    free = too_weak("x://", "gives 0.5 N", dataclasses.replace(required, free=True), 0.5)
-    assert str(free) == "x://: gives 0.5 N and the test up to 12 N: give --max-force-n 0.5"
 
 
 def test_the_times_of_a_lost_host_and_of_a_lost_device_are_those_of_the_reference() -> None:
@@ -106,5 +105,6 @@ def test_what_a_driver_does_not_say_harms_nobody() -> None:
     assert not device.comes_back
     assert device.unreached == FORCE_ZERO
     assert (device.rate_advice, device.failure, device.max_n) == ("", "", None)
+    assert device.rendering_board() is None
     device.stop()
     device.close()

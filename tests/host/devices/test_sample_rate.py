@@ -3,11 +3,12 @@
 import pytest
 from support.peer import peer, wait_until
 
-from springpot import DeviceError, Session
-from springpot.devices import require_sample_rate
+from springpot import Session
+from springpot.codegen.errors import DeviceError
 from springpot.host.cli import exit_status
 from springpot.host.devices import device as device_module
-from springpot.loop import Stop
+from springpot.host.devices.device import require_sample_rate
+from springpot.host.native.loop_library import Stop
 
 
 @pytest.fixture

@@ -11,11 +11,15 @@ from pathlib import Path
 import pytest
 from support.small import model_file, passive_model, scene, small_model
 
-from springpot import Budget, BudgetError, MismatchError, Model, UsageError
-from springpot.emission import make_plan, state_bytes
+from springpot import Model
+from springpot.codegen.errors import BudgetError, MismatchError, UsageError
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.plan.units import state_bytes
+from springpot.codegen.scene import Budget
 from springpot.host.emission.emission import Emission, emit
 from springpot.host.native.footprint import deepest_stack
-from springpot.native import SceneLibrary, flags
+from springpot.host.native.scene_library import SceneLibrary
+from springpot.runtime_c.paths import flags
 
 SHAPES = {
     "plain": scene(),

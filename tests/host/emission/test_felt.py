@@ -9,12 +9,15 @@ import numpy as np
 import pytest
 from support.small import model_file, scene
 
-from springpot import Coupling, Device, FitOptions, Model, Recording, Runtime, Scene, UsageError
-from springpot.console import emission_rows
-from springpot.emission import make_plan
+from springpot import Model, Recording, Scene
+from springpot.codegen.errors import UsageError
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.scene import Coupling, Device, Runtime
+from springpot.host.commands.scenes.emit import emission_rows
 from springpot.host.emission.emission import emit
 from springpot.host.emission.felt import FELT_SHARE, felt_notices, rate_notices
-from springpot.modelling import fit_model
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
 
 
 @cache

@@ -10,7 +10,8 @@ from typing import Any
 import pytest
 from support.messages import refusing
 
-from springpot import DataError, Scene, UsageError
+from springpot import Scene
+from springpot.codegen.errors import DataError, UsageError
 from springpot.host.emission.scene_file import (
     checked_scene,
     default_scene,

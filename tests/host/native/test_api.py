@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 from support.small import model_file, passive_model, press, recording, scene
 
-from springpot import Device, FitOptions, UsageError
+from springpot.codegen.errors import UsageError
 from springpot.codegen.reference.notes import HELD, LATCHED, RAMPED, RESYNC
+from springpot.codegen.scene import Device
 from springpot.host.emission.emission import emit
-from springpot.modelling import fit_model
-from springpot.native import SceneLibrary
+from springpot.host.native.scene_library import SceneLibrary
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
 
 DT_S = 1e-3
 NULL, TIME_STEP = -1, -2

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from support.small import model_file, scene
 
+from springpot.host.doctor.doctor import examine
 from springpot.host.emission.emission import emit
 from springpot.host.native.compiler import (
     NoCompilerError,
@@ -16,7 +17,6 @@ from springpot.host.native.compiler import (
     compiler_version,
     find_compiler,
 )
-from springpot.host.wings.doctor.machine_check import examine
 
 GCC = shutil.which("gcc")
 

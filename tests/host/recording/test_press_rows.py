@@ -21,17 +21,5 @@ def test_samples_that_are_no_numbers_are_not_kept(column: str, unlocated: bool, 
     taken.append(rows)
     assert taken.unlocated is unlocated
     assert taken.unmeasured is (column == "measured_n" and bool(np.isnan(bad)))
-    assert len(np.concatenate(kept)) == len(taken.position_m) == 4
+    assert len(np.concatenate(kept)) == len(taken.column("position_m")) == 4
     assert not taken.full
-
-
-def test_samples_of_the_lead_reach_no_journal() -> None:
-    handed_on: list[np.ndarray] = []
-    taken = PressRows(10, lambda position_m, _force_n: handed_on.append(position_m), lead=5)
-    for begin in (0, 3, 6, 9):
-        rows = empty_rows(3)
-        rows[:, COLUMN["position_m"]] = np.arange(begin, begin + 3)
-        taken.append(rows)
-    assert [part.tolist() for part in handed_on] == [[5.0], [6.0, 7.0, 8.0], [9.0]]
-    assert taken.full
-    assert len(taken.position_m) == 10

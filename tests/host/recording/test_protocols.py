@@ -82,6 +82,16 @@ def test_a_users_file(tmp_path):
     assert hold.command_n[125] == pytest.approx(2.5)
 
 
+def test_each_press_is_made_at_each_place(tmp_path):
+    file = tmp_path / "map.toml"
+    file.write_text('places_m = [[0.0, 0.01], [0.02, -0.01]]\nprotocol = "paper"\n')
+    profiles = protocols.load_protocol(str(file), 0)
+    assert len(profiles) == 54
+    assert [profile.place_m for profile in profiles[26:28]] == [(0.0, 0.01), (0.02, -0.01)]
+    names = [profile.name for profile in profiles]
+    assert sorted(set(names)) == names
+
+
 @pytest.mark.parametrize(
     ("text", "named"),
     [
@@ -91,7 +101,10 @@ def test_a_users_file(tmp_path):
         ("[[profile]]\namplitude_n = 4\n", "either frequency_hz"),
         ("[[profile]]\namplitude_n = 4\nfrequency_hz = 1\nhold_s = 3\n", "either frequency_hz"),
         ("[[profile]]\namplitude_n = 4\nhold_s = 0.1\n", "hold_s 0.1 is shorter"),
-        ("profile = []\n", "profile"),
+        ("profile = []\n", "either [[profile]] tables"),
+        ('protocol = "paper"\n[[profile]]\namplitude_n = 4\nhold_s = 3\n', "either [[profile]]"),
+        ('protocol = "papers"\n', "protocol"),
+        ('places_m = [[0, 2]]\nprotocol = "paper"\n', "places_m.0.1"),
         ("[[profile]\n", "not a TOML file"),
     ],
 )

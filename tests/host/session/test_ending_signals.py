@@ -49,8 +49,6 @@ MOVING = {
     "run": _run,
     "record": lambda folder: ["record", "--protocol", "validation", "--out", folder / "out"],
     "study": _study,
-    "identify": lambda _: ["identify", "--yes"],
-    "doctor": lambda _: ["doctor", "--yes"],
 }
 
 

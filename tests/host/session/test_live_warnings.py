@@ -8,6 +8,7 @@ from support.peer import wait_until
 from support.small import DEPTH_M, passive_model, press, recording, scene
 
 from springpot import Session
+from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.reference.notes import (
     CLAMPED,
     HELD,
@@ -18,10 +19,9 @@ from springpot.codegen.reference.notes import (
     RESYNC,
 )
 from springpot.codegen.reference.output import Output
-from springpot.emission import make_plan
+from springpot.host.native.loop_library import COLUMN, NONE, empty_rows
 from springpot.host.session.live_warnings import LINE_S, MAX_EVENTS, LiveWarnings
-from springpot.host.session.outcome import LOWER, UPPER, clamped_low, notes_in_words
-from springpot.loop import COLUMN, NONE, NOTE_WORDS, empty_rows
+from springpot.host.session.outcome import LOWER, NOTE_WORDS, UPPER, clamped_low, notes_in_words
 from springpot.trainer.recordings.recording_file import read_recording, write_recording
 
 PLAN = make_plan(passive_model(), scene())

@@ -7,12 +7,13 @@ import pytest
 from support.peer import peer, wait_until
 from support.small import model_file, scene
 
-from springpot import Guard, Session
+from springpot import Session
 from springpot.codegen.reference.notes import LATCHED, RAMPED
+from springpot.codegen.scene import Guard
 from springpot.host.emission.emission import emit
+from springpot.host.native.loop_library import IDLE, NONE
+from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.validation.validation import validate
-from springpot.loop import IDLE, NONE
-from springpot.native import SceneLibrary
 from springpot.trainer.recordings.recording_file import read_recording
 
 WATCHDOG_MS = 200  # longer than a busy machine holds everything up

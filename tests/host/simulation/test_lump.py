@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from springpot import UsageError
-from springpot.basics import Samples
+from springpot.codegen.arrays import Samples
+from springpot.codegen.errors import UsageError
+from springpot.host.recording.protocols import inverted_cosine
 from springpot.host.simulation.bench import ObjectMotion, SimulatedBench
-from springpot.simulation import inverted_cosine, parse_url
+from springpot.host.simulation.objects import parse_url
 
 LUMP, PLAIN = (0.010, 0.011), (0.026, 0.004)
 

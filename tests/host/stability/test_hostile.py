@@ -8,12 +8,17 @@ import pytest
 from support.c.rounding import ForceRounding, MotionRange
 from support.small import DEPTH_M, DT_S, press, scene, training
 
-from springpot import Coupling, FitOptions, Model
-from springpot.emission import make_plan, run_reference
+from springpot import Model
+from springpot.codegen.model.model import TrainedRange
+from springpot.codegen.model.passive import Hammerstein
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.reference.run import run_reference
+from springpot.codegen.scene import Coupling
+from springpot.host.native.trial_build import built
+from springpot.host.simulation.hand_loop import HandLoop, Operator
 from springpot.host.simulation.objects import HAND_NAMES
-from springpot.modelling import Hammerstein, TrainedRange, fit_model
-from springpot.native import built
-from springpot.simulation import HandLoop, Operator
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
 
 # `make soak` asks for 24 simulated hours and 1e7 samples.
 SOAK = bool(os.environ.get("SPRINGPOT_SOAK"))

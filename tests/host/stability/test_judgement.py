@@ -11,15 +11,17 @@ import pytest
 from support.paths import ROOT
 from support.small import model_file
 
-from springpot import Coupling, Device, Guard, Scene, Stability
-from springpot.checks import Outcome
+from springpot import Scene
 from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE
 from springpot.codegen.model.model_file import read_model
-from springpot.console import stability_rows
-from springpot.emission import make_plan
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.scene import Coupling, Device, Guard
+from springpot.host.commands.scenes.stability import stability_rows
 from springpot.host.emission.emission import _activity
 from springpot.host.simulation.hand_loop import Scenario, Trace
 from springpot.host.simulation.scenarios import Case
+from springpot.host.stability.check import Stability
+from springpot.host.stability.closed_loop import Outcome
 from springpot.host.stability.judgement import (
     FAITHFUL_PERCENT,
     QUIET_MPS,

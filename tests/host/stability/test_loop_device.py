@@ -6,14 +6,20 @@ from typing import Any
 import numpy as np
 import pytest
 
-from springpot import Coupling, Device, Model, Runtime, Scene
-from springpot.checks import HAND_MODELS, Hand, scene_loop, stability
+from springpot import Model, Scene
+from springpot.codegen.coupling.linear_loop import HAND_MODELS, Hand
 from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE, LoopDevice, loop_device
-from springpot.emission import Plan, make_plan
+from springpot.codegen.model.model import TrainedRange
+from springpot.codegen.model.passive import Hammerstein
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.plan.plan import Plan
+from springpot.codegen.scene import Coupling, Device, Runtime
+from springpot.host.native.trial_build import built
+from springpot.host.simulation.bench import SimulatedHand
+from springpot.host.simulation.hand_loop import HandLoop, Operator, Scenario
 from springpot.host.simulation.scenarios import Workspace, pressing, smooth
-from springpot.modelling import Hammerstein, TrainedRange
-from springpot.native import built
-from springpot.simulation import HandLoop, Operator, Scenario, SimulatedHand
+from springpot.host.stability.check import stability
+from springpot.host.stability.linear import scene_loop
 
 SPAN_M = 0.02
 RISEN_S, KICK_S, END_S = 0.3, 0.6, 3.0

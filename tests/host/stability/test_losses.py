@@ -12,8 +12,10 @@ from support.c import golden_forces
 from support.paths import C_TESTS
 from support.small import scene
 
-from springpot.checks import DESIGN_HAND
-from springpot.emission import Plan, make_plan
+from springpot.codegen.coupling.linear_loop import DESIGN_HAND
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.plan.plan import Plan
+from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import shared_library
 from springpot.host.native.trial_build import built, uncoupled
 from springpot.host.simulation import cases as case_module
@@ -26,10 +28,10 @@ from springpot.host.simulation.cases import (
     loss_ticks,
     phase_gap,
 )
+from springpot.host.simulation.hand_loop import HandLoop
 from springpot.host.stability.closed_loop import Outcome, Rendered, lossy_outcomes
 from springpot.host.stability.losses import Losses, Stroked, losses_of
-from springpot.native import INCLUDE, CLibrary
-from springpot.simulation import HandLoop
+from springpot.runtime_c.paths import INCLUDE
 
 UNSAID = ("lost-1", "lost-2", "lost-10")
 GOING_ON = (*UNSAID, "late", "nan-5", "rate-90")

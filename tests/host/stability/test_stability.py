@@ -26,6 +26,7 @@ from springpot.codegen.model.model import Model
 from springpot.codegen.plan.make_plan import SERVED_HZ, make_plan
 from springpot.codegen.scene import Coupling, Device, Runtime, Scene
 from springpot.host.emission.emission import emit, read_emission
+from springpot.host.evidence.paper.reproduce import Work, simulated
 from springpot.host.native.trial_build import built
 from springpot.host.stability.check import Stability, stability
 from springpot.host.stability.closed_loop import Outcome
@@ -33,7 +34,6 @@ from springpot.host.stability.judgement import Grade, judge
 from springpot.host.stability.linear import is_stable, require_stable, scene_loop, spectral_radius
 from springpot.host.stability.small_signal import small_signal_map
 from springpot.host.stability.verdict import why_unbounded
-from springpot.host.wings.evidence.paper.reproduce import Work, simulated
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.predict import predict_n

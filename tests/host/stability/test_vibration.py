@@ -9,27 +9,24 @@ import pytest
 from support.c import golden_forces
 from support.small import scene
 
-from springpot import Device, FitOptions, Model, Scene, UnsafeError
-from springpot.checks import (
-    DESIGN_HAND,
-    HAND_MODELS,
-    Grade,
-    Hand,
-    Outcome,
-    Rendered,
-    case_outcome,
-    judge,
-    scene_loop,
-    stability,
-)
-from springpot.emission import Plan, make_plan
+from springpot import Model, Scene
+from springpot.codegen.coupling.linear_loop import DESIGN_HAND, HAND_MODELS, Hand
+from springpot.codegen.errors import UnsafeError
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.plan.plan import Plan
+from springpot.codegen.scene import Device
+from springpot.host.evidence.paper.reproduce import Work, simulated
 from springpot.host.native.trial_build import built, uncoupled
 from springpot.host.simulation.cases import HOLDS, NUDGE_N, NUDGE_S, cases, held_case
+from springpot.host.simulation.hand_loop import HandLoop
 from springpot.host.simulation.scenarios import Workspace, holding, pressing
+from springpot.host.stability.check import stability
+from springpot.host.stability.closed_loop import Outcome, Rendered, case_outcome
+from springpot.host.stability.judgement import Grade, judge
+from springpot.host.stability.linear import scene_loop
 from springpot.host.stability.vibration import FELT_MPS, band_rms, vibration_of
-from springpot.host.wings.evidence.paper.reproduce import Work, simulated
-from springpot.modelling import fit_model
-from springpot.simulation import HandLoop
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
 
 DT_S, HOLD_S = 1e-3, 11.5
 LIGHT = HAND_MODELS[2]

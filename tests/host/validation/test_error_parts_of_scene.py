@@ -7,13 +7,15 @@ import numpy as np
 import pytest
 from support.small import recording, scene, training
 
-from springpot import Coupling, FitOptions
+from springpot.codegen.arrays import rms
 from springpot.codegen.model.model_file import write_model
-from springpot.console import validation_rows
+from springpot.codegen.scene import Coupling
+from springpot.host.commands.scenes.validate import validation_rows
 from springpot.host.emission.emission import emit
 from springpot.host.validation.validation import Validation, validate
-from springpot.modelling import fit_model, limited_n
-from springpot.validation import rms
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.models.limited import limited_n
 
 
 def validated(folder: Path, mode: str, details: dict[str, object] | None = None) -> Validation:

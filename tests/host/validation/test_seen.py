@@ -8,9 +8,10 @@ import pytest
 from support.in_process import spring
 from support.small import press, recording, small_fit, training
 
-from springpot import FitOptions, Recording, check_recordings
+from springpot import Recording, check_recordings
 from springpot.host.validation.seen import seen_by, seen_line
-from springpot.modelling import fit_model
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.recordings.recording_file import write_recording
 
 NEW = recording("new", press(1.7, 0.01))

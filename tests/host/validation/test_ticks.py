@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 from support.small import model_file, scene, training
 
-from springpot import Recording, Runtime
+from springpot import Recording
+from springpot.codegen.scene import Runtime
 from springpot.host.emission.emission import emit
 from springpot.host.validation.ticks import at_samples, at_ticks, samples_of
 from springpot.host.validation.validation import validate

@@ -8,11 +8,9 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.arrays import Samples
+from springpot.host.force_sensor.alignment import Delay, late_gains
 from springpot.host.native.c_library import CLibrary, load_c
-from springpot.host.recording.indentation import OPEN_LOOP
 from springpot.host.simulation.objects import ALL_OBJECTS
-from springpot.host.wings.lab.force_sensor.alignment import Delay, alignment_command
-from springpot.host.wings.lab.force_sensor.late_control import Compliance, late_gains, led_command
 from springpot.runtime_c.paths import PORT_POSIX, SIM
 
 _HERE = Path(__file__).parent
@@ -34,11 +32,6 @@ class Pressed:
     def seen_m(self) -> Samples:
         """As an encoder has it."""
         return np.round(self.position_m / _ENCODER_M) * _ENCODER_M
-
-    @property
-    def seen_n(self) -> Samples:
-        """As a sensor has it."""
-        return self.force_n + _NOISE_N * np.random.default_rng(1).normal(size=len(self.force_n))
 
     @property
     def peak(self) -> float:
@@ -70,31 +63,16 @@ class PressedTool:
     max_mps: float = 0.0  # 0: nothing is watched
     goes_wrong: dict[str, float] = field(default_factory=dict)  # wrong_tick, ..., lost_tick, ...
 
-    def press(self, command_n: Samples, known: Compliance | None = None) -> Pressed:
-        """Follow a command, N, one value each ms; known: of presses before, and learns this one."""
-        if self.gains:
-            return self._run(command_n, command_n, self.gains)
-        found = Delay(self.sensor_s, 0.0, 0.0, self.motor_s, self.wrong * self.mass_kg)
-        known = known or self.first_press()
-        driven_n = led_command(command_n, found, known)
-        pressed = self._run(command_n, driven_n, dict(late_gains(found, known)))
-        known.learn(pressed.seen_m, pressed.seen_n)
-        return pressed
-
-    def first_press(self) -> Compliance:
-        """What the press that finds the delay says."""
-        chirp_n = alignment_command(1000.0)
-        pressed = self._run(chirp_n, chirp_n, dict(OPEN_LOOP))
-        known = Compliance()
-        known.learn(pressed.seen_m, pressed.seen_n)
-        return known
-
-    def _run(self, command_n: Samples, driven_n: Samples, gains: dict[str, float]) -> Pressed:
+    def press(self, command_n: Samples) -> Pressed:
+        """Follow a command, N, one value each ms."""
+        gains = self.gains or late_gains(
+            Delay(self.sensor_s, self.motor_s, self.wrong * self.mass_kg)
+        )
         library = pressed_library()
-        driven_n = np.ascontiguousarray(driven_n)
+        command_n = np.ascontiguousarray(command_n)
         max_n = _HEADROOM * float(np.abs(command_n).max())
         settings: dict[str, Any] = {
-            "command_n": library.array(driven_n), "n": len(driven_n), "dt_s": 1e-3,
+            "command_n": library.array(command_n), "n": len(command_n), "dt_s": 1e-3,
             "max_force_n": max_n, "watchdog_s": 0.02, "max_mps": self.max_mps, **gains,
         }  # fmt: skip
         press = library.ffi.new("sp_press *", settings)
@@ -106,8 +84,8 @@ class PressedTool:
             "spring_npm": self.spring_npm, "damper_nspm": self.damper_nspm,
             "object": ALL_OBJECTS.index(self.name), **self.goes_wrong,
         })  # fmt: skip
-        made = np.zeros((3, len(driven_n)))
-        status = library.c.pressed_tool_run(tool, press, len(driven_n), *map(library.array, made))
+        made = np.zeros((3, len(command_n)))
+        status = library.c.pressed_tool_run(tool, press, len(command_n), *map(library.array, made))
         assert status == 0
         return Pressed(command_n, *made, fault=int(press.fault))
 

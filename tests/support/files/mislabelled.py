@@ -110,9 +110,9 @@ def _units() -> Iterator[Mislabelled]:
     )
     strain, stress_mpa = x / 33e-3, f / 18.0
     text = _csv(strain, stress_mpa, position_header="Strain", force_header="Stress (MPa)")
-    yield Mislabelled("strain", text, (), "refused", "--height")
+    yield Mislabelled("strain", text, (), "refused", "height and area")
     named = ("--map", "position=Strain:mm,force=Stress (MPa):MPa")
-    yield Mislabelled("stress-as-force", text, named, "refused", "--area")
+    yield Mislabelled("stress-as-force", text, named, "refused", "height and area")
     named = ("--map", "position=Strain:33mm,force=Stress (MPa):18N")
     yield Mislabelled("strain-by-length", text, named, "right")
     named = ("--map", "position=Strain:-33mm,force=Stress (MPa):-18N")

@@ -40,9 +40,10 @@ def nothing(folder: Path) -> None:
 
 
 def few_places(folder: Path) -> None:
-    """For the page of places, whose own protocols take minutes: one full site of four."""
-    sites = "sites = [[0.0, 0.0], [0.01, 0.0], [0.0, 0.01], [0.01, 0.01]]"
-    (folder / "few.toml").write_text(f"[places]\nfull = 1\n{sites}\n")
+    """For the page of places, whose own protocols take minutes: four places."""
+    places = "places_m = [[0.0, 0.0], [0.01, 0.0], [0.0, 0.01], [0.01, 0.01]]"
+    presses = "".join(f"[[profile]]\namplitude_n = 8.0\nfrequency_hz = {hz}\n" for hz in (0.5, 5.0))
+    (folder / "few.toml").write_text(f"{places}\n{presses}")
 
 
 def emitted_job(folder: Path) -> None:
@@ -53,7 +54,6 @@ def emitted_job(folder: Path) -> None:
 PREPARED = {
     "how-to/fem.md": nothing,
     "how-to/import.md": rig_files,
-    "how-to/measure-a-device.md": small_job,
     "how-to/own-ensemble.md": nothing,
     "how-to/places.md": few_places,
     "how-to/record.md": nothing,

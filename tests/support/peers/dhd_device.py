@@ -18,16 +18,14 @@ from typing import Any
 import numpy as np
 from line import Clock, Port, arguments, be_a_device, say
 
+from springpot.host.devices.wire import Receiver, Sender, constant, layout
 from springpot.host.native.compiler import shared_library
 from springpot.host.simulation.objects import ALL_OBJECTS, HAND_NAMES
-from springpot.host.wings.devices.wire import Receiver, Sender, constant, layout
-from springpot.host.wings.lab.free_device import FreeDeviceTruth
 from springpot.runtime_c.paths import SIM
 
 SOURCE = Path(__file__).with_name("libdhd.c")
 PERIOD_S = 0.0005
 ACTING_N = 0.05  # faults begin with the first force that a hand feels
-FREE = ("mass_kg", "viscous_nspm", "coulomb_n", "delay_s", "position_step_m", "position_noise_m")
 VELOCITY = 2  # the SDK's cause of a trip
 
 
@@ -136,7 +134,8 @@ class LoadCell:
         for frame in self._receiver.feed(self.port.read() or b""):
             if frame.name == "ask":
                 self._receiver.restart()
-                self._send("hello", layout=layout(), rate_hz=1000.0, max_n=0.0)
+                self._send("hello", layout=layout(), role=constant("SIMPLE"), model=bytes(32),
+                           rate_hz=1000.0, max_n=0.0)  # fmt: skip
             elif frame.name == "command":
                 self._send("ack", command=frame.sequence, refused=0)
                 started = frame.values["action"] == constant("START")
@@ -194,9 +193,6 @@ def set_up(page: Page, options: argparse.Namespace) -> None:
     page["connected"], page["powered"] = not options.absent, not options.unpowered
     page["calibrated"], page["in_use"] = not options.uncalibrated, options.in_use
     page["has_watchdog"], page["presses"] = not options.no_watchdog, options.pressing
-    page["free"] = options.free is not None
-    for name in FREE:
-        page[f"free_{name}"] = getattr(FreeDeviceTruth(**options.free or {}), name)
     page["object"] = ALL_OBJECTS.index(options.object)
     page["hand"] = HAND_NAMES.index("mid")
     page["presses_hz"], page["intended_m"] = options.presses_hz, 1e-3 * options.intended_mm

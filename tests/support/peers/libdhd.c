@@ -16,7 +16,6 @@
 #include <unistd.h>
 
 #include "sim.h"
-#include "sim_free.h"
 
 /* The page: doubles, in this order. */
 enum {
@@ -39,13 +38,6 @@ enum {
     SATURATED_N,
     BUTTON,
     PRESSES, /* into the object, nobody holds it */
-    FREE,    /* in the air, nobody holds it; the next are of that */
-    FREE_MASS_KG,
-    FREE_VISCOUS_NSPM,
-    FREE_COULOMB_N,
-    FREE_DELAY_S,
-    FREE_POSITION_STEP_M,
-    FREE_POSITION_NOISE_M,
     OBJECT,
     HAND,
     PRESSES_HZ,
@@ -67,7 +59,7 @@ enum { TIMEGUARD = 1, SATURATED = 2, OMEGA3 = 33 };
 
 static volatile double *page;
 static _Thread_local int last_error;
-static double memory[16384], object_memory[65536], free_memory[16384];
+static double memory[16384], object_memory[65536];
 static double speed[3], began_s, simulated_s, seen[6];
 static int started, expert;
 
@@ -127,17 +119,6 @@ static void begin(void)
     const sim_tool_device held = {mass_kg, damping_nspm, 0.0, 10e-6, 0};
     sim_tool_init((sim_tool *)memory, (uint32_t)page[HAND], &held, 4, 1, seed, 0.0);
     sim_object_init((sim_object *)object_memory, (uint32_t)page[OBJECT], 0, 1.0, press_step_s, 2);
-    const sim_free_settings free = {.mass_kg = page[FREE_MASS_KG],
-                                    .viscous_nspm = page[FREE_VISCOUS_NSPM],
-                                    .coulomb_n = page[FREE_COULOMB_N],
-                                    .delay_s = page[FREE_DELAY_S],
-                                    .position_step_m = page[FREE_POSITION_STEP_M],
-                                    .position_noise_m = page[FREE_POSITION_NOISE_M],
-                                    .velocity_noise_mps = -1,
-                                    .sign = 1,
-                                    .max_n = 12,
-                                    .seed = seed};
-    sim_free_init((sim_free *)free_memory, &free, press_step_s);
     memset(speed, 0, sizeof speed);
     page[PLACE_X] = page[PLACE_Y] = 0;
     page[PLACE_Z] = page[SURFACE_M];
@@ -170,16 +151,6 @@ static void hold(double step_s)
     page[PLACE_Z] = seen[2];
 }
 
-/* The tool in the air, for one step. */
-static void move(void)
-{
-    double depth_m, depth_mps;
-    sim_free_step((sim_free *)free_memory, page[FORCE_Z], &depth_m, &depth_mps);
-    seen[2] = page[SURFACE_M] - depth_m;
-    seen[5] += press_step_s / 0.004 * (-depth_mps - seen[5]);
-    page[PLACE_Z] = seen[2];
-}
-
 static void slide(int axis, double step_s)
 {
     const double turn = 3.0 * (simulated_s - began_s);
@@ -203,14 +174,12 @@ static void simulate(void)
     }
     while (simulated_s + press_step_s <= until_s) {
         const double step_s =
-            page[PRESSES] + page[FREE] != 0 ? press_step_s : fmin(until_s - simulated_s, 1e-3);
+            page[PRESSES] != 0 ? press_step_s : fmin(until_s - simulated_s, 1e-3);
         simulated_s += step_s;
         slide(0, step_s);
         slide(1, step_s);
         if (page[PRESSES] != 0) {
             press(step_s);
-        } else if (page[FREE] != 0) {
-            move();
         } else {
             hold(step_s);
         }

@@ -20,7 +20,6 @@ import numpy as np
 from springpot.codegen.atomic_write import written_aside
 from springpot.host.simulation.bench import ObjectMotion, SimulatedHand
 from springpot.host.simulation.objects import OBJECTS, SimulatedObject
-from springpot.host.wings.lab.free_device import FreeDevice, FreeDeviceTruth
 
 
 def arguments(description: str) -> argparse.ArgumentParser:
@@ -29,7 +28,6 @@ def arguments(description: str) -> argparse.ArgumentParser:
     parser.add_argument("--object", default="ecoflex-00-30", choices=OBJECTS)
     parser.add_argument("--intended-mm", type=float, default=20.0, help="how deep the hand means")
     parser.add_argument("--presses-hz", type=float, default=0.5)
-    parser.add_argument("--free", type=json.loads, metavar="JSON", help="nobody holds this device")
     parser.add_argument("--seed", type=int, default=1)
     for name in ("damage", "drop", "duplicate", "reorder", "late"):
         parser.add_argument(f"--{name}", type=float, default=0.0, metavar="P")
@@ -164,8 +162,7 @@ class Faults:
 
 
 class Tool:
-    """The device's moving part: held by a hand that presses to and fro, pressed into an object, or
-    held by nobody.
+    """The device's moving part: held by a hand that presses to and fro, or pressed into an object.
 
     force_n: of the motor, positive pushes the tool out of the object.
     """
@@ -174,16 +171,13 @@ class Tool:
         self._options, self.dt_s = options, dt_s
         self._hand = SimulatedHand("mid", noisy=True, seed=options.seed)
         self._object = ObjectMotion(SimulatedObject(options.object), dt_s)
-        self._let_go = options.free and FreeDevice(FreeDeviceTruth(**options.free), dt_s)
         self._ticks = 0
         self._free = np.zeros(1)
         self._speed_mps = 0.0
         self._draw = random.Random(options.seed)
 
     def in_hand(self, force_n: float) -> tuple[float, float]:
-        """One tick in the hand, or in nobody's: position and velocity."""
-        if self._let_go:
-            return self._let_go.step(force_n)
+        """One tick in the hand: position and velocity."""
         self._ticks += 1
         turn = 2 * np.pi * self._options.presses_hz * self._ticks * self.dt_s
         intended_m = 0.5e-3 * self._options.intended_mm * (1 - float(np.cos(turn)))

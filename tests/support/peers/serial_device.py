@@ -11,7 +11,7 @@ from typing import Any
 
 from line import Clock, Faults, Noise, Port, Tool, arguments, be_a_device, say
 
-from springpot.host.wings.devices.wire import Receiver, Sender, constant, layout
+from springpot.host.devices.wire import Receiver, Sender, constant, layout
 
 START, STOP, RESET, PRESS = (constant(name) for name in ("START", "STOP", "RESET", "PRESS"))
 IDLE_RATE_HZ = 1000.0
@@ -19,6 +19,8 @@ IDLE_RATE_HZ = 1000.0
 
 class Board:
     """The firmware: commands, watchdog, samples."""
+
+    role, model = "SIMPLE", bytes(32)
 
     def __init__(self, options: argparse.Namespace, port: Port) -> None:
         self.options, self.port = options, port
@@ -48,7 +50,8 @@ class Board:
             self.held = b""
 
     def hello(self) -> None:
-        self.send("hello", layout=layout(), rate_hz=self.rate_hz, max_n=20.0)
+        self.send("hello", layout=layout(), role=constant(self.role), model=self.model,
+                  rate_hz=self.rate_hz, max_n=20.0)  # fmt: skip
 
     def command(self, sequence: int, action: int, watchdog_s: float, rate_hz: float) -> None:
         refused = 0

@@ -1,7 +1,8 @@
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import given
+from hypothesis import strategies as st
 
 from springpot.trainer.features.fractional import fir_derivatives, gl_taps, gl_weights
 

@@ -9,13 +9,15 @@ import pytest
 from codegen.same_bits import require_same_bits
 from support.small import press, recording, scene, training, wandering
 
-from springpot import FitOptions, Model
-from springpot.emission import make_plan
-from springpot.modelling import fit_model
-from springpot.native import built
+from springpot import Model
+from springpot.codegen.arrays import rms
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.host.metrics import accuracy
+from springpot.host.native.trial_build import built
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.recordings.formats.importing import import_file
-from springpot.validation import accuracy, rms
 
 KINDS = ["rf-fd", "rbf-fd", "rbf-pv", "hammerstein", "springpot"]
 VARIANTS = {

@@ -7,15 +7,18 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
+from support.presses.places import grid_profiles
 from support.small import DT_S, passive_model, press, scene
 
-from springpot import DataError, FitOptions, Model, Recording, UsageError
+from springpot import Model, Recording
+from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.model_file import write_model
 from springpot.host.emission.emission import emit
+from springpot.host.recording.protocols import load_protocol
 from springpot.host.recording.session import open_press_device, record_session
 from springpot.host.validation.validation import validate
-from springpot.modelling import fit_model
-from springpot.simulation import load_protocol
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.recordings.recording_file import read_recordings
 
@@ -68,10 +71,9 @@ def test_other_kinds_few_sites_and_missing_places_are_refused() -> None:
 def lump() -> Model:
     """A map of 5 x 5 recorded sites."""
     with TemporaryDirectory() as folder:
-        protocol, sites = Path(folder) / "map.toml", Path(folder) / "sites"
-        protocol.write_text("[places]\nspan_m = [0.03, 0.03]\nfull = 5\nshort = 20\n")
+        sites = Path(folder) / "sites"
         bench = open_press_device("sim://lump")
-        record_session(bench, "sim://lump", "map", load_protocol(str(protocol), 0), sites)
+        record_session(bench, "sim://lump", "map", grid_profiles(5), sites)
         return fit_model("auto", "lump", read_recordings([sites]), FitOptions()).model
 
 

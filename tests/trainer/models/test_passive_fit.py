@@ -11,10 +11,14 @@ import pytest
 from support.c.passive_run import PassiveC
 from support.small import DT_S, press
 
-from springpot import FitOptions, Recording
+from springpot import Recording
+from springpot.codegen.model.passive import Hammerstein
+from springpot.host.metrics import accuracy
+from springpot.host.recording.protocols import load_protocol
 from springpot.host.recording.session import open_press_device, record_session
-from springpot.modelling import Hammerstein, fit_model, highpass, training_set
-from springpot.simulation import load_protocol
+from springpot.trainer.features.values import highpass
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.passive.nonnegative import normal_equations, sparse_solve
 from springpot.trainer.models.passive.passive_fit import (
     NODES,
@@ -25,8 +29,8 @@ from springpot.trainer.models.passive.passive_fit import (
 )
 from springpot.trainer.models.passive.passive_terms import plain_terms, to_model
 from springpot.trainer.models.predict import predict_n
+from springpot.trainer.models.training_set import training_set
 from springpot.trainer.recordings.recording_file import read_recordings
-from springpot.validation import accuracy
 
 DEPTH_M = 0.01
 MODES = ((0.02, 2.0), (0.2, 1.5), (2.0, 1.5))  # s, N

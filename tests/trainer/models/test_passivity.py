@@ -19,12 +19,13 @@ from scipy.optimize import minimize
 from support.c.passive_run import PassiveC
 from support.small import DT_S, passive_force_n, press, soft_force
 
-from springpot import FitOptions, Recording
+from springpot import Recording
 from springpot.codegen.model.formulas import loss_by_depth
 from springpot.codegen.model.passive import Damage, Flow, Hammerstein
-from springpot.modelling import training_set
+from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.hammerstein import fit_hammerstein
 from springpot.trainer.models.passive.term_values import play
+from springpot.trainer.models.training_set import training_set
 
 BOUND = 1e-5
 SAMPLES = 1500

@@ -8,10 +8,15 @@ import pytest
 from sklearn.ensemble import RandomForestRegressor
 from support.small import DEPTH_M, DT_S, press, recording, small_fit, training
 
-from springpot import DataError, FitOptions, Recording
+from springpot import Recording
+from springpot.codegen.errors import DataError
 from springpot.codegen.forest.leaves import quantised_leaves
-from springpot.modelling import depth_scale, fir_derivatives, fit_model, model_hash
+from springpot.codegen.model.model_file import model_hash
+from springpot.trainer.features.fractional import fir_derivatives
+from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.contact import pulls
+from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.models.forests import depth_scale
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.models.training_set import choose_rows, training_set
 from springpot.trainer.recordings.smoothing import smoothed

@@ -5,9 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings, strategies as st
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
-from springpot import DataError, Recording, check_recordings
+from springpot import Recording, check_recordings
+from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.column_map import parse_map
 from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
 from springpot.trainer.recordings.formats.uneven_tail import tail_note

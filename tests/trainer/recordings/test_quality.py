@@ -10,15 +10,18 @@ from subprocess import CompletedProcess
 
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import given
+from hypothesis import strategies as st
 from support.in_process import spring
 from support.small import training
 
 import springpot
-from springpot import DataError, Recording, check_recordings
-from springpot.modelling import find_cycles, find_strokes
+from springpot import Recording, check_recordings
+from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.importing import import_file
+from springpot.trainer.recordings.quality.cycles import find_cycles
 from springpot.trainer.recordings.quality.finding import Finding, three_digits
+from springpot.trainer.recordings.quality.motion import find_strokes
 from springpot.trainer.recordings.quality.plausible import glance
 from springpot.trainer.recordings.quality.sensors.channels import channel_findings
 from springpot.trainer.recordings.recording_file import write_recording

@@ -8,7 +8,6 @@ import pytest
 from support.small import press, recording
 
 from springpot.codegen.errors import DataError
-from springpot.host.wings.export.exporting import export_recording
 from springpot.trainer.recordings.formats.importing import import_file
 from springpot.trainer.recordings.journal import JournalWriter
 from springpot.trainer.recordings.recording_file import read_recording, write_recording
@@ -48,7 +47,8 @@ def test_no_recording_is_made_or_journalled_under_it(name: str, tmp_path: Path) 
 @pytest.mark.parametrize("text", [*HOSTILE, "Probe 3 (left)", "Gelprobe ü"])
 def test_a_safe_name_is_taken_and_stays_in_its_folder(text: str, tmp_path: Path) -> None:
     named = replace(recording("whole", press(2.0)), name=safe_recording_name(text))
-    assert export_recording(tmp_path, named, "csv").parent == tmp_path
+    write_recording(tmp_path / f"{named.name}.h5", named)
+    assert [file.parent for file in tmp_path.rglob("*.h5")] == [tmp_path]
     assert len(named.name.encode()) <= MAX_NAME_BYTES
 
 

@@ -14,11 +14,14 @@ import pytest
 from click.testing import CliRunner
 from support.files.mislabelled import Mislabelled, mislabelled, motion, true_force_n
 
-from springpot import DataError, FitOptions, Recording, SpringpotError, check_recordings
+from springpot import Recording, SpringpotError, check_recordings
+from springpot.codegen.errors import DataError
 from springpot.host.commands.recordings.import_ import import_
 from springpot.host.validation.seen import accepted_words
-from springpot.modelling import fit_model, training_set
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.predict import predict_n
+from springpot.trainer.models.training_set import training_set
 from springpot.trainer.recordings.conditioning import Conditioning, condition
 from springpot.trainer.recordings.formats.importing import import_file
 from springpot.trainer.recordings.quality.signs import find_signs, require_signs

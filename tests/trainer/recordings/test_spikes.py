@@ -7,12 +7,17 @@ import numpy as np
 import pytest
 from support.small import DT_S, press, recording, soft_force
 
-from springpot import DataError, FitOptions, Recording, check_recordings
+from springpot import Recording, check_recordings
+from springpot.codegen.errors import DataError
+from springpot.host.metrics import accuracy
 from springpot.host.validation.seen import seen_by
-from springpot.modelling import fit_model, hold_spikes, require_compatible, training_set
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.compatibility import require_compatible
+from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.predict import predict_n
+from springpot.trainer.models.training_set import training_set
+from springpot.trainer.recordings.quality.spikes import hold_spikes
 from springpot.trainer.recordings.recording_file import write_recording
-from springpot.validation import accuracy
 
 CYCLES = 0.006 + press(1.0, 0.004, 3)
 

@@ -2,10 +2,12 @@
 
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
+from hypothesis import given
+from hypothesis import strategies as st
 from support.messages import refusing
 
-from springpot import DataError, Recording, UsageError
+from springpot import Recording
+from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.recordings.formats.column_map import Column, parse_map
 from springpot.trainer.recordings.formats.units import Quantity, factor_to_si
 from springpot.trainer.recordings.quality.plausible import glance

@@ -6,9 +6,12 @@ import numpy as np
 import pytest
 from support.small import DEPTH_M, DT_S, press, recording, training
 
-from springpot import FitOptions, Model, Recording
-from springpot.modelling import fit_model, fold_families, training_set
+from springpot import Model, Recording
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.models.folds import fold_families
 from springpot.trainer.models.predict import predict_n
+from springpot.trainer.models.training_set import training_set
 from springpot.trainer.selection import auto
 from springpot.trainer.selection.auto import ranked, reason
 from springpot.trainer.selection.scores import Score

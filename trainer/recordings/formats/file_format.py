@@ -12,7 +12,6 @@ from springpot.codegen.short_repr import short_repr
 from springpot.trainer.recordings.formats.column_map import ColumnMap
 from springpot.trainer.recordings.formats.csv.decimals import DecimalMark
 from springpot.trainer.recordings.formats.raw_channels import RawChannels
-from springpot.trainer.recordings.formats.specimen import Specimen
 
 START_BYTES = 520  # of a file, which `begins` sees; a user block of HDF5 is 512 of them
 
@@ -24,9 +23,9 @@ class FileRequest:
     columns: of each channel, "time", "position" or "force", the column, signal or array and its
     unit; what it leaves out is guessed, and without --map it is empty. dbc: database of a CAN log.
     block: only blocks of this kind of a Mach-1 file. decimal: mark of decimals in text, None:
-    guessed. resampled: samples are interpolated afterwards. specimen: of columns of stress and
-    strain. place: headers of two columns, where the object is pressed. A reader of a format
-    without columns to choose refuses them with UsageError; other settings it may pass over.
+    guessed. resampled: samples are interpolated afterwards. place: headers of two columns, where
+    the object is pressed. A reader of a format without columns to choose refuses them with
+    UsageError; other settings it may pass over.
     """
 
     columns: ColumnMap = field(default_factory=dict)
@@ -34,7 +33,6 @@ class FileRequest:
     block: str | None = None
     decimal: DecimalMark | None = None
     resampled: bool = False
-    specimen: Specimen | None = None
     place: tuple[str, str] | None = None
     __repr__ = short_repr
 

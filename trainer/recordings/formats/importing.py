@@ -21,13 +21,12 @@ from springpot.trainer.recordings.formats.file_format import (
 )
 from springpot.trainer.recordings.formats.raw_channels import RawChannels
 from springpot.trainer.recordings.formats.sampling import to_recording
-from springpot.trainer.recordings.formats.specimen import Specimen
 from springpot.trainer.recordings.formats.uneven_tail import tail_note
 from springpot.trainer.recordings.formats.units import factor_to_si
-from springpot.trainer.recordings.journal_blocks import is_journal
-from springpot.trainer.recordings.journal_reader import is_being_recorded, read_parts
+from springpot.trainer.recordings.journal import JOURNAL_SUFFIX
 from springpot.trainer.recordings.recording import Recording, Zero, zero_word
-from springpot.trainer.recordings.recording_file import has_checksum, read_recording
+from springpot.trainer.recordings.recording_file import read_recording
+from springpot.trainer.recordings.recording_hdf5 import is_recording
 from springpot.trainer.recordings.recording_name import safe_recording_name
 
 _NUMBER = r"\s*([+-]?(?:\d+\.?\d*|\.\d+))\s*"
@@ -41,7 +40,6 @@ class ImportOptions:
 
     dbc: database of a CAN log. block: only blocks of this kind of a Mach-1 file.
     decimal: what marks decimals in a CSV file, None: guessed.
-    specimen: sizes, if a CSV file has stress and strain in place of force and position.
     conditioning: delays, mass, tare and contact point.
     place_m: where the object was pressed, x and y, or the headers of the two columns that say it;
     None: what the file says.
@@ -54,7 +52,6 @@ class ImportOptions:
     block: str | None = None
     decimal: DecimalMark | None = None
     conditioning: Conditioning = field(default_factory=Conditioning)
-    specimen: Specimen | None = None
     place_m: tuple[float, float] | tuple[str, str] | None = None
     __repr__ = short_repr
 
@@ -117,19 +114,15 @@ def _imported(
         require_regular(path)
         with path.open("rb") as file:
             start = file.read(START_BYTES)
-        if is_journal(start):
-            return _import_journal(path, options)
-        if has_checksum(path):
+        if path.suffix == JOURNAL_SUFFIX or is_recording(path):
             return _import_again(path, mapping, zero, resample_hz, options)
         request = FileRequest(
             mapping or {}, options.dbc, options.block, options.decimal, resample_hz is not None,
-            options.specimen, options.columns_of_place,
+            options.columns_of_place,
         )  # fmt: skip
         raws, guess = _read(path, start, request)
     except OSError as error:
         raise DataError(f"{path}: {error.strerror}: give a file that can be read") from None
-    if options.specimen and not options.specimen.made_of(raws[0].details):
-        raise UsageError(f"{path}: --area, --height: no columns of stress and strain were read")
     names = _unique([raw.name for raw in raws])
     recordings = []
     for raw, name in zip(raws, names, strict=True):
@@ -154,19 +147,6 @@ def _read(path: Path, start: bytes, request: FileRequest) -> tuple[list[RawChann
         return chosen.read(path, request)
     except DataError as error:
         raise type(error)(f"{error}{absent('formats', formats)}") from None
-
-
-def _import_journal(path: Path, options: ImportOptions) -> ImportResult:
-    if is_being_recorded(path):
-        raise DataError(f"{path}: still being recorded: wait until that ends")
-    parts, messages = read_parts(path)
-    recordings = []
-    for part, name in zip(parts, _unique([part.name for part in parts]), strict=True):
-        details = {**part.details, "recovered": messages}
-        whole, said = condition(replace(part, name=name, details=details), options.conditioning)
-        recordings.append(whole)
-        messages += "".join(f"; {line}" for line in said)
-    return ImportResult(recordings, f"{path}: {messages}")
 
 
 def _import_again(

@@ -35,11 +35,11 @@ _FACTORS: dict[Quantity, dict[str, float]] = {
     },
 }  # fmt: skip
 # Of a specimen, each a force over its area or a way over its height; casefolded.
-_STRESSES = {"pa": 1.0, "kpa": 1e3, "mpa": 1e6, "n/mm2": 1e6, "n/mm²": 1e6, "psi": 6894.757}
-_STRAINS = {"%": 0.01, "mm/mm": 1.0, "m/m": 1.0, "in/in": 1.0, "1": 1.0, "-": 1.0}
-OF_SPECIMEN: dict[Quantity, dict[str, float]] = {
-    "time": {}, "position": _STRAINS, "force": _STRESSES,
-}  # fmt: skip
+OF_SPECIMEN: dict[Quantity, set[str]] = {
+    "time": set(),
+    "position": {"%", "mm/mm", "m/m", "in/in", "1", "-"},
+    "force": {"pa", "kpa", "mpa", "n/mm2", "n/mm²", "psi"},
+}
 _WORDS: dict[Quantity, dict[str, str]] = {
     "time": {"msec": "ms", "millisecond": "ms", "milliseconds": "ms", "minutes": "min"},
     "position": {
@@ -204,7 +204,7 @@ def _plain(text: str) -> str:
 def _near(unit: str, quantity: Quantity) -> str:
     """The unit that may be meant, but is not chosen unasked."""
     if unit.casefold() in OF_SPECIMEN[quantity]:
-        what = "stress" if quantity == "force" else "strain"
-        return f", it is one of {what}: import with --area M2 and --height M, the specimen's; or"
+        what, size = ("stress", "area") if quantity == "force" else ("strain", "height")
+        return f", it is one of {what}: put the specimen's {size} before a unit of {quantity}:"
     meant = _MEANT.get(unit.casefold()) if quantity == "force" else None
     return f" (did you mean {meant}?):" if meant else ":"

@@ -108,5 +108,5 @@ def _doubt(recording: Recording, stiffness_npm: float, speed_mps: float) -> str:
             meant.append(f"if {channel} is in {unit}, it is {three_digits(other_npm, 'N/m')}")
     taken = stored.get("position", {}).get("to_si")
     if stiff and taken and np.ptp(recording.position_m) <= _STRAIN * abs(taken):
-        meant.append("if position is a strain, pass --area and --height")
+        meant.append("if position is a strain, give the height, --map position=COL:33mm")
     return "; ".join([what, *meant])

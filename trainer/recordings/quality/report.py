@@ -85,7 +85,6 @@ class QualityReport:
     @cached_property
     def figures(self) -> dict[str, Any]:
         """Figures of the set."""
-        find_coverage: Any = part("coverage")
         presses = self.checked
         floor = noise_floor(self.repeats, self.cycles, self.checked)
         return {
@@ -97,7 +96,6 @@ class QualityReport:
                 for g in self.repeats
             ],
             "distinct_speeds_mps": distinct_speeds(presses),
-            "coverage": find_coverage(presses).as_dict() if find_coverage and presses else None,
             "skew_s": self.skew.delay_s if self.skew else None,
             "skew_uncertainty_s": self.skew.uncertainty_s if self.skew else None,
             "signs": self.sign_words,

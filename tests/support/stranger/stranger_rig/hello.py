@@ -2,7 +2,8 @@
 
 import click
 
-from springpot.console import LazyCommand, json_option, print_result
+from springpot.host.console.lazy_group import LazyCommand
+from springpot.host.console.output import json_option, print_result
 
 HELLO = LazyCommand("stranger_rig.hello:hello", "Greet an OBJECT.")
 

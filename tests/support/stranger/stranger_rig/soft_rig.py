@@ -4,8 +4,9 @@ from pathlib import Path
 
 import numpy as np
 
-from springpot import DataError, UsageError
-from springpot.modelling import FileFormat, FileRequest, RawChannels
+from springpot.codegen.errors import DataError, UsageError
+from springpot.trainer.recordings.formats.file_format import FileFormat, FileRequest
+from springpot.trainer.recordings.formats.raw_channels import RawChannels
 
 
 def read_soft_rig(path: Path, request: FileRequest) -> tuple[list[RawChannels], str]:

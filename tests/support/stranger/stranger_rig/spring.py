@@ -4,8 +4,11 @@ import time
 from collections.abc import Sequence
 from dataclasses import replace
 
-from springpot import Fit, FitOptions, Recording
-from springpot.modelling import Kind, TrainingSet, assemble, fit_passive
+from springpot import Fit, Recording
+from springpot.trainer.kinds import Kind
+from springpot.trainer.models.fit import FitOptions, assemble
+from springpot.trainer.models.passive.passive_fit import fit_passive
+from springpot.trainer.models.training_set import TrainingSet
 
 
 def fit_spring(

@@ -3,9 +3,11 @@
 from pathlib import Path
 from typing import Any
 
-from springpot import UsageError
-from springpot.devices import Address, DeviceRequirements, Driver, VirtualDevice
-from springpot.native import CLibrary
+from springpot.codegen.errors import UsageError
+from springpot.host.devices.device import DeviceRequirements, VirtualDevice
+from springpot.host.devices.drivers import Driver
+from springpot.host.devices.url import Address
+from springpot.host.native.c_library import CLibrary
 
 
 class StillDevice(VirtualDevice):

@@ -8,11 +8,12 @@ import pytest
 from support.messages import refusing
 from support.small import press, soft_force, training
 
-from springpot import DataError, FitOptions, Recording, UsageError
-from springpot.modelling import fit_model
+from springpot import Recording
+from springpot.codegen.errors import DataError, UsageError
+from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.recordings.formats.column_map import guess_column, parse_map, split_unit
 from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
-from springpot.trainer.recordings.formats.specimen import Specimen, size_in_si
 
 POSITION_M = press(1.0)
 FORCE_N = soft_force(POSITION_M)
@@ -156,63 +157,6 @@ def test_a_first_row_that_is_out_of_step_is_cut(first_s: float, tmp_path: Path) 
     assert found.recordings[0].dt_s == pytest.approx(4e-3)
 
 
-SPECIMEN = ImportOptions(specimen=Specimen(area_m2=5e-4, height_m=0.02))
-
-
-@pytest.mark.parametrize(
-    "chosen",
-    [
-        "", "time=1,position=2,force=3", "time=1:s,position=2:%,force=3:MPa", "position=2:%",
-        "time=10Hz,force=Stress:MPa", "position=Strain:2e-4m,force=3:500N", "force=3:1e3kPa",
-    ],
-)  # fmt: skip
-def test_stress_and_strain_are_of_a_specimen_by_any_map(chosen: str, tmp_path: Path) -> None:
-    """The same press, by force and position, and by stress in MPa and strain in %."""
-    text = table("Time (s),Strain,Stress\n(s),(%),(MPa)", (1.0, 2e-4, 500.0))
-    (tmp_path / "press.csv").write_text(text)
-    require_press(tmp_path / "press.csv", chosen, SPECIMEN)
-
-
-@pytest.mark.parametrize(
-    ("header", "chosen", "says"),
-    [
-        ("Strain (?),Stress (MPa)", "", r"column 'Strain \(\?\)' has none of the units %, mm/mm"),
-        ("Position (mm),Force (N)", "", "no columns of stress and strain"),
-        ("True Strain,Stress (MPa)", "position=2,force=3", "export engineering stress and strain"),
-        ("Strain,Wahre Spannung (MPa)", "position=2,force=3", "export engineering stress"),
-    ],
-)
-def test_other_columns_are_not_of_a_specimen(
-    header: str, chosen: str, says: str, tmp_path: Path
-) -> None:
-    (tmp_path / "press.csv").write_text(table(f"Time (s),{header}", (1.0, 2e-4, 500.0)))
-    with pytest.raises(UsageError, match=says):
-        require_press(tmp_path / "press.csv", chosen, SPECIMEN)
-
-
-@pytest.mark.parametrize(
-    ("text", "power", "size"),
-    [
-        ("5e-4", 2, 5e-4), ("18mm2", 2, 18e-6), ("0.18 cm²", 2, 18e-6), ("18 mm^2", 2, 18e-6),
-        ("0.033", 1, 0.033), ("33 mm", 1, 0.033), ("1in", 1, 0.0254), ("2e-2m", 1, 0.02),
-        ("18mm", 2, None), ("18N", 1, None), ("mm", 1, None), ("", 2, None), ("a", 2, None),
-    ],
-)  # fmt: skip
-def test_sizes_of_a_specimen(text: str, power: int, size: float | None) -> None:
-    if size is None:
-        with pytest.raises(UsageError, match="give it with a unit"):
-            size_in_si(text, power)
-    else:
-        assert size_in_si(text, power) == pytest.approx(size)
-
-
-def test_no_size_of_a_specimen() -> None:
-    with pytest.raises(UsageError, match="give both above 0"):
-        Specimen(0.0, 0.02)
-    with pytest.raises(UsageError, match=r"314 mm2 are --area 0\.000314; .*15 mm are .* 0\.015"):
-        Specimen(314.0, 15.0)
-
-
 @pytest.mark.parametrize(
     ("header", "chosen"),
     [
@@ -228,24 +172,9 @@ def test_a_stress_is_no_force_unless_somebody_says_so(
 ) -> None:
     file = tmp_path / "press.csv"
     file.write_text(table(header, (1.0, 1e-3, 1.0)))
-    with pytest.raises(DataError, match=r"--area M2 and --height M.* after all, .*=COL:1") as told:
+    with pytest.raises(DataError, match=r"height and area before.* after all, .*=COL:1") as told:
         import_file(file, parse_map(chosen), "none", None)
-    said = re.search(r"(\w+)=COL:(1\w+)", str(told.value))
+    said = re.search(r"after all, (\w+)=COL:(1\w+)", str(told.value))
     stated = re.sub(rf"({said[1]}=\d)[^,]*", rf"\1:{said[2]}", chosen)
     (found,) = import_file(file, parse_map(stated), "none", None).recordings
     assert len(found.force_n) == len(FORCE_N)
-
-
-@pytest.mark.parametrize("seed", range(4))
-def test_sizes_as_people_write_them_have_no_digits_of_rounding(seed: int, tmp_path: Path) -> None:
-    """18 mm2 times 1000 Pa is 0.018 N, and not 0.018000000000000002 N."""
-    draw = np.random.default_rng(seed)
-    (tmp_path / "press.csv").write_text(table("Time (s),Strain (%),Stress (kPa)", (1.0, 2e-4, 1.0)))
-    for _ in range(10):
-        area, height = (f"{draw.integers(1, 999) / 10:g}" for _ in range(2))
-        specimen = Specimen(size_in_si(f"{area}mm2", 2), size_in_si(f"{height}mm", 1))
-        done = import_file(
-            tmp_path / "press.csv", None, "none", None, ImportOptions(specimen=specimen)
-        )
-        for number in re.findall(r"\d+\.\d+", done.guess.rpartition("press.csv")[2]):
-            assert len(number.replace(".", "").lstrip("0")) <= 6, done.guess

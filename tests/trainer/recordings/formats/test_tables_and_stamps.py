@@ -10,7 +10,7 @@ import numpy as np
 import openpyxl
 import pytest
 
-from springpot import DataError
+from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.column_map import parse_map
 from springpot.trainer.recordings.formats.importing import ImportOptions, ImportResult, import_file
 

@@ -7,11 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.files.recording_files import PressedObject
+from support.presses.structures import recorded
 
-import springpot
-from springpot import DataError, Recording
-from springpot.modelling import Finding, find_contact
+from springpot import Recording
+from springpot.codegen.errors import DataError
+from springpot.trainer.recordings.contact_point import find_contact
 from springpot.trainer.recordings.quality.contact.surface import contact_findings
+from springpot.trainer.recordings.quality.finding import Finding
 
 TIME_S = np.arange(4000) * 1e-3
 
@@ -109,7 +111,7 @@ def test_what_is_pulled_too_is_not_left_out_beside_a_press(seed: int) -> None:
 @pytest.mark.parametrize("name", ["bergstrom-boyce", "mullins", "poro-viscoelastic"])
 def test_a_session_on_a_simulated_object_needs_no_other_zero(name: str, tmp_path: Path) -> None:
     """Its position 0 is the surface; it does not recover between the presses."""
-    recordings = springpot.record(f"sim://{name}?rest=2", "third-repeat", tmp_path / "a", seed=11)
+    recordings = recorded(f"sim://{name}?rest=2", "third-repeat", tmp_path / "a")
     assert any(item.start_s for item in recordings)
     assert contacts(list(recordings)) == []
 

@@ -5,12 +5,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.presses.structures import recorded
 
-import springpot
 from springpot import Recording, check_recordings
-from springpot.console import check_parts
-from springpot.modelling import Finding, find_cycles
+from springpot.host.commands.recordings.check import check_parts
 from springpot.trainer.recordings.quality.alignment import estimate_skew, low_pass_delay_s
+from springpot.trainer.recordings.quality.cycles import find_cycles
+from springpot.trainer.recordings.quality.finding import Finding
 
 TIME_S = np.arange(4000) * 1e-3
 
@@ -101,5 +102,5 @@ def test_presses_without_a_delay_are_not_said_to_have_one(
 ) -> None:
     """The first press of an object that settles loses more than a cycle does, at each speed."""
     rest = "?rest=2" if structure == "third-repeat" else ""
-    presses = springpot.record(f"sim://{name}{rest}", structure, tmp_path / "a", seed=11)
+    presses = recorded(f"sim://{name}{rest}", structure, tmp_path / "a")
     assert not findings("alignment", *presses)

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from springpot import DataError, Recording, UsageError, check_recordings
+from springpot import Recording, check_recordings
+from springpot.codegen.errors import DataError, UsageError
 from springpot.host.commands.recordings.check import check_
 from springpot.host.commands.recordings.import_ import import_
 from springpot.trainer.recordings.formats.importing import (
@@ -15,8 +16,7 @@ from springpot.trainer.recordings.formats.importing import (
     parse_place,
     place_or_columns,
 )
-from springpot.trainer.recordings.journal import JournalWriter
-from springpot.trainer.recordings.journal_reader import journal_of, read_journal
+from springpot.trainer.recordings.journal import JournalWriter, journal_of, read_journal
 
 
 def press(name: str, place_m: tuple[float, float] | None, stiffness: float = 400.0) -> Recording:
@@ -36,7 +36,7 @@ def test_a_place_is_kept_in_a_journal(tmp_path: Path, place_m: tuple[float, floa
     recording = press("press", place_m)
     with JournalWriter(tmp_path / "cut.h5", "cut", 1e-3, "", {}, place_m=place_m) as journal:
         journal.append(recording.position_m, recording.force_n)
-    assert read_journal(journal_of(tmp_path / "cut.h5")).recording.place_m == place_m
+    assert read_journal(journal_of(tmp_path / "cut.h5"))[0].place_m == place_m
 
 
 @pytest.mark.parametrize("delimiter", [",", ";", "\t", " "])

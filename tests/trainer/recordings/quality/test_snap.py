@@ -5,7 +5,7 @@ import pytest
 from support.small import soft_force
 
 from springpot import Recording, check_recordings
-from springpot.modelling import fir_derivatives, gl_taps
+from springpot.trainer.features.fractional import fir_derivatives, gl_taps
 from springpot.trainer.recordings.quality.snap import snap_findings
 
 DEPTH_M = 5e-3

@@ -9,7 +9,6 @@ from springpot.codegen.plurals import number_of
 from springpot.trainer.recordings.formats.column_map import (
     MAP_EXAMPLE,
     Column,
-    ColumnMap,
     column_units,
     guess_column,
 )
@@ -40,8 +39,8 @@ from springpot.trainer.recordings.formats.csv.csv_units import (
     unit_row,
 )
 from springpot.trainer.recordings.formats.csv.decimals import DecimalMark, decimal_mark
+from springpot.trainer.recordings.formats.csv.stress import require_no_stress
 from springpot.trainer.recordings.formats.file_format import FileRequest
-from springpot.trainer.recordings.formats.specimen import require_no_stress
 from springpot.trainer.recordings.formats.units import CLOCK, Quantity, Unit
 
 _LINES = 400  # of numbers, that show their mark of decimals
@@ -78,12 +77,12 @@ def find_layout(
 ) -> Layout:
     """Find the layout from the file's first lines; what is requested overrides the guess.
 
-    Where the map states a rate, no column of time is needed; with a specimen's sizes, stress and
-    strain are force and position. among: of `head`, the lines that may be the header; none: all.
+    Where the map states a rate, no column of time is needed. among: of `head`, the lines that may
+    be the header; none: all.
     Raises DataError where a column or a unit is missing, unknown or ambiguous, and of those
     MissingColumnsError if no line names all columns.
     """
-    columns, specimen = request.columns, request.specimen
+    columns = request.columns
     options = wanted_columns(columns)
     among = among or range(len(head))
     head = without_comment_marks(head, among)
@@ -94,14 +93,13 @@ def find_layout(
     best: tuple[int, Candidates, Cells] = (0, {}, [])
     for index in among:
         for delimiter, row in split_line(head, index):
-            stated = specimen.columns(row, columns) if specimen else columns
-            found = {q: _candidates(row, q, stated.get(q)) for q in options}
+            found = {q: _candidates(row, q, columns.get(q)) for q in options}
             found = {q: candidates for q, candidates in found.items() if candidates}
             if len(found) == len(options) <= len(row):
                 chosen = {q: candidates[0] for q, candidates in found.items()}
                 if any(len(candidates) > 1 for candidates in found.values()):
                     raise which_column(path, index, row, found)
-                return _layout(path, head, delimiter, index, chosen, stated, request)
+                return _layout(path, head, delimiter, index, chosen, request)
             if len(found) > len(best[1]):
                 best = (index, found, row)
     index, row = above_numbers(head)
@@ -137,7 +135,7 @@ def _layout_by_numbers(path: Path, head: Sequence[str], request: FileRequest, be
                 header = index - 1
                 while header > begin and not head[header].strip():
                     header -= 1
-                return _layout(path, head, delimiter, header, chosen, columns, request)
+                return _layout(path, head, delimiter, header, chosen, request)
     numbers = ", ".join(str(i + 1) for i in chosen.values())
     raise DataError(
         f"{path}: no row has numbers in columns {numbers} ({number_of(len(head), 'row')} read): "
@@ -151,9 +149,9 @@ def _layout(
     delimiter: str,
     header_index: int,
     chosen: dict[Quantity, int],
-    columns: ColumnMap,
     request: FileRequest,
 ) -> Layout:
+    columns = request.columns
     if len(set(chosen.values())) < len(chosen):
         raise DataError(f"{path}: two channels would come from one column: correct --map")
     header, below, first = _header_and_below(head, delimiter, header_index)
@@ -168,10 +166,7 @@ def _layout(
     if clock:
         header, columns, stated_units = clock_units(header, columns, stated_units, chosen["time"])
     labels = {q: header[index] if index < len(header) else "" for q, index in chosen.items()}
-    if request.specimen:
-        columns = request.specimen.in_si(labels, stated_units, columns)
-    else:
-        require_no_stress(str(path), labels, stated_units, columns)
+    require_no_stress(str(path), labels, stated_units, columns)
     units = column_units(path, header, chosen, columns, stated_units)
     if clock:
         units["time"] = replace(units["time"], origin=CLOCK)

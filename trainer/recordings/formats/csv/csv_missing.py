@@ -13,7 +13,7 @@ from springpot.trainer.recordings.formats.column_map import (
     stated_rate_hz,
 )
 from springpot.trainer.recordings.formats.csv.csv_lines import Cells
-from springpot.trainer.recordings.formats.specimen import stress_and_strain
+from springpot.trainer.recordings.formats.csv.stress import STRESS_REMEDY, stress_and_strain
 from springpot.trainer.recordings.formats.units import QUANTITIES, Quantity
 
 MAX_NAMED = 12  # columns in a message
@@ -75,8 +75,8 @@ def missing_columns(
         )
     if found.keys() == {"time"} and stress_and_strain(row):
         return MissingColumnsError(
-            f"{path}: stress and strain in place of force and position{header}: pass --area M2 and "
-            "--height M, the specimen's, in m2 and m (5e-4, 0.02)"
+            f"{path}: stress and strain in place of force and position{header}: --map: "
+            f"{STRESS_REMEDY}"
         )
     if missing == ["time"] and row:
         return MissingColumnsError(

@@ -1,0 +1,213 @@
+"""The benchmark: every candidate measured on all cores or on a cluster, the front, the result."""
+
+import hashlib
+import json
+import signal
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from importlib import resources
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any, TypeVar
+
+from joblib import Memory, Parallel, delayed, parallel_config
+from joblib.memory import MemorizedFunc
+from rich.progress import track
+
+from springpot import Recording
+from springpot.codegen.atomic_write import write_file
+from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.scene import Target
+from springpot.host.bench.candidates import Candidate, default_sweep
+from springpot.host.bench.front import ALONE, measure_alone, pareto
+from springpot.host.bench.measure import (
+    BenchRecordings,
+    Point,
+    measure_point,
+    measure_sizes,
+    target_compiler,
+)
+from springpot.host.console.output import progress_console
+from springpot.host.native.machine import machine_metadata
+from springpot.host.validation.seen import known_among
+from springpot.trainer.kinds import KINDS
+from springpot.trainer.models.fit import FitOptions
+
+RESULT = "bench.json"
+_CONNECT_S = 10
+_Result = TypeVar("_Result")
+
+
+@dataclass(frozen=True, eq=False)
+class Bench:
+    """What to run. models: kinds and model files; every kind by default. dask: a scheduler."""
+
+    training: tuple[Recording, ...]
+    validation: tuple[Recording, ...]
+    target: Target
+    seed: int = 0
+    models: tuple[str, ...] = ()
+    dask: str | None = None
+
+
+def run_bench(bench: Bench, folder: Path, command: str) -> dict[str, Any]:
+    """Measure what is not measured yet, write folder/bench.json, and return it.
+
+    Raises UsageError for an unknown model, DataError if no model can be made of the recordings.
+    """
+    begin = time.perf_counter()
+    memory = Memory(folder / "measured", verbose=0)
+    key = key_of(
+        [code_hash(), machine_metadata(), bench.target],
+        [[item.name, item.content_hash] for item in bench.training],
+        [[item.name, item.content_hash] for item in bench.validation],
+    )
+    data = BenchRecordings(key, bench.training, bench.validation)
+    measured = memory.cache(measure_point, ignore=["data"])
+    jobs = [(candidate, key, data) for candidate in _candidates(bench)]
+    found = list(_in_parallel(measured, jobs, bench.dask, "models"))
+    points = _stored([(row, model) for row, model in found if model is not None], folder)
+    refused = [row for row, model in found if model is None]
+    if not points:
+        raise DataError(f"no model can be made of these recordings: {refused[0]['error']}")
+    compiler = target_compiler(bench.target)
+    sizes = memory.cache(measure_sizes, ignore=["model_file"])
+    asked = [(folder / str(p["file"]), p["number"], bench.target, p["hash"], compiler)
+             for p in points]  # fmt: skip
+    for point, size in zip(points, _in_parallel(sizes, asked, None, "sizes"), strict=True):
+        point.update(size)
+    alone = memory.cache(measure_alone, ignore=["model_file", "recording"])
+    longest = max(bench.validation, key=lambda item: len(item.position_m))
+    front = pareto(points)
+    for number, (point, on_front) in enumerate(zip(points, front, strict=True)):
+        point.update(dict.fromkeys(ALONE), pareto=on_front)
+        if on_front:
+            progress_console.print(f"alone on the machine: {sum(front[: number + 1])} "
+                                   f"of {sum(front)} on the front")  # fmt: skip
+            its = key_of(key, point["hash"], compiler)
+            file = folder / str(point["file"])
+            point.update(alone(file, point["number"], bench.target, its, longest))
+    metadata = machine_metadata()
+    result = {
+        "points": sorted(points, key=_rmse_n),
+        "refused": refused,
+        "machine": f"{metadata['processor']}, {metadata['system']}",
+        "compiler": metadata["compiler"],
+        "flags": metadata["flags"],
+        "versions": {"scikit-learn": version("scikit-learn"), **metadata},
+        "target": bench.target,
+        "rate_hz": bench.training[0].rate_hz,
+        "seed": bench.seed,
+        "command": command,
+        "recordings": {"training": _named(bench.training), "validation": _named(bench.validation)},
+        "seen": known_among({item.content_hash for item in bench.training}, bench.validation),
+        "wall_s": time.perf_counter() - begin,
+    }
+    write_file(folder / RESULT, json.dumps(result, indent=1, allow_nan=False).encode())
+    return result
+
+
+def _rmse_n(point: Point) -> float:
+    error = point["rmse_n"]
+    assert isinstance(error, float)
+    return error
+
+
+def _candidates(bench: Bench) -> list[Candidate]:
+    """Raises UsageError for what is neither a kind nor a file."""
+    options = FitOptions(seed=bench.seed)
+    kinds = [name for name in bench.models if name in KINDS]
+    files = [Path(name) for name in bench.models if name not in KINDS]
+    for file in files:
+        if not file.is_file():
+            raise UsageError(f"--model {file}: neither a file nor one of {', '.join(KINDS)}")
+    swept = default_sweep(bench.training[0].dt_s, options, kinds) if kinds or not files else []
+    return [*swept, *(Candidate("file", options, file=file) for file in files)]
+
+
+def _stored(found: Sequence[tuple[Point, bytes]], folder: Path) -> list[Point]:
+    """Write each model to a file, and return the rows, which name it."""
+    (folder / "models").mkdir(parents=True, exist_ok=True)
+    points = []
+    for row, model in found:
+        name = f"models/{str(row['hash'])[:16]}.spm"
+        write_file(folder / name, model)
+        points.append(row | {"file": name})
+    return points
+
+
+def _named(recordings: Sequence[Recording]) -> list[dict[str, str]]:
+    return [{"name": item.name, "hash": item.content_hash, "source": item.source}
+            for item in recordings]  # fmt: skip
+
+
+def _in_parallel(
+    work: MemorizedFunc, items: Sequence[tuple[object, ...]], dask: str | None, what: str
+) -> Iterator[Any]:
+    """Yield results in order, with progress. dask: address of a scheduler.
+
+    Raises UsageError if no scheduler answers there.
+    """
+    if all(work.check_call_in_cache(*item) for item in items):
+        yield from (work(*item) for item in items)
+        return
+    quiet = not progress_console.is_terminal
+    with _backend(dask):
+        with _without_interrupts():  # workers start here, and inherit it
+            results = Parallel(n_jobs=-1, return_as="generator", batch_size=1)(
+                delayed(_in_one_thread)(work, item) for item in items
+            )
+        yield from track(results, what, len(items), console=progress_console, disable=quiet)
+
+
+def _in_one_thread(work: Callable[..., _Result], item: tuple[object, ...]) -> _Result:
+    """Keep the forests of a job from starting threads: every core has a job already."""
+    with parallel_config(backend="sequential"):
+        return work(*item)
+
+
+@contextmanager
+def _without_interrupts() -> Iterator[None]:
+    """Block Ctrl-C, which goes to every process of a terminal: the parent's answer is enough."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+@contextmanager
+def _backend(dask: str | None) -> Iterator[None]:
+    if dask is None:
+        with parallel_config(backend="loky"):
+            yield
+        return
+    from distributed import Client
+
+    try:
+        client = Client(dask, timeout=_CONNECT_S)
+    except (OSError, ValueError) as error:
+        raise UsageError(
+            f"--dask {dask}: no scheduler answers ({error}): start one with `dask scheduler`, and "
+            "`dask worker ADDRESS` on each machine that has springpot"
+        ) from None
+    with client, parallel_config(backend="dask"):
+        yield
+
+
+def key_of(*values: object) -> str:
+    """Return a hash of JSON values: the name of what is known of them."""
+    return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()[:24]
+
+
+def code_hash() -> str:
+    """Return SHA-256 of springpot's sources: another version measures again."""
+    root = Path(str(resources.files("springpot")))
+    digest = hashlib.sha256()
+    for floor in ("runtime_c", "codegen", "trainer", "host"):
+        for file in sorted((root / floor).rglob("*")):
+            if file.is_file() and "__pycache__" not in file.parts:
+                digest.update(f"{file.relative_to(root)}\n".encode() + file.read_bytes())
+    return digest.hexdigest()

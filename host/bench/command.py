@@ -1,0 +1,86 @@
+"""`springpot bench`: error against run time against bytes, and the front."""
+
+import shlex
+import sys
+from pathlib import Path
+
+import click
+
+from springpot.codegen.scene import Target
+from springpot.host.console.options import SEED, recordings_given
+from springpot.host.console.output import json_option, print_json, print_table, say
+
+
+@click.command()
+@recordings_given("Recording or folder to train on")
+@click.option(
+    "--validate", "validation", multiple=True, type=click.Path(), metavar="REC",
+    help="Recording or folder to report on; default: a fifth of the others is kept for it.",
+)  # fmt: skip
+@click.option(
+    "--target", type=click.Choice(["host", "cortex-m4f", "cortex-m7", "rv32imafc"]),
+    default="cortex-m4f", show_default=True, help="Board whose flash is counted.",
+)  # fmt: skip
+@click.option(
+    "--out", type=click.Path(path_type=Path), default=Path("bench"), show_default=True,
+    help="Folder of the results; what is there is not computed again.",
+)  # fmt: skip
+@click.option(
+    "--model", "models", multiple=True, metavar="KIND|FILE",
+    help="Kind of model, or a model's file; may be repeated; default: every kind.",
+)  # fmt: skip
+@click.option("--dask", metavar="ADDRESS", help="Scheduler of a Dask cluster to fit on.")
+@click.option("--seed", type=SEED, default=0, show_default=True)
+@json_option
+def bench(
+    recordings: tuple[str, ...],
+    validation: tuple[str, ...],
+    target: Target,
+    out: Path,
+    models: tuple[str, ...],
+    dask: str | None,
+    seed: int,
+    as_json: bool,
+) -> None:
+    """Measure kinds and sizes of model on your recordings: error, run time, bytes; the front."""
+    from springpot import read_recordings
+    from springpot.host.bench.bench import Bench, run_bench
+    from springpot.host.bench.page import label, write_bench_page
+    from springpot.host.bench.splits import holdout
+    from springpot.host.console.quality import report_quality
+    from springpot.host.validation.seen import seen_line
+
+    training = read_recordings(*recordings)
+    report_quality(training)
+    if validation:
+        testing = read_recordings(*validation)
+    else:
+        training, testing = holdout(training, seed)
+        say(f"kept for validation: {', '.join(item.name for item in testing)}")
+    asked = Bench(tuple(training), tuple(testing), target, seed, models, dask)
+    result = run_bench(asked, out, shlex.join(["springpot", *sys.argv[1:]]))
+    page = write_bench_page(out)
+    if as_json:
+        print_json(result)
+        return
+    if seen := seen_line(result["seen"], len(testing)):
+        say(seen)
+    columns = ("model", "RMSE, N", "% of peak", "tick, ns", "flash", "RAM", "fit, s", "front")
+    rows = [
+        (label(p), f"{p['rmse_n']:.3g}", f"{p['rmse_percent_of_peak']:.2g}",
+         f"{p['tick_ns_hot']:.0f}", _known(p["flash_bytes"]), str(p["ram_bytes"]),
+         _known(p["fit_s"]), _front(p["pareto"], p["bounded"]))
+        for p in result["points"]
+    ]  # fmt: skip
+    print_table(columns, rows, numbers=True)
+    for refused in result["refused"]:
+        say(f"refused: {label(refused)}: {refused['error']}")
+    say(f"written: {page}; the models are in {out / 'models'}")
+
+
+def _known(value: float | None) -> str:
+    return "-" if value is None else f"{value:.6g}" if isinstance(value, int) else f"{value:.2f}"
+
+
+def _front(pareto: bool, bounded: bool | None) -> str:
+    return "" if not pareto else "yes" if bounded else "not bounded in every hand"

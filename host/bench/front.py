@@ -1,0 +1,121 @@
+"""The front, and what is measured of its models alone on the machine."""
+
+import tempfile
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from springpot import Model, Recording, Scene, SpringpotError, read_model
+from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.errors import UnsafeError
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.reference.notes import RESYNC
+from springpot.codegen.scene import Number, Runtime, Target
+from springpot.host.bench.measure import Point, bench_scene
+from springpot.host.boards.boards import Board, default_board, missing
+from springpot.host.boards.emulator import run_batch, steps
+from springpot.host.emission.emission import write_emission
+from springpot.host.native.replay import Replay, TickTimes
+from springpot.host.native.trial_build import built
+from springpot.host.stability.check import stability
+from springpot.host.stability.linear import require_stable
+
+PACED_S = 2.0
+_PACED_TRIES = 3
+_DISTURBED = 5.0  # times the median: other work had the processor in one of 100 ticks
+_COUNTED_TICKS = 4000
+_AXES = ("rmse_n", "tick_ns_hot", "flash_bytes")
+ALONE = ("tick_ns_p50", "tick_ns_p99", "tick_ns_p999", "tick_ns_max", "bounded",
+         "spectral_radius", "verdict", "instructions", "instructions_why")  # fmt: skip
+
+
+def pareto(points: Iterable[Point]) -> list[bool]:
+    """Return of each point if no other is better in one of error, time and flash, and no worse."""
+    rows = [[point[axis] for axis in _AXES] for point in points]
+    return [not any(_beats(other, row) for other in rows) for row in rows]
+
+
+def _beats(one: Sequence[object], other: Sequence[object]) -> bool:
+    """Return if one is better and nowhere worse, in what is known of both."""
+    known = [
+        (a, b)
+        for a, b in zip(one, other, strict=True)
+        if isinstance(a, float | int) and isinstance(b, float | int)
+    ]
+    return any(a < b for a, b in known) and all(a <= b for a, b in known)
+
+
+def measure_alone(
+    model_file: Path, number: Number, target: Target, key: str, recording: Recording
+) -> Point:
+    """Return paced ticks, the closed loop of the scene with hands, instructions on the target.
+
+    key: of all that decides the result besides: joblib remembers by it.
+    """
+    model = read_model(model_file)
+    board = default_board(target)
+    why = missing(board) if board else "a PC has no emulated board: give --target"
+    instructions = None
+    if board is not None and not why:
+        try:
+            instructions = _counted(model, model_file, number, recording, board)
+            why = f"emulated {board.name}"
+        except SpringpotError as error:
+            why = str(error)
+    return {
+        **_paced_ticks(model, number, recording),
+        **_closed_loop(model, number),
+        "instructions": instructions,
+        "instructions_why": why,
+    }
+
+
+def _paced_ticks(model: Model, number: Number, recording: Recording) -> Point:
+    """Time ticks at the recordings' rate with cold caches, ns; the calmest of up to three runs."""
+    plan = make_plan(model, bench_scene(number), accept_unsafe=True)
+    position = recording.position_m.astype(plan.dtype)
+    velocity = backward_velocity(position, plan.dt_s)
+    with built(plan) as library:
+        tries: list[TickTimes] = []
+        while not tries or (
+            len(tries) < _PACED_TRIES and tries[-1].p99 > _DISTURBED * tries[-1].p50
+        ):
+            tries.append(Replay(library).tick_times(position, velocity, plan.dt_s, PACED_S))
+    ticks = min(tries, key=lambda times: times.p99)
+    return {
+        "tick_ns_p50": ticks.p50,
+        "tick_ns_p99": ticks.p99,
+        "tick_ns_p999": ticks.p999,
+        "tick_ns_max": ticks.max,
+    }
+
+
+def _closed_loop(model: Model, number: Number) -> Point:
+    """Run the cases with all hands; `bounded` if every one is, and if `emit` accepts the scene."""
+    scene = Scene(schema=1, name="bench", model="model.spm", runtime=Runtime(number=number))
+    try:
+        plan = make_plan(model, scene)
+        require_stable(plan)
+        found = stability(plan)
+    except UnsafeError as error:
+        return {"bounded": False, "spectral_radius": None, "verdict": str(error)}
+    return {
+        "bounded": found.check.stable and all(outcome.bounded for outcome in found.whole),
+        "spectral_radius": found.check.spectral_radius,
+        "verdict": found.as_dict()["recommendation"],
+    }
+
+
+def _counted(
+    model: Model, model_file: Path, number: Number, recording: Recording, board: Board
+) -> int:
+    """Return the most instructions of a tick over the recording's begin; restarts apart."""
+    scene = bench_scene(number, board.target)
+    plan = make_plan(model, scene, accept_unsafe=True)
+    position = recording.position_m[:_COUNTED_TICKS].astype(plan.dtype)
+    with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
+        folder = Path(scratch) / "c"
+        write_emission(plan, scene, model_file, folder)
+        calls = steps(position, backward_velocity(position, plan.dt_s))
+        batch = run_batch(folder, board, calls)
+    # A restart fills its filters once, and is no tick of a loop.
+    return int(batch.instructions[(batch.notes & RESYNC) == 0].max())

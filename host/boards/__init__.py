@@ -1,0 +1,1 @@
+"""Boards: firmware, emulator, replay through a board and its log."""

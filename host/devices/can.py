@@ -1,0 +1,39 @@
+"""python-can and cantools: buses and databases of signals, their refusals as one line."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from springpot.codegen.errors import DataError, DeviceError
+from springpot.host.devices.url import Address
+
+if TYPE_CHECKING:
+    import can
+
+
+def python_can_bus(address: Address, bitrate: int) -> "can.BusABC":
+    """Open a bus of python-can. Raises DeviceError with its own reason."""
+    import can
+
+    more: dict[str, Any] = {"bitrate": bitrate}
+    if address.interface == "udp_multicast":
+        more = {"hop_limit": 0, "port": int(address.number("port", 43113, 1024, 65535))}
+    elif address.interface == "virtual":
+        more = {}
+    try:
+        return can.Bus(interface=address.interface, channel=address.place, **more)
+    except (can.CanError, OSError, ValueError, ImportError) as error:
+        reason = " ".join(str(error).split())
+        raise DeviceError(f"{address.url}: {reason}: check it") from None
+
+
+def can_database(path: Path) -> Any:
+    """Read a CAN database. Raises DataError where it is none."""
+    import cantools
+
+    try:
+        return cantools.database.load_file(path)
+    except OSError as error:
+        raise DataError(f"{path}: {error.strerror}: give a CAN database") from None
+    except Exception as error:
+        reason = " ".join(str(error).split())[:200]
+        raise DataError(f"{path}: not a CAN database ({reason}): correct --dbc") from None

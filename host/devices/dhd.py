@@ -1,0 +1,169 @@
+"""Force Dimension's SDK, loaded where it is installed: its functions, and what it says in words.
+
+Only its binary interface is used, as CHAI3D's public header declares it; nothing of the SDK is
+needed to build or to install springpot.
+"""
+
+import os
+from collections.abc import Mapping
+from enum import IntEnum
+from pathlib import Path
+from typing import Any
+
+import cffi
+
+from springpot.codegen.errors import DeviceError
+
+LIBRARY_VARIABLE = "SPRINGPOT_LIBDHD"
+VENDOR = "1451"  # of Force Dimension on USB
+UDEV_RULE = f'SUBSYSTEM=="usb", ATTRS{{idVendor}}=="{VENDOR}", MODE="0666"'
+_NAMES = ("libdhd.so.3", "libdhd.so", "libdrd.so.3", "libdrd.so")  # the second holds the first
+_USB = Path("/sys/bus/usb/devices")
+_DECLARATIONS = """
+int dhdGetDeviceCount(void);
+int dhdOpen(void);
+int dhdOpenID(signed char id);
+int dhdClose(signed char id);
+int dhdGetDeviceID(void);
+const char *dhdGetSystemName(signed char id);
+int dhdGetStatus(int status[], signed char id);
+int dhdGetButton(int index, signed char id);
+int dhdGetPosition(double *x, double *y, double *z, signed char id);
+int dhdGetLinearVelocity(double *x, double *y, double *z, signed char id);
+int dhdSetForce(double x, double y, double z, signed char id);
+int dhdEnableForce(unsigned char on, signed char id);
+int dhdEnableExpertMode(void);
+int dhdDisableExpertMode(void);
+int dhdSetEffectorMass(double mass, signed char id);
+int dhdSetGravityCompensation(int on, signed char id);
+int dhdSetMaxForce(double limit, signed char id);
+int dhdSetWatchdog(unsigned char duration, signed char id);
+int dhdErrorGetLast(void);
+const char *dhdErrorGetStr(int error);
+"""
+DHD_ON, DHD_OFF = 1, 0
+_STATUS = 32  # more than any version of the SDK fills
+_FORCE_OFF = (
+    "of itself",
+    "by its force button",
+    "for it moved too fast",
+    "by its watchdog",
+    "by software",
+    "for USB was cut",
+    "by its dead man's switch",
+)
+_DRIVER, _DEVICE, _BUSY, _IN_USE, _NOT_AVAILABLE = 4, 5, 3, 20, 6  # errors of the SDK
+
+
+class DhdStatus(IntEnum):
+    """Places in a device's status."""
+
+    POWER = 0
+    CALIBRATED = 3
+    FORCE = 5
+    ERROR = 9
+
+
+class DhdLibrary:
+    """The SDK of one library file. ffi: cffi's types. c: its functions."""
+
+    def __init__(self, url: str, file: str | None) -> None:
+        """Load `file`, or what the environment names, or what the loader finds.
+
+        Raises DeviceError where there is none, or it lacks a function.
+        """
+        self.ffi = cffi.FFI()
+        self.ffi.cdef(_DECLARATIONS)
+        self._url = url
+        named = file or os.environ.get(LIBRARY_VARIABLE)
+        failures = []
+        for name in (named,) if named else _NAMES:
+            try:
+                self.c: Any = self.ffi.dlopen(name)
+                return
+            except OSError as error:
+                failures.append(str(error).partition(".  Additionally")[0])
+        raise DeviceError(
+            f"{url}: Force Dimension's SDK is not found ({failures[0]}): install it from its maker "
+            f"and name its libdhd.so by ?library=, by {LIBRARY_VARIABLE}, or in the loader's path"
+        )
+
+    def require(self, *names: str) -> None:
+        """Raise DeviceError where a function that no session can do without is missing."""
+        for name in names:
+            if not self.has(name):
+                raise DeviceError(
+                    f"{self._url}: this SDK has no {name}: install version 3.3.2 or newer"
+                )
+
+    def has(self, name: str) -> bool:
+        try:
+            getattr(self.c, name)
+        except AttributeError:
+            return False
+        return True
+
+    def words(self, error: int | None = None) -> str:
+        """The SDK's own words for an error; of the calling thread's last one by default."""
+        number = self.c.dhdErrorGetLast() if error is None else error
+        return str(self.ffi.string(self.c.dhdErrorGetStr(number)).decode(errors="replace"))
+
+    def status(self, device: int) -> list[int]:
+        """The status vector. Raises DeviceError where the device does not give it."""
+        status = self.ffi.new("int[]", _STATUS)
+        if self.c.dhdGetStatus(status, device) < 0:
+            raise self.error("gives no status", "check cable and power")
+        return list(status)
+
+    def open(self, number: int | None) -> int:
+        """Open a device by its number, or the first; return the SDK's handle.
+
+        Raises DeviceError with the cause and what to do.
+        """
+        count = self.c.dhdGetDeviceCount()
+        if count <= 0:
+            raise DeviceError(f"{self._url}: {absent_reason()}")
+        if number is not None and number >= count:
+            raise DeviceError(
+                f"{self._url}: there is no device {number}: {count} found, counted from 0"
+            )
+        device: int = self.c.dhdOpen() if number is None else self.c.dhdOpenID(number)
+        if device < 0:
+            raise self.error("cannot be opened", _REMEDIES.get(self.c.dhdErrorGetLast(), _UNKNOWN))
+        return device if number is not None else self.c.dhdGetDeviceID()
+
+    def error(self, what: str, remedy: str) -> DeviceError:
+        """An error with the SDK's words for the last one."""
+        return DeviceError(f"{self._url}: {what} ({self.words()}): {remedy}")
+
+
+_UNKNOWN = "check cable and power, then try the maker's HapticDesk"
+_REMEDIES: Mapping[int, str] = {
+    _BUSY: "another program holds it: end that one",
+    _IN_USE: "another program holds it: end that one",
+    _NOT_AVAILABLE: "another program holds it: end that one",
+    _DRIVER: f"allow it: write `{UDEV_RULE}` to /etc/udev/rules.d/60-forcedimension.rules, then "
+    "`sudo udevadm control --reload && sudo udevadm trigger`",
+    _DEVICE: "check cable and power",
+}
+
+
+def absent_reason(usb: Path = _USB) -> str:
+    """Why the SDK sees no device, from what the system sees on USB; and what to do."""
+    for vendor in usb.glob("*/idVendor"):
+        try:
+            if vendor.read_text().strip() != VENDOR:
+                continue
+            numbers = [int((vendor.parent / name).read_text()) for name in ("busnum", "devnum")]
+        except (OSError, ValueError):
+            continue
+        node = Path("/dev/bus/usb", *(f"{number:03d}" for number in numbers))
+        if not os.access(node, os.R_OK | os.W_OK):
+            return f"a Force Dimension device is on USB ({node}), not yours: {_REMEDIES[_DRIVER]}"
+        return "a Force Dimension device is on USB, but another program holds it: end that one"
+    return "no Force Dimension device on USB: check cable and power; in a container, pass it on"
+
+
+def force_off_words(cause: int) -> str:
+    """Why a device switched its forces off, by the SDK's number of the cause."""
+    return _FORCE_OFF[cause] if 0 <= cause < len(_FORCE_OFF) else f"for cause {cause}"

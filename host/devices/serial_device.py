@@ -1,0 +1,254 @@
+"""springpot serial: open, compare versions, model and rates, start; then the loop takes over."""
+
+import contextlib
+import math
+import time
+from collections.abc import Callable, Iterator
+from typing import Any, Self
+
+import serial
+
+from springpot.codegen.errors import DeviceError
+from springpot.host.devices.device import (
+    FORCE_ZERO,
+    ZERO_S,
+    DeviceRequirements,
+    OpenedDevice,
+    require_sample_rate,
+    too_weak,
+)
+from springpot.host.devices.serial_port import (
+    open_port,
+    require_fast_adapter,
+    require_fast_line,
+)
+from springpot.host.devices.url import Address
+from springpot.host.devices.wire import Frame, Receiver, Sender, constant, layout, messages
+from springpot.host.native.c_library import CLibrary
+
+BAUD = 921600
+_ASK_S, _AGAIN_S, _LOOK_S = 2.0, 0.05, 0.0005
+# A device's watchdog is asked to be quicker than what is proved: its samples say so a little later.
+_WATCHDOG_S = 0.75 * ZERO_S
+_PROOFS = 3  # a frame may be lost, or come late
+_REFUSED = {1: "that action", 2: "that rate", 3: "that watchdog"}
+_REFUSED_ACTION = 1
+
+
+class SerialDevice(OpenedDevice):
+    """A simple device (position in, force out), or a board that renders by itself."""
+
+    unreached = FORCE_ZERO  # by its own watchdog, which START sets
+
+    def __init__(self, address: Address, requirements: DeviceRequirements) -> None:
+        """Open and start it. Raises DeviceError with one line for whatever is wrong."""
+        address.require_known(("baud", "surface_mm", "feed"))
+        self.address, self.requirements = address, requirements
+        baud = int(address.number("baud", BAUD, 1200, 12e6))
+        frame_bytes = max(messages()[name].wire_bytes for name in ("sample", "force"))
+        require_fast_line(address.place, baud, requirements.rate_hz, frame_bytes)
+        require_fast_adapter(address.place, requirements.rate_hz)
+        self.port: serial.Serial = open_port(address.place, baud)
+        self.sender, self.receiver = Sender(), Receiver()
+        self._link_memory: Any = None
+        try:
+            self.hello = self._hello()
+            self._check(self.hello)
+            self.command("PRESS" if requirements.presses else "START")
+            if not self.renders:
+                if not requirements.senses:
+                    self._prove_watchdog()
+                self._require_rate()
+        except BaseException:
+            self.close()
+            raise
+
+    @property
+    def watchdog_s(self) -> float:
+        """Silence of this host after which the device ends its force by itself."""
+        if self.requirements.max_n == 0.0:  # a replay: nobody holds it
+            return self.requirements.watchdog_s
+        return min(self.requirements.watchdog_s, _WATCHDOG_S)
+
+    @property
+    def renders(self) -> bool:
+        return bool(self.hello["role"] == constant("RENDERS"))
+
+    @property
+    def rate_advice(self) -> str:
+        return (
+            f"set its firmware to {self.requirements.rate_hz:g} Hz, or render a scene of its rate "
+            "([runtime] rate_hz, where the model allows it)"
+        )
+
+    def rendering_board(self) -> Self | None:
+        return self if self.renders else None
+
+    def link(self, library: CLibrary) -> Any:
+        self._link_memory = library.memory(library.c.sp_link_serial_size())
+        surface_m = (
+            self.address.number("surface_mm", 1e3 * self.requirements.surface_m, -1e4, 1e4) / 1e3
+        )
+        return library.c.sp_link_serial_init(
+            self._link_memory,
+            self.port.fd,
+            surface_m,
+            self.watchdog_s,
+            self.requirements.rate_hz,
+            self.sender.sequence,
+        )
+
+    def stop(self) -> None:
+        """No force, acknowledged; a device that is gone has its own watchdog for that."""
+        with contextlib.suppress(DeviceError, OSError):
+            self.command("STOP", patience_s=0.3)
+
+    def close(self) -> None:
+        self.port.close()
+
+    def command(self, action: str, patience_s: float = _ASK_S) -> None:
+        """Send a command until it is acknowledged. Raises DeviceError where it is not."""
+        # ASK before it: the device forgets the sequence, and the loop's numbers are ahead.
+        asked = self.sender.encode("ask", layout=layout()) if action == "STOP" else b""
+        sequence = self.sender.sequence
+        content = asked + self.sender.encode(
+            "command",
+            action=constant(action),
+            watchdog_s=self.watchdog_s,
+            rate_hz=self.requirements.rate_hz,
+        )
+
+        def is_answer(frame: Frame) -> bool:
+            return frame.name == "ack" and frame.values["command"] == sequence
+
+        ack = self._ask(lambda: content, is_answer, patience_s)
+        if ack is None:
+            raise DeviceError(
+                f"{self.address.url}: {action} was not acknowledged within {patience_s:g} s: "
+                "restart the device"
+            )
+        if refused := ack["refused"]:
+            raise self._refusal(action, refused)
+
+    def _refusal(self, action: str, refused: int) -> DeviceError:
+        said = f"{self.address.url}: the device refuses {_REFUSED.get(refused, 'a command')}"
+        if refused == _REFUSED_ACTION:
+            return DeviceError(
+                f"{said} ({action}): its self-test failed, or its firmware is of an older "
+                "springpot: flash the firmware of this one"
+            )
+        return DeviceError(
+            f"{said} ({self.requirements.rate_hz:g} Hz, watchdog {1e3 * self.watchdog_s:g} ms): "
+            "change runtime.rate_hz or guard.watchdog_ms in the scene"
+        )
+
+    def frames(self) -> list[Frame]:
+        """Frames that have come since the last call (before the loop takes over)."""
+        try:
+            return list(self.receiver.feed(self.port.read(4096)))
+        except (OSError, serial.SerialException, TypeError) as error:
+            raise DeviceError(f"{self.address.url}: went away ({error}): plug it in") from None
+
+    def send(self, name: str, **values: Any) -> None:
+        """Send one message (before the loop takes over, or to a board that renders)."""
+        self.write(self.sender.encode(name, **values))
+
+    def write(self, content: bytes) -> None:
+        """Send the bytes of whole frames."""
+        try:
+            self.port.write(content)
+        except (OSError, serial.SerialException) as error:
+            raise DeviceError(f"{self.address.url}: went away ({error}): plug it in") from None
+
+    def _frames_until(self, until_s: float) -> Iterator[Frame]:
+        while time.monotonic() < until_s:
+            time.sleep(_LOOK_S)
+            yield from self.frames()
+
+    def _ask(
+        self, send: Callable[[], bytes], is_answer: Callable[[Frame], bool], patience_s: float
+    ) -> dict[str, Any] | None:
+        """The answer; None where none came. It is sent again and again: a frame may be lost."""
+        until_s = time.monotonic() + patience_s
+        while (now_s := time.monotonic()) < until_s:
+            self.write(send())
+            for frame in self._frames_until(min(now_s + _AGAIN_S, until_s)):
+                if is_answer(frame):
+                    return frame.values
+        return None
+
+    def _require_rate(self) -> None:
+        try:
+            require_sample_rate(
+                self.address.url, self.requirements.rate_hz, self._samples_until, self.rate_advice
+            )
+        except DeviceError:
+            self.stop()
+            raise
+
+    def _samples_until(self, until_s: float) -> int:
+        frames = self._frames_until(until_s)
+        return sum(frame.name == "sample" and not frame.old for frame in frames)
+
+    def _prove_watchdog(self) -> None:
+        """One force of zero, then silence: a device that does not say in time that it tripped is
+        refused. RESET makes it ready again."""
+        found_s = math.inf
+        for _ in range(_PROOFS):
+            found_s = min(found_s, self._silent_until_tripped_s())
+            self.command("RESET")
+            if found_s <= ZERO_S:
+                return
+            if math.isinf(found_s):
+                break
+        self.command("STOP")
+        found = "never" if math.isinf(found_s) else f"after {found_s:.2f} s"
+        raise DeviceError(
+            f"{self.address.url}: without forces from here the device trips {found}, at most "
+            f"{ZERO_S:g} s are taken: its firmware must keep COMMAND's watchdog_s, and set "
+            "TRIPPED in its samples"
+        )
+
+    def _silent_until_tripped_s(self) -> float:
+        self.send("force", force_n=0.0)
+        sent_s = time.monotonic()
+        for frame in self._frames_until(sent_s + 2 * ZERO_S):
+            if frame.name == "sample" and frame.values["status"] & constant("TRIPPED"):
+                return time.monotonic() - sent_s
+        return math.inf
+
+    def _hello(self) -> dict[str, Any]:
+        hello = self._ask(
+            lambda: self.sender.encode("ask", layout=layout()),
+            lambda frame: frame.name == "hello",
+            _ASK_S,
+        )
+        if hello is not None:
+            return hello
+        url = self.address.url
+        if self.receiver.other_versions:
+            raise DeviceError(
+                f"{url}: speaks protocol version {self.receiver.other_version}, this springpot "
+                f"version {constant('VERSION')}: flash the firmware of this springpot"
+            )
+        if self.receiver.crc_errors > 3:
+            raise DeviceError(f"{url}: only damaged frames come: check ?baud= and the cable")
+        raise DeviceError(
+            f"{url}: no answer in {_ASK_S:g} s: is it a springpot device, and running?"
+        )
+
+    def _check(self, hello: dict[str, Any]) -> None:
+        url, required = self.address.url, self.requirements
+        if hello["layout"] != layout():
+            raise DeviceError(
+                f"{url}: its messages are laid out otherwise ({hello['layout']:08x}, here "
+                f"{layout():08x}): flash the firmware of this springpot"
+            )
+        if self.renders and hello["model"].hex() != required.hash:
+            raise DeviceError(
+                f"{url}: the board renders model {hello['model'].hex()[:12]}, the scene is "
+                f"{required.hash[:12] or 'none'}: flash this one (firmware --scene takes an "
+                "emitted folder, too), or give the one that it renders"
+            )
+        if not self.renders and hello["max_n"] < required.max_n * (1 - 1e-6):
+            raise too_weak(url, f"gives at most {hello['max_n']:g} N", required, hello["max_n"])

@@ -1,0 +1,79 @@
+"""Serial ports: opened for one process, with what can be wrong said in one line each."""
+
+import os
+import termios
+from pathlib import Path
+
+import serial
+
+from springpot.codegen.errors import DeviceError
+
+USB_SERIAL = Path("/sys/bus/usb-serial/devices")
+BITS_A_BYTE = 10  # with start and stop bit
+
+
+def open_port(place: str, baud: int) -> serial.Serial:
+    """Open a port that nobody else uses; reads return at once. Raises DeviceError."""
+    if not Path(place).exists():
+        raise DeviceError(
+            f"{place}: no such port: plug the device in; `springpot doctor` lists all"
+        )
+    if not os.access(place, os.R_OK | os.W_OK):
+        raise DeviceError(
+            f"{place}: permission denied: join the port's group (often `sudo usermod -aG dialout "
+            "$USER`), then log in again"
+        )
+    if user := used_by(place):
+        raise DeviceError(f"{place}: in use by {user}: end that program first")
+    try:
+        port = serial.Serial(place, baud, timeout=0, write_timeout=1, exclusive=True)
+    except (OSError, serial.SerialException, ValueError) as error:
+        user = used_by(place)
+        found = f"in use by {user}: end that program first" if user else str(error)
+        raise DeviceError(f"{place}: cannot be opened: {found}") from None
+    settings = termios.tcgetattr(port.fd)
+    settings[6][termios.VMIN] = 1  # so that "nothing there" and "gone" read differently
+    termios.tcsetattr(port.fd, termios.TCSANOW, settings)
+    os.set_blocking(port.fd, False)
+    return port
+
+
+def used_by(place: str) -> str:
+    """Name and number of another process that has the port open, or nothing."""
+    port = os.path.realpath(place)
+    for process in Path("/proc").glob("[0-9]*"):
+        if process.name == str(os.getpid()):
+            continue
+        try:
+            if any(str(fd.readlink()) == port for fd in (process / "fd").iterdir()):
+                return f"{(process / 'comm').read_text().strip()} (process {process.name})"
+        except OSError:
+            continue
+    return ""
+
+
+def latency_timer(place: str) -> tuple[Path, int] | None:
+    """File and ms of a USB adapter's latency timer, where it has one."""
+    file = USB_SERIAL / Path(os.path.realpath(place)).name / "latency_timer"
+    return (file, int(file.read_text())) if file.exists() else None
+
+
+def require_fast_adapter(place: str, rate_hz: float) -> None:
+    """Raise DeviceError where the adapter gathers bytes for longer than a period."""
+    found = latency_timer(place)
+    if found is not None and found[1] * 1e-3 > 1 / rate_hz and found[1] > 1:
+        file, ms = found
+        raise DeviceError(
+            f"{place}: the adapter's latency timer is {ms} ms, {1000 // ms} exchanges a second: "
+            f"`echo 1 | sudo tee {file}`"
+        )
+
+
+def require_fast_line(place: str, baud: int, rate_hz: float, frame_bytes: int) -> None:
+    """Raise DeviceError where one frame a period does not fit through the line."""
+    needed = frame_bytes * BITS_A_BYTE * rate_hz
+    if needed > baud:
+        raise DeviceError(
+            f"{place}: {baud} baud carry {baud / frame_bytes / BITS_A_BYTE:.0f} frames a second, "
+            f"{rate_hz:g} Hz need {needed:.0f} baud: raise ?baud= or lower runtime.rate_hz"
+        )

@@ -1,0 +1,174 @@
+"""Tree ensembles of one's own on springpot's features, as models that can be emitted."""
+
+from collections.abc import Sequence
+from typing import Any, Literal, overload
+
+import numpy as np
+from sklearn.base import clone
+from sklearn.metrics import r2_score
+
+from springpot import Model
+from springpot.codegen.arrays import Indices, Samples, given_numbers
+from springpot.codegen.errors import UsageError
+from springpot.codegen.model.features import Features
+from springpot.trainer.models.fit import FitOptions, assemble
+from springpot.trainer.models.forests import depth_scale, ensemble_ir
+from springpot.trainer.models.passive.passive_fit import fit_passive
+from springpot.trainer.models.predict import regressor_force
+from springpot.trainer.models.rf_fd import PAPER_ORDERS, fractional_features
+from springpot.trainer.models.training_set import TrainingSet, training_set
+from springpot.trainer.recordings.recording_file import Recordings, given_recordings
+
+KIND = "ensemble"
+GivenFeatures = Features | Sequence[float] | None
+_AGREES = 1e-4  # of the peak force: float32 leaves a tree now and then on the other side
+_CHECKED_ROWS = 5000
+# Of 1 - R2 of the same regressor on right features (tests/bench/trees/own_trees.py).
+_TIMES, _MORE = 2.0, 0.005
+
+
+@overload
+def ensemble_data(
+    recordings: Recordings,
+    features: GivenFeatures = ...,
+    fraction: float | None = ...,
+    smooth_s: float = ...,
+    seed: int = ...,
+    return_groups: Literal[False] = ...,
+) -> tuple[Samples, Samples]: ...
+
+
+@overload
+def ensemble_data(
+    recordings: Recordings,
+    features: GivenFeatures = ...,
+    fraction: float | None = ...,
+    smooth_s: float = ...,
+    seed: int = ...,
+    *,
+    return_groups: Literal[True],
+) -> tuple[Samples, Samples, Indices]: ...
+
+
+def ensemble_data(
+    recordings: Recordings,
+    features: GivenFeatures = None,
+    fraction: float | None = None,
+    smooth_s: float = FitOptions.smooth_s,
+    seed: int = 0,
+    return_groups: bool = False,
+) -> tuple[Samples, Samples] | tuple[Samples, Samples, Indices]:
+    """Features (rows, features) to fit an ensemble on, and forces (rows,), N.
+
+    features: default the paper's ten orders; also a list of orders, each 0 to 1. They are scaled by
+    a power of two and rounded to float32, since scikit-learn takes values closer than 1e-7 for
+    equal; `from_ensemble` undoes it.
+    return_groups: also the number of each row's recording, (rows,), as scikit-learn's GroupKFold
+    takes them. Raises UsageError for an order.
+
+    >>> features, force_n = ensemble_data(recordings)
+    >>> features.shape[1], len(features) == len(force_n)
+    (10, True)
+    """
+    data = training_set(given_recordings(recordings), smooth_s)
+    rows = data.rows(fraction, seed)
+    found = _scaled(data, _features(features, data.dt_s), rows), data.force_n(rows)
+    return (*found, data.owner(rows)) if return_groups else found
+
+
+def from_ensemble(
+    regressor: Any,
+    recordings: Recordings,
+    features: GivenFeatures = None,
+    name: str = KIND,
+    smooth_s: float = FitOptions.smooth_s,
+) -> Model:
+    """Model of a RandomForest-, ExtraTrees- or HistGradientBoostingRegressor.
+
+    It was fitted on `ensemble_data` of the same recordings, features and smooth_s, which is checked
+    by its R2. The passive model for what lies outside the trained depth is fitted here.
+    Raises UsageError for another kind of regressor, or one that was fitted on something else.
+
+    >>> forest = RandomForestRegressor(5, random_state=1).fit(*ensemble_data(recordings))
+    >>> from_ensemble(forest, recordings).kind
+    'ensemble'
+    """
+    data = training_set(given_recordings(recordings), smooth_s)
+    features = _features(features, data.dt_s)
+    rows = np.unique(np.linspace(0, data.rows_total - 1, _CHECKED_ROWS).astype(np.intp))
+    scale = _scale(data)
+    forest = ensemble_ir(regressor).on_scaled(scale)  # a power of two: exact
+    values = _scaled(data, features, rows)
+    if regressor.n_features_in_ != values.shape[1]:
+        raise UsageError(
+            f"{type(regressor).__name__} was fitted on {regressor.n_features_in_} features, these "
+            f"are {values.shape[1]}: fit it on ensemble_data of the same features"
+        )
+    predicted_n = np.asarray(regressor.predict(values), dtype=np.float64)
+    force_n = data.force_n(rows)
+    if predicted_n.ndim != 1:
+        raise UsageError(f"the regressor has {predicted_n.shape[1]} outputs: fit it on one force")
+    differs = np.abs(regressor_force(forest, values / scale) - predicted_n)
+    if np.percentile(differs, 99) > _AGREES * np.abs(predicted_n).max():
+        raise UsageError(
+            f"{type(regressor).__name__} is no weighted sum of its trees (loss "
+            f"{getattr(regressor, 'loss', 'unknown')!r}): fit it with a squared or absolute error"
+        )
+    require_same_data(regressor, predicted_n, values, force_n)
+    options = FitOptions(smooth_s=smooth_s)
+    passive, _, _ = fit_passive(data, options)
+    metadata = {"n_nodes": len(forest.feature), "regressor": type(regressor).__name__}
+    parts = (features, forest)
+    return assemble(KIND, name, data, options, data.rows_total, parts, passive, False, metadata)
+
+
+def require_same_data(
+    regressor: Any, predicted_n: Samples, values: Samples, force_n: Samples
+) -> None:
+    """Raise UsageError if the regressor explains less of the force than its like on these features.
+
+    Its like has the same settings, however weak, and is fitted on every other row alone, or on as
+    few as the regressor was: what is worse has seen other features, such as scaled ones.
+    """
+    like = clone(regressor)
+    if isinstance(like.get_params().get("max_samples"), int):
+        like.set_params(max_samples=None)  # more rows than there are here
+    fitted = np.zeros(len(values), dtype=bool)
+    fitted[:: max(2, len(values) // _rows_of(regressor))] = True
+    like.fit(values[fitted], force_n[fitted])
+    tested = ~fitted
+    r2 = r2_score(force_n[tested], predicted_n[tested])
+    r2_of_like = r2_score(force_n[tested], like.predict(values[tested]))
+    if 1.0 - r2 > _TIMES * (1.0 - r2_of_like) + _MORE:
+        raise UsageError(
+            f"the regressor has an R2 of {r2:.3f} on these recordings, and {r2_of_like:.3f} if it "
+            "is fitted on their ensemble_data: it has seen other features (scaled, in another "
+            "order) or recordings: fit it on what ensemble_data returns, as it is"
+        )
+
+
+def _rows_of(regressor: Any) -> int:
+    """Rows that a regressor's first tree was fitted on, such as a fraction of all."""
+    if hasattr(regressor, "estimators_"):
+        return int(regressor.estimators_[0].tree_.weighted_n_node_samples[0])
+    return int(regressor._predictors[0][0].nodes["count"][0])
+
+
+def _features(given: GivenFeatures, dt_s: float) -> Features:
+    """Features themselves, or fractional derivatives of these orders, by default the paper's."""
+    if not (given is None or isinstance(given, Sequence | np.ndarray)):
+        return given
+    orders = (
+        PAPER_ORDERS if given is None else tuple(given_numbers(given, "features").ravel().tolist())
+    )
+    if not orders or not all(0.0 <= order <= 1.0 for order in orders):
+        raise UsageError(f"features={given!r}: give Features, or orders from 0 to 1")
+    return fractional_features(dt_s, None, orders=orders)
+
+
+def _scale(data: TrainingSet) -> float:
+    return depth_scale(data.trained.max_m - min(data.trained.min_m, 0.0))
+
+
+def _scaled(data: TrainingSet, features: Features, rows: Any) -> Samples:
+    return (_scale(data) * data.features(features, rows)).astype(np.float32).astype(np.float64)

@@ -1,0 +1,1 @@
+"""Commands that measure kinds of model against each other, and the paper."""

@@ -1,0 +1,1 @@
+"""A force sensor beside a device that measures no force."""

@@ -1,0 +1,1 @@
+"""Pages that run the emitted C, or show a session, in a browser."""

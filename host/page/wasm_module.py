@@ -1,0 +1,98 @@
+"""An emitted scene and a hand that presses it, as one WebAssembly module; and its check in node."""
+
+import hashlib
+import re
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Sequence
+from importlib.resources import as_file, files
+from pathlib import Path
+
+from springpot import SpringpotError
+from springpot.codegen.emit.golden import backward_velocity, golden_positions
+from springpot.codegen.emit.header import prefixed
+from springpot.codegen.errors import MismatchError, UsageError
+from springpot.codegen.plan.plan import Plan
+from springpot.host.native.compiler import CompilerError, first_error, packaged_compiler
+from springpot.host.native.replay import Replay
+from springpot.host.native.scene_library import SceneLibrary, port_headers
+from springpot.runtime_c.paths import PORT_BROWSER, PORT_WASM, SIM, flags
+
+# No C library; a stack with room for the self-test's state, below the data: overflow traps.
+_COMPILE = ("-msimd128", "-mbulk-memory", "-nostdlibinc", "-isystem", str(PORT_WASM))
+_LINK = ("--no-entry", "--strip-all", "--stack-first", "-z", f"stack-size={1 << 20}")
+
+
+def page_module(folder: Path, plan: Plan) -> bytes:
+    """Compile and link the C of an emitted folder with the page's port.
+
+    Raises UsageError without compiler or linker, CompilerError where they refuse.
+    """
+    prefix = plan.scene.runtime.prefix
+    compiler, linker = _tools()
+    with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
+        place = Path(scratch)
+        for file in PORT_BROWSER.glob("*.[ch]"):
+            text = file.read_text().replace('"sp_scene.h"', f'"{prefix}_scene.h"')
+            (place / file.name).write_text(prefixed(text, prefix))
+        for name, header in port_headers(folder, plan.real).items():
+            (place / name).write_text(header)
+        names = [f"{prefix}_{name}" for name in ("selftest", "state_size", "init", "run")]
+        names += re.findall(r"\b(sp_page_\w+)[(\[]", (place / "sp_page.h").read_text())
+        exports = [f"--export={name}" for name in (*names, "__heap_base")]
+        include = [f"-I{each}" for each in (place, folder, SIM)]
+        command = [*compiler, *flags("SP_CFLAGS"), *_COMPILE, *include, "-c"]
+        objects = []
+        for source in (folder / f"{prefix}.c", place / "sp_page.c"):
+            objects.append(str(place / f"{source.stem}.o"))
+            _run([*command, str(source), "-o", objects[-1]])
+        _run([*linker, *_LINK, *exports, *objects, "-o", str(place / "module.wasm")])
+        return (place / "module.wasm").read_bytes()
+
+
+def node_force_hash(folder: Path, plan: Plan, module: bytes) -> str | None:
+    """Run the module in node: SHA-256 of its forces of the golden motion; None without node.
+
+    Raises MismatchError where the self-test fails, or a force has other bits than this machine's.
+    """
+    node = shutil.which("node")
+    if node is None:
+        return None
+    position = golden_positions(plan).astype(plan.dtype)
+    velocity = backward_velocity(position, plan.dt_s).astype(plan.dtype)
+    script = files("springpot.host.page") / "templates" / "check.mjs"
+    with tempfile.NamedTemporaryFile(suffix=".wasm") as file, as_file(script) as program:
+        Path(file.name).write_bytes(module)
+        command = [node, str(program), file.name, plan.scene.runtime.prefix, position.dtype.name]
+        given = position.tobytes() + velocity.tobytes()
+        done = subprocess.run(command, input=given, capture_output=True, check=False)
+    if done.returncode != 0:
+        raise SpringpotError(f"node could not run the page's module: {done.stderr[-300:].decode()}")
+    selftest, found = int.from_bytes(done.stdout[:4], "little"), done.stdout[4:]
+    if selftest or found != Replay(SceneLibrary(folder)).run(position, velocity)[0].tobytes():
+        raise MismatchError(
+            f"{folder}: the page's C gives other forces in node than this machine's (self-test "
+            f"{selftest}): report clang, or the compiler of springpot[cc], and node"
+        )
+    return hashlib.sha256(found).hexdigest()
+
+
+def _tools() -> tuple[list[str], list[str]]:
+    """Return the commands of compiler and linker. Raises UsageError where there are none."""
+    clang, linker = shutil.which("clang"), shutil.which("wasm-ld")
+    if clang and linker:
+        return [clang, "--target=wasm32"], [linker]
+    packaged = packaged_compiler()
+    if not packaged:
+        raise UsageError(
+            "no compiler for WebAssembly: `apt-get install clang lld` or "
+            "`pip install 'springpot[cc]'`"
+        )
+    return [*packaged, "cc", "--target=wasm32-freestanding"], [*packaged, "wasm-ld"]
+
+
+def _run(command: Sequence[str]) -> None:
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise CompilerError(f"{command[0]} made no wasm module: {first_error(done.stderr)}")

@@ -1,0 +1,1 @@
+"""Show results: the page on a scene, and the demo."""

@@ -1,0 +1,136 @@
+"""A planned study: its emitted scenes, and order and sides of every trial, in a folder."""
+
+import csv
+import hashlib
+import json
+import shutil
+import warnings
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from springpot import emit
+from springpot.codegen.atomic_write import folder_written_aside
+from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.progress import counted
+from springpot.host.emission.emission import read_emission
+from springpot.host.study.definition import RENDERED, Study, read_study
+from springpot.host.study.table import read_table
+
+_DEFINITION, _ORDERS, _PLAN = "study.toml", "orders.csv", "plan.json"
+
+
+class Trial(NamedTuple):
+    """A row of orders.csv. session: "0" is practice; trial: from "1" in it.
+
+    left, right: "real NAME", which the experimenter places there, or RENDERED.
+    """
+
+    participant: str
+    session: str
+    trial: str
+    method: str
+    material: str
+    left: str
+    right: str
+
+
+@dataclass(frozen=True, eq=False)
+class StudyPlan:
+    """A planned study, read back. participants: "01", "02", ..."""
+
+    path: Path
+    study: Study
+    participants: tuple[str, ...]
+    trials: tuple[Trial, ...]
+
+    def folder(self, participant: str) -> Path:
+        """Return where tables and logs of a participant lie."""
+        return self.path / f"participant-{participant}"
+
+    def scenes_of(self, trial: Trial) -> list[Path]:
+        """Return the emission that a trial renders; of real objects alone, one of each material."""
+        sides, first = (trial.left, trial.right), self.study.methods[0]
+        return [
+            self.path / place
+            for (material, method), (_, place) in _scenes(self.study).items()
+            if (material, method) == (trial.material, trial.method)
+            or (RENDERED not in sides and f"real {material}" in sides and method == first)
+        ]
+
+
+def make_orders(study: Study, participants: Sequence[str]) -> list[Trial]:
+    """Draw orders and sides: of each participant and session from the seed and their numbers."""
+    conditions, trials = study.session_trials(), list[Trial]()
+    for number, participant in enumerate(participants, 1):
+        for session in range(study.sessions + 1):
+            random = np.random.default_rng([study.seed, number, session])
+            order = random.permutation(len(conditions))
+            swapped = random.integers(2, size=len(order))
+            for place in range(len(order) if session else study.practice):
+                method, material, *sides = conditions[order[place]]
+                left, right = sides[::-1] if swapped[place] else sides
+                trials.append(Trial(participant, str(session), str(place + 1), method, material,
+                                    left, right))  # fmt: skip
+    return trials
+
+
+def write_plan(file: Path, participants: int, out: Path) -> StudyPlan:
+    """Emit the scenes of a study file and write its plan as a new folder.
+
+    Raises UsageError where the folder is there already or the study cannot be run, and what an
+    emission raises.
+    """
+    study = read_study(file)
+    if out.exists() and (not out.is_dir() or any(out.iterdir())):
+        raise UsageError(f"{out}: exists and is not overwritten: give a new --out")
+    numbers = [f"{k:0{max(2, len(str(participants)))}d}" for k in range(1, participants + 1)]
+    out.parent.mkdir(parents=True, exist_ok=True)
+    with folder_written_aside(out) as aside:
+        aside.mkdir()
+        shutil.copyfile(file, aside / _DEFINITION)
+        with (aside / _ORDERS).open("w", newline="", encoding="utf-8") as orders:
+            rows = [Trial._fields, *make_orders(study, numbers)]
+            csv.writer(orders, lineterminator="\n").writerows(rows)
+        for scene, place in counted(list(_scenes(study).values()), "emitting"):
+            with warnings.catch_warnings(record=True) as doubts:
+                warnings.simplefilter("always")
+                emit(aside / place, scene=file.parent / scene)
+            for doubt in doubts:
+                warnings.warn(f"{scene}: {doubt.message}", stacklevel=2)
+        plan = {"schema": 1, "participants": numbers, "hashes": _hashes(aside, study)}
+        (aside / _PLAN).write_text(json.dumps(plan, indent=1) + "\n")
+    return read_plan(out)
+
+
+def read_plan(path: Path) -> StudyPlan:
+    """Read a planned study. Raises DataError where it is none, or anything of it was changed."""
+    try:
+        plan = json.loads((path / _PLAN).read_text())
+        participants, hashes = tuple(plan["participants"]), dict(plan["hashes"])
+    except (OSError, ValueError, KeyError, TypeError):
+        raise DataError(f"{path}: no planned study: `springpot study plan` makes one") from None
+    study = read_study(path / _DEFINITION)
+    for name, found in _hashes(path, study).items():
+        if hashes.get(name) != found:
+            raise DataError(f"{path / name}: changed since the plan: restore it, or plan anew")
+    trials = (Trial(**row) for row in read_table(path / _ORDERS, Trial._fields))
+    return StudyPlan(path, study, participants, tuple(trials))
+
+
+def _scenes(study: Study) -> dict[tuple[str, str], tuple[str, str]]:
+    """Return the scene file of each material and method, and the folder of its emission."""
+    return {(material.name, method): (file, f"scenes/{number}-{method}")
+            for number, material in enumerate(study.material, 1)
+            for method, file in material.scenes.items()}  # fmt: skip
+
+
+def _hashes(folder: Path, study: Study) -> dict[str, str]:
+    """Hash all that people will be shown: definition, orders, emitted scenes."""
+    found = {name: hashlib.sha256((folder / name).read_bytes()).hexdigest()
+             for name in (_DEFINITION, _ORDERS)}  # fmt: skip
+    return found | {place: read_emission(folder / place).hash
+                    for _, place in _scenes(study).values()}  # fmt: skip

@@ -1,1 +1,0 @@
-"""Devices of hardware: boards on a serial line, ODrive drives, Force Dimension's devices."""

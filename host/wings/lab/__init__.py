@@ -1,1 +1,0 @@
-"""The lab: measure a device, find the surface, press with a force sensor beside it."""

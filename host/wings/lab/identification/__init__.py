@@ -1,1 +1,0 @@
-"""A device that is free to move, measured: mass, friction, delay, sensors."""

@@ -1,1 +1,0 @@
-"""What a material scientist takes from a fitted springpot."""

@@ -1,1 +1,0 @@
-"""The springpot: a fractional law of few numbers, and what recordings tell of them."""

@@ -1,1 +1,0 @@
-"""Smaller models: forests within a loss of error, and versions that fit a scene's budget."""

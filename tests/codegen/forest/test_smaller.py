@@ -1,0 +1,68 @@
+"""Smaller forests out of a fitted one."""
+
+import numpy as np
+from support.small import small_model, training
+
+from springpot.codegen.forest.smaller import fewer_trees, larger_leaves, quantised
+from springpot.codegen.model.regressors import Forest
+from springpot.trainer.features.values import feature_values
+from springpot.trainer.models.contact import depth_m
+from springpot.trainer.models.predict import regressor_force
+
+
+def forest() -> Forest:
+    return small_model().regressor
+
+
+def features() -> np.ndarray:
+    model, item = small_model(), training()[-1]
+    rows = np.arange(len(item.force_n))
+    return feature_values(model.features, depth_m(item, "surface"), item.dt_s, rows)
+
+
+def test_fewer_trees_are_the_mean_of_those_that_stay() -> None:
+    values = features()
+    each = [regressor_force(fewer_trees(forest(), 1), values)]
+    for count in (2, 3, 5):
+        whole = regressor_force(fewer_trees(forest(), count), values)
+        before = regressor_force(fewer_trees(forest(), count - 1), values)
+        each.append(count * whole - (count - 1) * before)
+        assert np.all((each[-1] > -1e-3) & (each[-1] < 10.0))
+    np.testing.assert_allclose(
+        regressor_force(fewer_trees(forest(), 5), values),
+        regressor_force(forest(), values),
+        atol=1e-3,
+    )
+    assert len(fewer_trees(forest(), 2).feature) < len(forest().feature)
+
+
+def test_larger_leaves_are_the_mean_of_what_they_replace() -> None:
+    pruned = larger_leaves(forest(), 4)
+    assert len(pruned.feature) < 0.6 * len(forest().feature)
+    leaf = pruned.feature < 0
+    assert pruned.value_n[leaf].min() >= forest().value_n[forest().feature < 0].min()
+    values = features()
+    whole, smaller = regressor_force(forest(), values), regressor_force(pruned, values)
+    assert 0 < np.sqrt(np.mean((whole - smaller) ** 2)) < 0.05 * np.ptp(whole)
+    same = larger_leaves(forest(), 1)
+    np.testing.assert_allclose(regressor_force(same, values), whole, atol=1e-3)
+    one = larger_leaves(forest(), 10**9)
+    assert len(one.feature) == len(one.roots) == len(forest().roots)
+
+
+def test_stepped_thresholds_decide_nearly_alike() -> None:
+    values = features()
+    steps = quantised(forest(), small_model().features.n_features)
+    assert steps.quantisation is not None
+    differs = regressor_force(steps, values) != regressor_force(forest(), values)
+    assert (
+        np.mean(np.abs(regressor_force(steps, values) - regressor_force(forest(), values))) < 2e-3
+    )
+    assert differs.mean() < 0.2
+    high = values + 10.0  # beyond every threshold, and clipped to the maximum step
+    np.testing.assert_allclose(
+        regressor_force(steps, high), regressor_force(forest(), high), atol=1e-3
+    )
+    np.testing.assert_allclose(
+        regressor_force(steps, -high), regressor_force(forest(), -high), atol=1e-3
+    )

@@ -1,0 +1,162 @@
+"""The benchmark: rows, the front, what is remembered, model files, the page."""
+
+import json
+import shutil
+from pathlib import Path
+from typing import Any
+from unittest import mock
+
+import pytest
+from support.in_process import spring
+from support.small import press, recording, small_model, training
+
+from springpot import write_model, write_recordings
+from springpot.codegen.errors import DataError, UsageError
+from springpot.host.bench import bench as bench_module
+from springpot.host.bench import front
+from springpot.host.bench.bench import Bench, run_bench
+from springpot.host.bench.candidates import Candidate, default_sweep
+from springpot.host.bench.front import pareto
+from springpot.host.bench.page import label, write_bench_page
+from springpot.host.bench.splits import holdout
+from springpot.host.boards.boards import BOARDS, missing
+from springpot.host.native.toolchain import missing_tools
+from springpot.trainer.models.fit import FitOptions
+
+PLAIN = FitOptions()
+SMALL = [
+    Candidate("rf-fd", FitOptions(trees=5, leaf=20, engine="fir-fast", round_features=True)),
+    Candidate("rbf-pv", PLAIN),
+    Candidate("hammerstein", FitOptions(poles=4)),
+    Candidate("rbf-fd", FitOptions(window_s=1e-3)),  # refused: under ten samples
+]
+KEYS = {"model", "options", "rmse_n", "rmse_percent_of_peak", "tick_ns_hot", "tick_ns_p999",
+        "instructions", "flash_bytes", "ram_bytes", "fit_s", "active_cells", "bounded",
+        "pareto", "why"}  # fmt: skip
+
+
+def asked(models: tuple[str, ...] = ()) -> Bench:
+    validation = (
+        recording("mixed", press(0.8) + 0.2 * press(0.8)[::-1]),
+        recording("other", press(2.0, 0.009)),
+    )
+    return Bench(training(), validation, "cortex-m4f", models=models)
+
+
+def run(folder: Path, candidates: list[Candidate], models: tuple[str, ...] = ()) -> dict[str, Any]:
+    with (
+        mock.patch.object(bench_module, "default_sweep", lambda *_: candidates),
+        mock.patch.object(front, "PACED_S", 0.2),
+    ):
+        return run_bench(asked(models), folder, "springpot bench --recording small")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    found = tmp_path_factory.mktemp("bench")
+    run(found, SMALL)
+    return found
+
+
+def test_the_default_sweep_is_wide_enough() -> None:
+    sweep = default_sweep(1e-3, PLAIN)
+    assert len({candidate.kind for candidate in sweep}) == 5
+    assert len(set(sweep)) == len(sweep) == 54
+    assert {c.options.engine for c in sweep} >= {None, "fir-fast", "recursive"}
+    plain = {c.kind for c in sweep if not c.named_options()}
+    assert plain >= {"rf-fd", "rbf-fd", "rbf-pv"}  # the paper's
+
+
+def test_rows_and_what_is_null(folder: Path) -> None:
+    result = json.loads((folder / "bench.json").read_text())
+    assert {"points", "machine", "compiler", "flags"} <= set(result)
+    assert len(result["points"]) == len(SMALL) - 1
+    board = next(board for board in BOARDS.values() if board.target == "cortex-m4f")
+    for point in result["points"]:
+        assert set(point) >= KEYS
+        assert (point["tick_ns_p999"] is not None) == point["pareto"]
+        assert (point["bounded"] is not None) == point["pareto"]
+        counts = point["pareto"] and not missing(board)
+        assert (point["instructions"] is not None) == counts
+        assert (point["flash_bytes"] is None) == bool(missing_tools("cortex-m4f"))
+        assert bool(point["why"]) == bool(missing_tools("cortex-m4f"))
+        assert 0.0 < point["rmse_n"] < 5.0
+        assert (folder / point["file"]).is_file()
+    errors = [point["rmse_n"] for point in result["points"]]
+    assert errors == sorted(errors)
+    (refused,) = result["refused"]
+    assert "--window-s" in refused["error"]
+
+
+def test_what_is_measured_is_not_measured_again(folder: Path, tmp_path: Path) -> None:
+    again = tmp_path / "bench"
+    shutil.copytree(folder, again)
+    before = json.loads((folder / "bench.json").read_text())
+    with mock.patch("springpot.host.bench.bench.Parallel", None):  # no worker may start
+        after = run(again, SMALL)
+    assert after["points"] == before["points"]
+    with (
+        mock.patch.object(bench_module, "code_hash", lambda: "other"),
+        mock.patch("springpot.host.bench.bench.Parallel", None),
+        pytest.raises(TypeError),
+    ):
+        run(again, SMALL)
+
+
+def test_a_model_file_stands_beside_the_kinds(tmp_path: Path) -> None:
+    file = tmp_path / "mine.spm"
+    write_model(file, small_model())
+    result = run(tmp_path / "bench", [], (str(file),))
+    (point,) = result["points"]
+    assert point["model"] == str(file)
+    assert point["fit_s"] is None
+    with pytest.raises(UsageError, match="neither a file nor one of rf-fd"):
+        run(tmp_path / "bench", [], ("no-such",))
+
+
+def test_recordings_that_no_model_can_be_made_of(tmp_path: Path) -> None:
+    with pytest.raises(DataError, match="no model can be made"):
+        run(tmp_path / "bench", SMALL[-1:])
+
+
+def test_the_front() -> None:
+    def point(rmse_n: float, tick_ns_hot: float, flash_bytes: int | None) -> dict[str, object]:
+        return {"rmse_n": rmse_n, "tick_ns_hot": tick_ns_hot, "flash_bytes": flash_bytes}
+
+    points = [point(1.0, 10.0, 100), point(1.1, 10.0, 100), point(2.0, 5.0, 100),
+              point(2.1, 6.0, 90), point(2.1, 6.0, None), point(1.0, 10.0, 100)]  # fmt: skip
+    assert pareto(points) == [True, False, True, True, False, True]
+
+
+def test_the_page_names_every_model(folder: Path) -> None:
+    page = write_bench_page(folder).read_text()
+    result = json.loads((folder / "bench.json").read_text())
+    for point in result["points"]:
+        assert label(point) in page
+    assert page.count("<svg") == 1
+    assert "http://" not in page.replace("http://www.w3.org", "")
+    with pytest.raises(DataError, match="no benchmark"):
+        write_bench_page(folder / "models")
+
+
+def test_holdout_keeps_the_strongest_for_training() -> None:
+    recordings = training()
+    kept, held = holdout(recordings, 0)
+    assert {item.name for item in kept} | {item.name for item in held} == {
+        item.name for item in recordings
+    }
+    strongest = max(recordings, key=lambda item: float(item.force_n.max()))
+    assert strongest.name in {item.name for item in kept}
+    (begin,), (end,) = holdout(recordings[:1], 0)
+    assert len(begin.force_n) + len(end.force_n) == len(recordings[0].force_n)
+
+
+@pytest.mark.slow
+def test_the_command_prints_a_table(tmp_path: Path) -> None:
+    write_recordings(tmp_path / "rec", training())
+    done = spring("bench", "--recording", str(tmp_path / "rec"), "--model", "hammerstein",
+                  "--out", str(tmp_path / "bench"))  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    assert "hammerstein (poles 2)" in done.stdout
+    report = spring("report", str(tmp_path / "bench"))
+    assert report.returncode == 0

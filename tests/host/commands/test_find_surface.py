@@ -1,0 +1,60 @@
+"""`springpot record --find-surface`: the surface is where the tool touches it, three times."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from support.peer import Peer, cli, peer
+
+PROTOCOL = "[[profile]]\namplitude_n = 2.0\nfrequency_hz = 2.0\n"
+
+
+def recorded(device: Peer, folder: Path, *options: object, keys: str = "\n\n\n") -> Any:
+    (folder / "one.toml").write_text(PROTOCOL)
+    url = device.url.partition("&surface_mm")[0]
+    return cli("record", "--device", url, "--find-surface", "--protocol", folder / "one.toml",
+               "--out", folder / "out", "--json", *options, input=keys)  # fmt: skip
+
+
+@pytest.mark.realtime
+def test_the_surface_of_a_force_dimension_device(tmp_path: Path) -> None:
+    """At a height of 12 mm, pressed downwards: -12 mm along the axis."""
+    with peer("dhd_device", "--pressing", "--cell-ms", 3, "--surface-mm", 12) as device:
+        result = recorded(device, tmp_path, "--force", device.wait_for("cell")["url"])
+    assert result.returncode == 0, result.stderr
+    found = json.loads(result.stdout)
+    assert abs(found["recordings"][0]["max_force_n"] - 2.0) < 0.5
+    assert result.stderr.count("press Enter") == 3
+    surface_mm = float(result.stderr.partition("surface_mm = ")[2].partition(":")[0])
+    assert surface_mm == pytest.approx(-12.0, abs=0.1)
+
+
+@pytest.mark.realtime
+def test_a_tool_that_moves_is_no_touch(tmp_path: Path) -> None:
+    with peer("serial_device", "--presses-hz", 1) as device:
+        result = recorded(device, tmp_path)
+    assert result.returncode == 1
+    assert "the tool moved by" in result.stderr
+    assert "keep it still" in result.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_nobody_there(tmp_path: Path) -> None:
+    with peer("serial_device") as device:
+        result = recorded(device, tmp_path, keys="")
+    assert result.returncode == 2
+    assert "run it in a terminal" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("url", "words"),
+    [
+        ("sim://ecoflex-00-30", "leave --find-surface out"),
+        ("dhd://?surface_mm=3", "leave surface_mm out"),
+    ],
+)
+def test_wrong_use(url: str, words: str) -> None:
+    result = cli("record", "--device", url, "--find-surface", "--protocol", "paper", "--out", "x")
+    assert result.returncode == 2
+    assert words in result.stderr

@@ -1,0 +1,118 @@
+"""How a Force Dimension device is found, checked and armed: each refusal names cause and remedy."""
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from support.peer import peer
+
+from springpot.codegen.errors import DeviceError, UsageError
+from springpot.host.devices.device import DeviceRequirements
+from springpot.host.devices.dhd import UDEV_RULE, VENDOR, absent_reason
+from springpot.host.devices.drivers import open_device
+
+WANTED = DeviceRequirements(rate_hz=1000.0, watchdog_s=0.02, max_n=8.0, presses=True)
+
+
+def refusal(settings: str = "", *options: str, wanted: DeviceRequirements = WANTED) -> str:
+    with peer("dhd_device", *options) as device:
+        with pytest.raises((DeviceError, UsageError)) as caught:
+            open_device(device.url + settings, wanted)
+        # Whatever was refused, and when: it gives no force.
+        assert not device.named("zero")
+        assert all(event["force_n"] == 0 for event in device.named("stop"))
+    return str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("option", "cause", "remedy"),
+    [
+        ("--absent", "no Force Dimension device on USB", "check cable and power"),
+        ("--in-use", "device already in use", "another program holds it: end that one"),
+        ("--unpowered", "it has no power", "switch it on"),
+        ("--uncalibrated", "it is not calibrated", "put its pole into the pit"),
+        ("--no-watchdog", "the device has no watchdog", "?watchdog=off"),
+    ],
+)
+def test_a_device_that_cannot_be_used(option: str, cause: str, remedy: str) -> None:
+    said = refusal("", option)
+    assert cause in said
+    assert remedy in said
+    assert "\n" not in said
+
+
+@pytest.mark.parametrize(
+    ("settings", "words"),
+    [
+        ("&axis=w", "give the way into the object: x, -x, y, -y, z, -z"),
+        ("&walls_npm=1e6", "give a number between 0 and 5000"),
+        ("&watchdog=no", "give on or off"),
+        ("&baud=9600", "no setting 'baud'"),
+    ],
+)
+def test_a_wrong_setting(settings: str, words: str) -> None:
+    assert words in refusal(settings)
+
+
+def test_a_number_beyond_the_devices_found() -> None:
+    with peer("dhd_device") as device, pytest.raises(DeviceError, match="there is no device 3: 1"):
+        open_device(device.url.replace("dhd://", "dhd://3"), WANTED)
+
+
+@pytest.mark.parametrize(
+    ("address", "told"),
+    [
+        ("dhd://?library=/nowhere/libdhd.so", r"SDK is not found .*/nowhere/libdhd.so.*\?library="),
+        ("dhd://", r"/elsewhere\.so"),
+        ("dhd://?library=libm.so.6", "this SDK has no dhdGetDeviceCount"),
+    ],
+)
+def test_a_library_that_is_no_sdk(monkeypatch: pytest.MonkeyPatch, address: str, told: str) -> None:
+    monkeypatch.setenv("SPRINGPOT_LIBDHD", "/elsewhere.so")
+    with pytest.raises(DeviceError, match=told):
+        open_device(address, WANTED)
+
+
+@pytest.mark.parametrize(
+    ("wanted", "told"),
+    [
+        (replace(WANTED, rate_hz=20.0, watchdog_s=0.1, presses=False), "needs at least 63 Hz"),
+        (replace(WANTED, force_sign=-1), "leave [device] force_sign out"),
+    ],
+)
+def test_a_scene_that_the_device_cannot_render(wanted: DeviceRequirements, told: str) -> None:
+    """Slower forces would trip it; position and force are of one frame."""
+    assert told in refusal(wanted=wanted)
+
+
+def test_what_it_is_armed_with() -> None:
+    """The force limit, the handle's mass and the watchdog reach the device."""
+    with peer("dhd_device") as device:
+        opened = open_device(device.url + "&effector_mass_kg=0.12&weight_n=0.5", WANTED)
+        device.wait_for("start", more=1)  # the first proves the watchdog
+        opened.stop()
+        stop = device.wait_for("stop", more=1)
+        opened.close()
+    assert stop["max_force_n"] == pytest.approx(13.5)  # and room for gravity
+    assert stop["mass_kg"] == 0.12
+    assert stop["watchdog_s"] == pytest.approx(0.02)
+
+
+def test_without_a_watchdog_where_that_is_accepted() -> None:
+    with peer("dhd_device", "--no-watchdog") as device:
+        opened = open_device(device.url + "&watchdog=off", WANTED)
+        assert "last force may still act" in opened.unreached
+        opened.stop()
+        opened.close()
+
+
+def test_what_the_system_sees_on_usb(tmp_path: Path) -> None:
+    port = tmp_path / "1-2"
+    port.mkdir()
+    for name, text in (("idVendor", VENDOR), ("busnum", "250"), ("devnum", "9")):
+        (port / name).write_text(text + "\n")
+    said = absent_reason(tmp_path)
+    assert "/dev/bus/usb/250/009" in said
+    assert UDEV_RULE in said
+    (port / "idVendor").write_text("0bda\n")
+    assert "no Force Dimension device on USB" in absent_reason(tmp_path)

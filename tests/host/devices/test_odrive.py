@@ -1,0 +1,115 @@
+"""Drives as processes: sessions, watchdogs, limits, refusals."""
+
+import re
+import time
+
+import numpy as np
+import pytest
+from support.peer import peer, wait_until
+
+from springpot.codegen.errors import DeviceError, UsageError
+from springpot.host.devices.device import DeviceRequirements
+from springpot.host.devices.drivers import parse_device
+from springpot.host.devices.odrive_device import OdriveDevice
+from springpot.host.recording.session import open_press_device
+from springpot.host.session.session import Session
+from springpot.host.validation.validation import validate
+from springpot.trainer.recordings.recording_file import read_recording
+
+TRAIN = "m_per_turn=0.1&max_torque_nm=1&nm_per_a=0.1"
+NODE = 3
+
+
+@pytest.mark.realtime
+@pytest.mark.parametrize(("firmware", "sign"), [("0.5", 1), ("0.6", -1)])
+def test_a_drive_over_slcan(tmp_path, folder, firmware, sign):
+    log = tmp_path / "a.h5"
+    options = ("--firmware", firmware, "--sign", sign, "--node", NODE)
+    with (
+        peer("slcan_odrive", *options) as drive,
+        Session(folder, drive.url, log, seconds=1.5, report=list) as session,
+    ):
+        session.start()
+        wait_until(lambda: session.runner.over, 20, "does not end")
+        time.sleep(0.05)
+    result = session.result()
+    assert session.runner.scheduler().startswith("C thread")
+    assert abs(result["ticks"] - 1500) <= 2
+    assert result["ring_dropped"] == result["crc_errors"] == 0
+    assert result["samples"] > 1400
+    read = read_recording(log)
+    assert validate(folder, [read], paced_s=0.01).mismatches == 0
+    assert read.position_m.max() > 3e-3
+    assert [event["state"] for event in drive.named("state")] == [8, 8, 1]
+    assert len(drive.named("tripped")) >= 1  # the proof of its watchdog
+
+
+@pytest.mark.realtime
+def test_a_drive_over_udp_multicast(tmp_path, folder):
+    """Any interface of python-can: the same loop, and the log is as faithful."""
+    log = tmp_path / "a.h5"
+    with (
+        peer("udp_odrive", "--port", 43219) as drive,
+        Session(folder, drive.url, log, seconds=1.0, report=list) as session,
+    ):
+        session.start()
+        wait_until(lambda: session.runner.over, 20, "does not end")
+    assert session.runner.scheduler().startswith("C thread")
+    assert session.result()["samples"] > 800
+    assert validate(folder, [read_recording(log)], paced_s=0.01).mismatches == 0
+
+
+def test_the_limit_that_a_refusal_names_is_taken():
+    rng = np.random.default_rng(7)
+    for _ in range(300):
+        url = f"odrive://slcan//dev/none?nm_per_a=0.1&m_per_turn={rng.uniform(0.01, 1):.4f}"
+        url += f"&max_torque_nm={rng.uniform(0.01, 1):.4f}"
+        with pytest.raises(DeviceError, match="max_force_n") as caught:
+            OdriveDevice(parse_device(url), DeviceRequirements(1000, 0.02, 1e4))
+        named_n = float(re.search(r"max_force_n = ([\d.e+-]+),", str(caught.value))[1])
+        with pytest.raises(DeviceError, match="no such port"):  # it got further
+            OdriveDevice(parse_device(url), DeviceRequirements(1000, 0.02, named_n))
+
+
+def test_a_serial_device_is_no_adapter(folder):
+    with peer("serial_device") as device:
+        url = "odrive://slcan/" + device.url.removeprefix("serial://").split("?")[0]
+        with pytest.raises(DeviceError, match="no slcan adapter"):
+            Session(folder, f"{url}?{TRAIN}", report=list).__enter__()
+
+
+@pytest.mark.realtime
+def test_recording_needs_the_torques_of_firmware_0_6():
+    command_n = 2 * np.sin(np.linspace(0, np.pi, 300)) ** 2
+    with peer("slcan_odrive", "--on-object", "--object", "dragon-skin-fx") as drive:
+        position_m, force_n = open_press_device(drive.url).press(command_n)
+    assert np.sqrt(np.mean((force_n - command_n) ** 2)) < 0.2
+    assert position_m.max() > 5e-4
+    with peer("udp_odrive", "--port", 43221, "--on-object") as drive:
+        position_m, force_n = open_press_device(drive.url).press(command_n)
+    assert np.sqrt(np.mean((force_n - command_n) ** 2)) < 0.2
+    with (
+        peer("slcan_odrive", "--on-object", "--firmware", "0.5") as drive,
+        pytest.raises(DeviceError, match="measures no force"),
+    ):
+        open_press_device(drive.url).press(command_n)
+
+
+@pytest.mark.parametrize(
+    ("url", "error", "says"),
+    [
+        (f"odrive://slcan//dev/none?{TRAIN}", DeviceError, "no such port"),
+        (f"odrive://socketcan/can9?{TRAIN}", DeviceError, "kernel needs CAN"),
+        (f"odrive://nosuch/1?{TRAIN}", DeviceError, "nosuch"),
+        ("odrive:///dev/ttyACM0", UsageError, "not complete"),
+        (
+            "odrive://slcan//dev/none?m_per_turn=1&max_torque_nm=0.1&nm_per_a=0.1",
+            DeviceError,
+            "max_force_n",
+        ),
+    ],
+)
+def test_wrong_urls_are_one_line(url, error, says):
+    with pytest.raises(error, match=says) as caught:
+        OdriveDevice(parse_device(url), DeviceRequirements(1000, 0.02, 12.0))
+    assert "\n" not in str(caught.value)

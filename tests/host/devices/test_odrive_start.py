@@ -1,0 +1,468 @@
+"""How a drive is heard, armed and proved, frame by frame, on a simulated clock."""
+
+import dataclasses
+import math
+import struct
+import types
+from dataclasses import dataclass, field
+
+import pytest
+from support.messages import refusing
+
+from springpot.codegen.errors import DeviceError, UsageError
+from springpot.host.devices import device as device_module
+from springpot.host.devices import odrive, odrive_device
+from springpot.host.devices.device import DeviceRequirements
+from springpot.host.devices.drivers import parse_device
+from springpot.host.devices.odrive import (
+    Drive,
+    DriveLimits,
+    Heartbeat,
+    identifier,
+    parse_heartbeat,
+)
+from springpot.host.devices.odrive_device import (
+    OdriveDevice,
+    Transmission,
+    _transmission,
+    require_fast_bus,
+)
+
+NODE = 5
+CLEAR, LIMITS, MODE, STATE, TORQUE = 0x18, 0x0F, 0x0B, 0x07, 0x0E
+CLOSED, IDLE = 8, 1
+BITE = {"0.5": 0x800, "0.6": 0x1000000}  # of the watchdog, in the error word
+
+
+@dataclass
+class SimulatedDrive:
+    """A bus with one drive on it: heartbeats on the tenth of a second, a watchdog, one version."""
+
+    family: str = "0.6"
+    watchdog_s: float = 0.05
+    error: int = 0  # that no clearing takes away
+    flags: bytes = bytes(3)
+    arms: bool = True
+    beats: bool = True
+    bite: int | None = None  # what its watchdog says instead
+    deaf: int = 0  # questions for its version that it misses
+    heartbeat_s: float = 0.1
+    others: tuple[tuple[int, bytes], ...] = ()  # frames that stand on the bus at the beginning
+    estimates_hz: float = 0.0
+    now_s: float = 100.0
+    fd: int = 9
+    failure: str = "pulled out"
+    closed: int = 0
+    state: int = IDLE
+    code: int = 0
+    fed_s: float = math.inf
+    beat_s: float = 100.1
+    estimate_s: float = 100.0
+    sent: list[tuple[int, bytes, bool]] = field(default_factory=list)
+    waiting: list[tuple[int, bytes]] = field(default_factory=list)
+
+    def __post_init__(self) -> None:
+        self.waiting = list(self.others)
+        if not self.estimates_hz:
+            self.estimate_s = math.inf
+
+    def close(self) -> None:
+        self.closed += 1
+
+    def monotonic(self) -> float:
+        self.now_s += 1e-6
+        return self.now_s
+
+    def send(self, arbitration: int, data: bytes, *, remote: bool = False) -> None:
+        assert arbitration >> 5 == NODE
+        command = arbitration & 31
+        self.sent.append((command, data, remote))
+        self.fed_s = self.now_s
+        if command == CLEAR:
+            self.code = 0
+        elif command == STATE:
+            self.state = struct.unpack("<II", data)[0] if self.arms else IDLE
+        elif command == 0 and remote and self.family == "0.6":
+            self.deaf -= 1
+            if self.deaf < 0:
+                self.waiting.append((identifier(NODE, 0), bytes(8)))
+
+    def receive(self, until_s: float) -> tuple[int, bytes] | None:
+        self.now_s += 1e-6
+        if self.waiting:
+            return self.waiting.pop(0)
+        off_s = self.fed_s + self.watchdog_s if self.state == CLOSED else math.inf
+        if off_s < min(self.beat_s, until_s):
+            self.state = IDLE
+            self.code = BITE[self.family] if self.bite is None else self.bite
+        if self.estimate_s < min(self.beat_s, until_s):
+            self.now_s = max(self.now_s, self.estimate_s)
+            self.estimate_s += 1 / self.estimates_hz
+            return identifier(NODE, 9), bytes(8)
+        if self.beat_s < until_s:
+            self.now_s = max(self.now_s, self.beat_s)
+            self.beat_s += self.heartbeat_s
+            if self.beats:
+                beat = struct.pack("<IB", self.code | self.error, self.state) + self.flags
+                return identifier(NODE, 1), beat
+            return self.receive(until_s)
+        self.now_s = max(self.now_s, until_s)
+        return None
+
+
+@pytest.fixture
+def drive_on(monkeypatch: pytest.MonkeyPatch):
+    def made(simulated: SimulatedDrive, family: str | None = None) -> Drive:
+        clock = types.SimpleNamespace(monotonic=simulated.monotonic)
+        monkeypatch.setattr(odrive, "time", clock)
+        drive = Drive(simulated, NODE, "odrive://x", DriveLimits(40.0, 5.0))
+        drive.family = simulated.family if family is None else family
+        return drive
+
+    return made
+
+
+ARMING = [
+    (CLEAR, bytes(8), False),
+    (LIMITS, struct.pack("<ff", 40.0, 5.0), False),
+    (MODE, struct.pack("<II", 1, 1), False),
+    (TORQUE, bytes(8), False),
+    (STATE, struct.pack("<II", 8, 0), False),
+]
+RESTING = [(TORQUE, bytes(8), False), (STATE, struct.pack("<II", 1, 0), False)]
+
+
+def test_heartbeats_are_read_by_family() -> None:
+    beat = struct.pack("<IB", 0x01020304, 8)
+    for flags in (bytes(3), b"\1\0\0", b"\0\1\0", b"\0\0\1", b"\2\4\xfe"):
+        flagged = flags in (b"\1\0\0", b"\0\1\0", b"\0\0\1")
+        assert parse_heartbeat(beat + flags, "0.5") == Heartbeat(0x01020304, 8, flagged)
+        assert parse_heartbeat(beat + flags, "0.6") == Heartbeat(0x01020304, 8, False)
+    assert identifier(3, 9) == 0x69
+    assert (odrive.ENCODER, odrive.TORQUES) == (0x09, 0x1C)
+    for fixed in (Heartbeat(0, 1, False), DriveLimits(1.0, 2.0), transmission()):
+        with pytest.raises(dataclasses.FrozenInstanceError):
+            setattr(fixed, dataclasses.fields(fixed)[0].name, 3)
+
+
+def test_what_a_drive_is_told(drive_on) -> None:
+    simulated = SimulatedDrive()
+    drive = drive_on(simulated)
+    drive.ask_for_torque_control()
+    assert simulated.sent == ARMING
+    simulated.sent.clear()
+    drive.rest()
+    assert simulated.sent == RESTING
+    drive.torque(0.25)
+    assert simulated.sent[-1] == (TORQUE, struct.pack("<ff", 0.25, 0.0), False)
+
+
+@pytest.mark.parametrize("family", ["0.5", "0.6"])
+def test_a_drive_whose_watchdog_is_short_is_made_ready(drive_on, family: str) -> None:
+    simulated = SimulatedDrive(family)
+    drive = drive_on(simulated, "")
+    drive.make_ready()
+    assert drive.family == family
+    questions = [frame for frame in simulated.sent if frame[0] == 0]
+    assert questions == [(0, b"", True)] * (1 if family == "0.6" else 3)
+    commands = [frame for frame in simulated.sent if frame[0] != 0]
+    assert commands[:5] == ARMING  # once, then only torques of zero, then silence
+    assert set(commands[5:]) == {(TORQUE, bytes(8), False)}
+    assert simulated.state == IDLE
+    assert simulated.now_s < 101.0
+
+
+@pytest.mark.parametrize("deaf", [0, 1, 2, 3])
+def test_an_answer_for_the_version_may_be_lost_twice(drive_on, deaf: int) -> None:
+    simulated = SimulatedDrive("0.6", deaf=deaf, beat_s=math.inf)
+    begin_s = simulated.now_s
+    assert drive_on(simulated)._firmware() == ("0.6" if deaf < 3 else "0.5")
+    asked = len(simulated.sent)
+    assert asked == min(deaf + 1, 3)
+    assert simulated.now_s - begin_s == pytest.approx(0.1 * deaf, abs=1e-3)
+
+
+def test_only_a_whole_answer_of_the_node_says_the_version(drive_on) -> None:
+    others = ((identifier(NODE, 0), bytes(4)), (identifier(NODE + 1, 0), bytes(8)),
+              (identifier(NODE, 9), bytes(8)))  # fmt: skip
+    assert drive_on(SimulatedDrive("0.5", others=others))._firmware() == "0.5"
+
+
+def test_the_newest_whole_heartbeat_of_the_node_counts(drive_on) -> None:
+    own = identifier(NODE, 1)
+    others = (
+        (own, struct.pack("<IB3x", 1, 1)),
+        (own, struct.pack("<IB3x", 2, 8)),
+        (own, struct.pack("<IB", 3, 3)),
+        (identifier(NODE + 1, 1), struct.pack("<IB3x", 4, 4)),
+        (identifier(NODE, 9), struct.pack("<IB3x", 5, 5)),
+    )
+    drive = drive_on(SimulatedDrive(others=others, beat_s=math.inf))
+    assert drive._heartbeat(100.01) == Heartbeat(2, 8, False)
+    assert drive._heartbeat(100.02) is None
+
+
+def test_a_drive_that_is_heard_is_not_waited_for(drive_on) -> None:
+    simulated = SimulatedDrive()
+    drive_on(simulated)._hear()
+    assert simulated.now_s == pytest.approx(100.1, abs=1e-3)
+    assert not simulated.sent
+
+
+@pytest.mark.parametrize(
+    ("others", "told"),
+    [
+        ((), "?bitrate="),
+        ((7, 3, 7), "heard nodes [3, 7]: use ?node="),
+    ],
+)
+def test_a_drive_that_is_not_heard_for_two_seconds(drive_on, others, told: str) -> None:
+    frames = tuple((identifier(node, 1), bytes(8)) for node in others)
+    simulated = SimulatedDrive(others=frames, beats=False)
+    drive = drive_on(simulated, "")
+    assert Drive(simulated, NODE, "odrive://x", DriveLimits(40.0, 5.0)).family == ""
+    with refusing(DeviceError, "odrive://x: no heartbeat of node 5", told):
+        drive.make_ready()
+    assert simulated.now_s == pytest.approx(102.0, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("options", "found"),
+    [
+        ({"arms": False}, "state 1, error 0x0"),
+        ({"arms": False, "error": 0x40}, "state 1, error 0x40"),
+        ({"error": 0x40}, "state 8, error 0x40"),
+        ({"flags": b"\0\1\0", "family": "0.5"}, "state 8, error 0x0"),
+        ({"beats": False}, "it is silent"),
+    ],
+)
+def test_a_drive_that_is_not_armed_in_two_seconds(drive_on, options, found: str) -> None:
+    simulated = SimulatedDrive(**options)
+    drive = drive_on(simulated)
+    with refusing(DeviceError, "node 5", found, "calibrate"):
+        drive.arm()
+    assert simulated.now_s == pytest.approx(102.0, abs=0.01)
+    assert simulated.sent[:5] == ARMING
+    fed = simulated.sent[5:]
+    assert set(fed) == {(TORQUE, bytes(8), False)}  # every 5 ms, so that its watchdog is quiet
+    assert len(fed) == pytest.approx(400, abs=22)
+
+
+@pytest.mark.parametrize(
+    ("watchdog_s", "found", "proofs", "took_s"),
+    [(math.inf, "never", 1, 1.6), (0.33, "0.41 s", 3, 1.5)],
+)
+def test_a_watchdog_that_bites_late_or_never_is_refused(
+    drive_on, watchdog_s: float, found: str, proofs: int, took_s: float
+) -> None:
+    simulated = SimulatedDrive(watchdog_s=watchdog_s)
+    drive = drive_on(simulated)
+    with refusing(DeviceError, "node 5", found, "0.2 s"):
+        drive._prove_watchdog()
+    assert simulated.sent[-2:] == RESTING
+    assert [frame[0] for frame in simulated.sent].count(CLEAR) == proofs
+    assert simulated.now_s - 100 == pytest.approx(took_s, abs=0.02)
+
+
+def test_the_time_is_from_the_last_command_to_the_next_heartbeat(drive_on) -> None:
+    simulated = SimulatedDrive(watchdog_s=0.05, heartbeat_s=0.15)
+    drive = drive_on(simulated)
+    drive.arm()
+    fed_s = drive._fed_s
+    found_s = drive._silent_until_off_s()
+    assert found_s == pytest.approx(simulated.now_s - fed_s, abs=1e-4)
+    assert 0.05 < found_s <= 0.2
+
+
+@pytest.mark.parametrize("family", ["0.5", "0.6"])
+def test_a_drive_that_switches_itself_off_otherwise_is_refused(drive_on, family: str) -> None:
+    other = BITE["0.6" if family == "0.5" else "0.5"]
+    for bite in (0, 1, 0x40, other):
+        drive = drive_on(SimulatedDrive(family, bite=bite))
+        with pytest.raises(DeviceError, match=f"switched itself off with error 0x{bite:x}: look"):
+            drive._prove_watchdog()
+
+
+ALL = "m_per_turn=0.05&max_torque_nm=0.4&nm_per_a=0.04"
+NEEDS = DeviceRequirements(1000, 0.02, 12.0)
+
+
+def transmission(query: str = ALL, needs: DeviceRequirements = NEEDS) -> Transmission:
+    return _transmission(parse_device(f"odrive://slcan//dev/x?{query}"), needs)
+
+
+def test_a_transmission_is_that_of_the_address_or_the_scene() -> None:
+    scene = DeviceRequirements(
+        1000, 0.02, 12.0, surface_m=0.003, m_per_turn=0.05, sign=-1, zero_turns=0.25,
+        max_torque_nm=0.4, nm_per_a=0.04,
+    )  # fmt: skip
+    assert transmission("", scene) == Transmission(0.05, -1, 0.25, 0.003, 0.4, 0.04)
+    query = "m_per_turn=0.06&sign=1&zero_turns=-3&surface_mm=-7&max_torque_nm=0.5&nm_per_a=0.05"
+    assert transmission(query, scene) == Transmission(0.06, 1, -3.0, -0.007, 0.5, 0.05)
+    assert transmission() == Transmission(0.05, 1, 0.0, 0.0, 0.4, 0.04)
+    found = transmission()
+    assert found.max_n == pytest.approx(0.4 * 2 * math.pi / 0.05, rel=1e-12)
+    assert found.limits.turns_per_s == pytest.approx(2 / 0.05 + 6 * 0.4 + 20)
+    assert found.limits.current_a == pytest.approx(1.05 * 0.4 / 0.04)
+
+
+@pytest.mark.parametrize(
+    ("query", "told"),
+    [
+        ("max_torque_nm=0.4&nm_per_a=0.04", "m_per_turn"),
+        ("m_per_turn=0.05&nm_per_a=0.04", "max_torque_nm"),
+        ("m_per_turn=0.05&max_torque_nm=0.4", "nm_per_a"),
+        (f"{ALL}&m_per_turn=100.1", "between 0 and 100"),
+        (f"{ALL}&max_torque_nm=10001", "between 0 and 10000"),
+        (f"{ALL}&nm_per_a=10001", "between 0 and 10000"),
+        (f"{ALL}&nm_per_a=-1", "between 0 and 10000"),
+        (f"{ALL}&sign=0.5", "give 1 or -1"),
+        (f"{ALL}&sign=2", "between -1 and 1"),
+        (f"{ALL}&zero_turns=1000001", "between -1e+06 and 1e"),
+        (f"{ALL}&surface_mm=100001", "between -100000 and"),
+        (f"{ALL}&surface_mm=-100001", "between -100000 and"),
+        (f"{ALL}&node=64", "between 0 and 63"),
+        (f"{ALL}&node=-1", "between 0 and 63"),
+        (f"{ALL}&bitrate=9999", "between 10000 and 1e+06"),
+        (f"{ALL}&bitrate=1000001", "between 10000 and 1e+06"),
+        (f"{ALL}&speed=1", "no setting 'speed'"),
+    ],
+)
+def test_settings_of_a_drive_are_checked_before_its_port_is_opened(query: str, told: str) -> None:
+    with refusing(UsageError, query.removeprefix(f"{ALL}&")[:5], told):
+        OdriveDevice(parse_device(f"odrive://slcan//dev/none?{query}"), NEEDS)
+
+
+def test_the_last_numbers_of_a_transmission_are_taken() -> None:
+    for turns, surface_mm in ((1e6, 1e5), (-1e6, -1e5)):
+        found = transmission(f"{ALL}&zero_turns={turns}&surface_mm={surface_mm}&sign=-1")
+        assert (found.zero_turns, found.surface_m, found.sign) == (turns, surface_mm / 1e3, -1)
+    weak = DeviceRequirements(1000, 0.02, 0.0)
+    found = transmission("m_per_turn=100&max_torque_nm=10000&nm_per_a=10000", weak)
+    assert (found.m_per_turn, found.max_torque_nm, found.nm_per_a) == (100, 10000, 10000)
+
+
+def test_a_motor_gives_the_scenes_force_to_a_millionth() -> None:
+    max_n = transmission().max_n
+    for more, fits in ((1 + 0.9e-6, True), (1 + 1.1e-6, False)):
+        needs = DeviceRequirements(1000, 0.02, max_n * more)
+        if fits:
+            assert transmission(ALL, needs).max_n == max_n
+        else:
+            with pytest.raises(DeviceError, match=r"0\.4 Nm give 50\.2 N and the scene up to"):
+                transmission(ALL, needs)
+
+
+def test_a_bus_carries_two_frames_a_tick() -> None:
+    require_fast_bus("x", 270_000, 1000)
+    with refusing(DeviceError, "x: 269.999 kbit/s", "1000 Hz", "270 kbit/s"):
+        require_fast_bus("x", 269_999, 1000)
+
+
+@pytest.fixture
+def opened(monkeypatch: pytest.MonkeyPatch):
+    def made(simulated: SimulatedDrive, needs=NEEDS, url: str = "slcan//dev/x") -> OdriveDevice:
+        clock = types.SimpleNamespace(monotonic=simulated.monotonic)
+        for module in (odrive, odrive_device, device_module):
+            monkeypatch.setattr(module, "time", clock)
+        asked: list[tuple[str, int]] = []
+        monkeypatch.setattr(
+            odrive_device, "open_bus", lambda at, rate: (asked.append((at.url, rate)), simulated)[1]
+        )
+        try:
+            return OdriveDevice(parse_device(f"odrive://{url}?node=5&{ALL}"), needs)
+        finally:
+            assert asked == [(f"odrive://{url}?node=5&{ALL}", 1_000_000)]
+
+    return made
+
+
+@pytest.mark.parametrize(("url", "slcan"), [("slcan//dev/x", 1), ("socketcan/can0", 0)])
+@pytest.mark.parametrize("family", ["0.5", "0.6"])
+def test_a_drive_is_opened_and_its_link_gets_what_was_agreed(
+    opened, family: str, url: str, slcan: int
+) -> None:
+    simulated = SimulatedDrive(family, estimates_hz=1000.0)
+    needs = dataclasses.replace(NEEDS, sign=-1, zero_turns=0.25, surface_m=0.003)
+    device = opened(simulated, needs, url)
+    assert device.comes_back and device.failure == "pulled out" and device.rendering_board() is None
+    given: list[object] = []
+    library = types.SimpleNamespace(
+        ffi=types.SimpleNamespace(new=lambda kind, values: (kind, values)),
+        memory=lambda size: ("memory", size),
+        c=types.SimpleNamespace(
+            sp_link_odrive_size=lambda: 77,
+            sp_link_odrive_init=lambda *arguments: (given.extend(arguments), "link")[1],
+        ),
+    )
+    assert device.link(library) == "link"
+    memory, descriptor, (kind, settings) = given
+    assert (memory, descriptor, kind) == (("memory", 77), 9, "sp_odrive *")
+    assert settings == {
+        "node": 5,
+        "slcan": slcan,
+        "with_torque": int(family == "0.6"),
+        "m_per_turn": 0.05,
+        "sign": -1,
+        "zero_turns": 0.25,
+        "surface_m": 0.003,
+        "max_torque_nm": 0.4,
+        "max_turns_per_s": pytest.approx(62.4),
+        "max_current_a": pytest.approx(10.5),
+    }
+    simulated.sent.clear()
+    device.stop()
+    assert simulated.sent == RESTING and simulated.closed == 0
+    device.close()
+    assert simulated.closed == 1
+
+    def gone(*_: object, **__: object) -> None:
+        raise DeviceError("gone")
+
+    simulated.send = gone
+    device.stop()  # its watchdog does it
+
+
+@pytest.mark.parametrize(
+    ("family", "rate_hz", "told"),
+    [
+        ("0.5", 500, "encoder_rate_ms = 2`"),
+        ("0.6", 500, "encoder_msg_rate_ms = 2`"),
+        ("0.6", 1000, "encoder_msg_rate_ms = 1`"),
+        ("0.6", 1001, "1000 a second: set runtime.rate_hz"),
+    ],
+)
+def test_a_drive_of_too_few_estimates_is_refused(opened, family, rate_hz, told: str) -> None:
+    simulated = SimulatedDrive(family, estimates_hz=250.0)
+    with refusing(DeviceError, "samples a second", f"{rate_hz} Hz", told):
+        opened(simulated, dataclasses.replace(NEEDS, rate_hz=rate_hz))
+    assert simulated.closed == 1
+
+
+def test_estimates_that_waited_are_no_measure(opened) -> None:
+    simulated = SimulatedDrive(estimates_hz=1000.0)
+    device = opened(simulated)
+    simulated.estimate_s = simulated.beat_s = math.inf
+    own, other = (identifier(NODE, 9), bytes(8)), (identifier(NODE, 1), bytes(8))
+    simulated.waiting = [own] * 50
+    assert device._estimates_until(simulated.now_s + 0.1) == 0
+    arriving = iter([None, own, other, own, None])
+    simulated.receive = lambda until_s: next(arriving)
+    assert device._estimates_until(simulated.now_s + 0.1) == 2
+
+
+def test_a_slow_adapter_is_refused_before_it_is_opened(monkeypatch: pytest.MonkeyPatch) -> None:
+    asked: list[tuple[str, float]] = []
+
+    def refuse(place: str, rate_hz: float) -> None:
+        asked.append((place, rate_hz))
+        raise DeviceError("slow")
+
+    monkeypatch.setattr(odrive_device, "require_fast_adapter", refuse)
+    device = OdriveDevice.__new__(OdriveDevice)
+    with pytest.raises(DeviceError, match="slow"):
+        device.__init__(parse_device(f"odrive://slcan//dev/x?{ALL}"), NEEDS)
+    assert device.node == 0  # where the address names none
+    with pytest.raises(DeviceError, match="250 kbit/s"):
+        OdriveDevice(parse_device(f"odrive://slcan//dev/x?{ALL}&bitrate=250000"), NEEDS)
+    assert asked == [("/dev/x", 1000)]

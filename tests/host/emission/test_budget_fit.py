@@ -1,0 +1,96 @@
+"""`emit --fit`: what does not fit a budget is made smaller, measured on recordings."""
+
+import dataclasses
+import shutil
+from pathlib import Path
+
+import pytest
+from support.small import model_file, press, recording, scene, small_fit
+
+from springpot.codegen.errors import BudgetError, DataError, UsageError
+from springpot.codegen.scene import Budget, Coupling, Runtime, Scene
+from springpot.host.emission import budget_fit
+from springpot.host.emission.budget_fit import emit_fitting
+from springpot.host.emission.emission import emit
+from springpot.host.native import toolchain
+from springpot.host.validation.validation import validate
+
+EVALUATION = recording("judge", press(1.5, 0.011))
+
+
+def tight(folder: Path) -> tuple[Scene, Path, int]:
+    """A scene whose budget is two thirds of what the model takes."""
+    model = model_file(folder, small_fit(trees=20).model)
+    whole = emit(scene(), model, folder / "whole").footprint
+    budget = Budget(flash_bytes=2 * whole.flash_bytes // 3)
+    return dataclasses.replace(scene(), budget=budget), model, 2 * whole.flash_bytes // 3
+
+
+def build_few(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Try few forests: one that fits is among them."""
+    monkeypatch.setattr(budget_fit, "_TREES", (1.0, 0.5, 0.2))
+    monkeypatch.setattr(budget_fit, "_LEAVES", (1, 8))
+
+
+@pytest.mark.parametrize("forests", ["few", pytest.param("all", marks=pytest.mark.slow)])
+def test_the_best_forest_that_fits_is_emitted(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    forests: str,
+) -> None:
+    if forests == "few":
+        build_few(monkeypatch)
+    chosen, model, flash_bytes = tight(tmp_path)
+    with pytest.raises(BudgetError, match="--fit --recording REC makes a forest smaller"):
+        emit_fitting(chosen, model, tmp_path / "c", False, [EVALUATION], fit=False)
+    assert not (tmp_path / "c").exists()
+    fitted = emit_fitting(chosen, model, tmp_path / "c", False, [EVALUATION], fit=True)
+    assert fitted.footprint.flash_bytes <= flash_bytes
+    (line,) = [one for one in capsys.readouterr().err.splitlines() if one.startswith("fitted: ")]
+    said_n = float(line.split("RMSE ")[1].split()[0])
+    measured = validate(tmp_path / "c", [EVALUATION], paced_s=0.01)
+    assert said_n == pytest.approx(measured.accuracy.rmse_n, rel=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("recordings", "fit", "budget", "error", "told"),
+    [
+        ([dataclasses.replace(EVALUATION, dt_s=2e-3)], True, None, DataError, "500 Hz, the scene"),
+        ([], True, None, UsageError, "give --recording REC"),
+        ([], False, None, BudgetError, "--fit --recording REC"),
+        ([EVALUATION], True, Budget(flash_bytes=100), BudgetError, "no smaller version of this"),
+    ],
+)
+def test_what_cannot_be_fitted_is_refused(tmp_path, recordings, fit, budget, error, told) -> None:
+    chosen, model, _ = tight(tmp_path)
+    if budget:
+        chosen, model = dataclasses.replace(chosen, budget=budget), model_file(tmp_path)
+    with pytest.raises(error, match=told):
+        emit_fitting(chosen, model, tmp_path / "c", False, recordings, fit=fit)
+
+
+def test_what_was_accepted_for_the_model_is_accepted_for_a_smaller_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    build_few(monkeypatch)
+    chosen, model, _ = tight(tmp_path)
+    unsafe = dataclasses.replace(chosen, coupling=Coupling(mode="tool", damping_nspm=2e4))
+    fitted = emit_fitting(unsafe, model, tmp_path / "c", True, [EVALUATION], fit=True)
+    assert fitted.manifest["accept_unsafe"] is True
+
+
+def test_without_a_compiler_no_model_is_blamed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = shutil.which
+    monkeypatch.setattr(
+        toolchain.shutil, "which", lambda name: None if "riscv" in name else found(name)
+    )
+    chosen = dataclasses.replace(
+        scene(), runtime=Runtime(target="rv32imafc"), budget=Budget(flash_bytes=1000)
+    )
+    with pytest.raises(BudgetError) as refused:
+        emit_fitting(chosen, model_file(tmp_path), tmp_path / "c", False, [EVALUATION], fit=True)
+    assert "no compiler for rv32imafc" in str(refused.value)
+    assert "no smaller version" not in str(refused.value)

@@ -1,0 +1,95 @@
+"""Ensembles of one's own: those fitted on ensemble_data are taken, all others refused."""
+
+import numpy as np
+import pytest
+from sklearn.base import clone
+from sklearn.ensemble import (
+    ExtraTreesRegressor,
+    GradientBoostingRegressor,
+    HistGradientBoostingRegressor,
+    RandomForestRegressor,
+)
+from sklearn.model_selection import GridSearchCV
+from sklearn.pipeline import make_pipeline
+from sklearn.preprocessing import MinMaxScaler, StandardScaler
+from support.messages import refusing
+from support.small import training
+
+from springpot.codegen.errors import UsageError
+from springpot.host.estimators.ensemble import ensemble_data, from_ensemble, require_same_data
+
+FOREST, EXTRA, BOOSTED = RandomForestRegressor, ExtraTreesRegressor, HistGradientBoostingRegressor
+RIGHT = [
+    FOREST(5, random_state=0),
+    FOREST(20, max_samples=0.35, min_samples_leaf=20, random_state=1),
+    FOREST(1, max_depth=2, max_features=1, random_state=3),
+    FOREST(5, max_depth=1, random_state=0),
+    FOREST(3, min_samples_leaf=0.1, random_state=0),
+    FOREST(10, max_samples=100, random_state=0),
+    FOREST(3, max_samples=3000, random_state=0),
+    EXTRA(1, max_depth=1, random_state=0),
+    EXTRA(5, random_state=0),
+    BOOSTED(max_iter=1, random_state=0),
+    BOOSTED(max_iter=30, random_state=0),
+]
+STRONG = [RIGHT[i] for i in (0, 1, 8, 10)]
+OTHER_FEATURES = {
+    "standardised": lambda x: StandardScaler().fit_transform(x),
+    "0 to 1": lambda x: MinMaxScaler().fit_transform(x),
+    "reversed": lambda x: x[:, ::-1],
+    "permuted": lambda x: x[:, np.random.default_rng(0).permutation(x.shape[1])],
+    "a thousandth": lambda x: 1e-3 * x,
+    "twice": lambda x: 2.0 * x,
+}
+VALUES, FORCE_N = ensemble_data(training(), seed=1)
+CHECKED = ensemble_data(training(), fraction=0.1, seed=2)
+
+
+def check(regressor, values):
+    fitted = clone(regressor).fit(values, FORCE_N)
+    require_same_data(fitted, fitted.predict(CHECKED[0]), *CHECKED)
+
+
+@pytest.mark.parametrize("regressor", RIGHT, ids=str)
+def test_an_ensemble_on_the_right_features_is_taken_however_weak(regressor):
+    check(regressor, VALUES)
+
+
+@pytest.mark.parametrize("other", OTHER_FEATURES.values(), ids=OTHER_FEATURES)
+@pytest.mark.parametrize("regressor", STRONG, ids=str)
+def test_an_ensemble_on_other_features_is_refused_with_its_error(regressor, other):
+    with refusing(UsageError, "R2 of ", "other features", "ensemble_data"):
+        check(regressor, other(VALUES))
+
+
+def test_what_is_no_fitted_ensemble_is_told_what_to_give():
+    small = FOREST(2, max_depth=2)
+    boosted = GradientBoostingRegressor(n_estimators=2).fit(VALUES, FORCE_N)
+    search = GridSearchCV(small, {"max_depth": [1]}, cv=2)
+    two = np.stack([FORCE_N, FORCE_N], axis=1)
+    poisson = BOOSTED(max_iter=50, loss="poisson").fit(VALUES, np.maximum(FORCE_N, 0.0))
+    for given, says in (
+        (clone(small).fit(VALUES[:, :4], FORCE_N), "fitted on 4 features, these are 10"),
+        (clone(STRONG[0]).fit(VALUES / 1000, FORCE_N), "R2 of "),
+        (clone(small).fit(VALUES, two), "outputs: fit it on one force"),
+        (poisson, "no weighted sum of its trees"),
+        (boosted, "HistGradientBoostingRegressor: fit the last"),
+        (search, "best_estimator_"),
+        (make_pipeline(StandardScaler(), small), "trees need no scaling"),
+        (small, "is not fitted"),
+        (BOOSTED(), "is not fitted"),
+        (FOREST, "is not fitted"),
+        (None, "give a fitted"),
+    ):
+        with refusing(UsageError, says):
+            from_ensemble(given, training())
+
+
+def test_orders_are_features():
+    values, _ = ensemble_data(training(), [0.0, 0.5, 1.0])
+    assert values.shape[1] == 3
+    paper = ensemble_data(training(), np.arange(1, 11) * 0.05)[0]
+    np.testing.assert_allclose(paper, ensemble_data(training())[0], rtol=1e-5, atol=1e-5)
+    for orders in ([], [0.1, 1.5], [-0.1], ["a"], [np.nan]):
+        with refusing(ValueError, "features"):
+            ensemble_data(training(), orders)

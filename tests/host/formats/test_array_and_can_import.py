@@ -1,0 +1,169 @@
+"""MAT, HDF5 and CAN logs in, CSV and MAT out: the same samples, units converted once."""
+
+from pathlib import Path
+
+import can
+import cantools
+import h5py
+import numpy as np
+import pytest
+from scipy.io import savemat
+from support.files.columns import write_columns
+from support.files.malformed import DBC as TOOL_DBC
+
+from springpot.codegen.errors import DataError, UsageError
+from springpot.trainer.recordings.formats.column_map import parse_map
+from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
+from springpot.trainer.recordings.recording import Recording
+
+TIME_S = np.arange(50) * 0.01
+POSITION_MM = 5 * np.sin(TIME_S) ** 2
+FORCE_N = 3 * POSITION_MM
+DBC = (
+    TOOL_DBC
+    + """BO_ 292 Cell: 2 RIG
+ SG_ LoadCell : 0|16@1- (0.001,0) [0|0] "N" RIG
+"""
+)
+
+
+def load(path: Path, mapping: str = "", **options: object) -> Recording:
+    rate = options.pop("rate", None)
+    chosen = ImportOptions(**options)  # type: ignore[arg-type]
+    result = import_file(path, parse_map(mapping) if mapping else None, "none", rate, chosen)  # type: ignore[arg-type]
+    (recording,) = result.recordings
+    return recording
+
+
+def assert_samples(recording: Recording, tolerance: float = 1e-15) -> None:
+    np.testing.assert_allclose(recording.position_m, POSITION_MM * 1e-3, rtol=0, atol=tolerance)
+    np.testing.assert_allclose(recording.force_n, FORCE_N, rtol=0, atol=1e3 * tolerance)
+    assert recording.dt_s == pytest.approx(0.01)
+
+
+def test_mat_5(tmp_path: Path) -> None:
+    file = tmp_path / "a.mat"
+    savemat(file, {"time_s": TIME_S, "position_mm": POSITION_MM, "force_N": FORCE_N, "who": "me"})
+    recording = load(file)
+    assert_samples(recording)
+    assert recording.details["units"]["position"] == {
+        "unit": "mm", "to_si": 1e-3, "from": "name", "column": "position_mm"
+    }  # fmt: skip
+    rig = {"t": TIME_S, "Load": FORCE_N / 1e3, "nested": {"Extension": POSITION_MM}}
+    savemat(file, {"rig": rig})
+    assert_samples(load(file, "time=rig.t:s,position=rig.nested.Extension:mm,force=rig.Load:kN"))
+    with pytest.raises(DataError, match=r"a\.mat, array 'rig.Load': no unit of force"):
+        load(file, "time=rig.t:s,position=rig.nested.Extension:mm")
+    savemat(file, {"data": np.stack((POSITION_MM, FORCE_N), axis=1)})
+    assert_samples(load(file, "time=100Hz,position=data[1]:mm,force=data[2]:N"))
+    with pytest.raises(DataError, match=r"time has no array; it holds 'data\[1\]', 'data\[2\]'"):
+        load(file)
+
+
+def mat_73(file: Path) -> None:
+    """As MATLAB writes it: HDF5 behind a block of 512 bytes, vectors as matrices of one column."""
+    with h5py.File(file, "w", userblock_size=512) as opened:
+        for name, values in (
+            ("time_s", TIME_S),
+            ("position_mm", POSITION_MM),
+            ("force_N", FORCE_N),
+        ):
+            opened.create_dataset(f"rig/{name}", data=values[None, :]).attrs["MATLAB_class"] = (
+                b"double"
+            )
+    with file.open("r+b") as opened:
+        opened.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(512))
+
+
+def test_mat_73(tmp_path: Path) -> None:
+    mat_73(tmp_path / "a.mat")
+    assert_samples(load(tmp_path / "a.mat"))
+
+
+def test_hdf5_of_another_layout(tmp_path: Path) -> None:
+    file = tmp_path / "a.h5"
+    with h5py.File(file, "w") as opened:
+        opened["run/t"] = TIME_S
+        opened["run/z"] = POSITION_MM
+        opened["run/z"].attrs["units"] = "mm"
+        opened["run/F"] = np.stack((FORCE_N, -FORCE_N))
+        opened["run/table"] = np.zeros(3, dtype=[("a", "f8")])
+    assert_samples(load(file, "time=run/t:s,position=/run/z,force=run/F[1]:N"))
+    with pytest.raises(DataError, match=r"force may be 'run/F\[1\]', 'run/F\[2\]'"):
+        load(file, "time=run/t:s")
+    with pytest.raises(DataError, match=r"no array 'run/x'; it holds 'run/F\[1\]'"):
+        load(file, "position=run/x:mm")
+    with h5py.File(file, "a") as opened:
+        del opened["run/t"]
+        opened["run/t"] = TIME_S[:-1]
+    with pytest.raises(DataError, match="channels of different lengths"):
+        load(file, "time=run/t:s,force=run/F[1]:N")
+
+
+@pytest.mark.parametrize("kind", ["mat", "mat73", "h5"])
+def test_damaged_arrays_give_one_line(tmp_path: Path, kind: str) -> None:
+    file = tmp_path / "a.mat"
+    if kind == "mat":
+        savemat(file, {"time_s": TIME_S, "position_mm": POSITION_MM, "force_N": FORCE_N})
+    else:
+        mat_73(file)
+    content = file.read_bytes()
+    start = 512 if kind == "h5" else 0
+    file.write_bytes(content[start : len(content) // 2])
+    with pytest.raises(DataError, match=r"a\.mat: damaged or of another format") as refusal:
+        load(file)
+    assert "\n" not in str(refusal.value)
+
+
+def frames(path: Path, other_frame: bool = False) -> None:
+    database = cantools.database.load_string(DBC)
+    with can.Logger(path) as logger:
+        for t, x, f in zip(TIME_S, POSITION_MM, FORCE_N, strict=True):
+            data = database.encode_message(
+                "Tool", {"Position": x, "Force": 0 if other_frame else f}
+            )
+            logger(can.Message(1e9 + t, 291, is_extended_id=False, data=data, channel="vcan0"))
+            if other_frame:
+                data = database.encode_message("Cell", {"LoadCell": f})
+                stamp = 1e9 + t + 0.001
+                logger(can.Message(stamp, 292, is_extended_id=False, data=data, channel="vcan0"))
+            logger(can.Message(1e9 + t, 700, is_extended_id=False, data=b"x", channel="vcan0"))
+
+
+@pytest.mark.parametrize("name", ["a.blf", "a.log"])
+def test_can_logs(tmp_path: Path, name: str) -> None:
+    (tmp_path / "rig.dbc").write_text(DBC)
+    frames(tmp_path / name)
+    assert_samples(load(tmp_path / name, dbc=tmp_path / "rig.dbc"), 6e-7)
+    (tmp_path / f"cut{name}").write_bytes((tmp_path / name).read_bytes()[:-70])
+    with pytest.raises(DataError, match=f"cut{name}"):
+        load(tmp_path / f"cut{name}", dbc=tmp_path / "rig.dbc")
+    with pytest.raises(UsageError, match="pass --dbc FILE"):
+        load(tmp_path / name)
+    (tmp_path / "rig.dbc").write_text(DBC.replace("291", "293"))
+    with pytest.raises(DataError, match="knows none of its frames"):
+        load(tmp_path / name, dbc=tmp_path / "rig.dbc")
+    (tmp_path / "rig.dbc").write_text("nonsense")
+    with pytest.raises(DataError, match=r"rig\.dbc: not a CAN database"):
+        load(tmp_path / name, dbc=tmp_path / "rig.dbc")
+
+
+def test_signals_of_two_frames_need_resampling(tmp_path: Path) -> None:
+    (tmp_path / "rig.dbc").write_text(DBC)
+    frames(tmp_path / "a.log", other_frame=True)
+    mapping = "position=Tool.Position,force=Cell.LoadCell"
+    with pytest.raises(DataError, match="nothing is interpolated unasked, pass --resample-hz"):
+        load(tmp_path / "a.log", mapping, dbc=tmp_path / "rig.dbc")
+    recording = load(tmp_path / "a.log", mapping, dbc=tmp_path / "rig.dbc", rate=100.0)
+    expected = np.interp(TIME_S[1:], TIME_S + 0.001, FORCE_N)
+    np.testing.assert_allclose(recording.force_n, expected, atol=1.1e-3)
+
+
+@pytest.mark.parametrize("form", ["csv", "mat"])
+def test_samples_come_back_bit_for_bit(tmp_path: Path, form: str) -> None:
+    noise = np.random.default_rng(1).normal(size=(2, 999))
+    written = Recording("a.b", noise[0] * 1e-3, noise[1], 1e-3, details={"k": 1})
+    back = load(write_columns(tmp_path / f"a.b.{form}", written))
+    assert back.position_m.tobytes() == written.position_m.tobytes()
+    assert back.force_n.tobytes() == written.force_n.tobytes()
+    assert back.dt_s == pytest.approx(1e-3, rel=1e-12)

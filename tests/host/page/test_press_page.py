@@ -1,0 +1,128 @@
+"""The page in a browser: it is pressed by a pointer, and its forces have the bits of the C."""
+
+import json
+import shutil
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.browser import NEEDS_CHROMIUM
+from support.driven_browser import DrivenBrowser, driven_browser
+from support.in_process import spring
+from support.small import model_file, passive_model, press, recording, scene
+
+from springpot.codegen.errors import UsageError
+from springpot.codegen.model.model_file import write_model
+from springpot.codegen.model.places import Places
+from springpot.host.emission.emission import emit
+from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.page.press_page import write_press_page
+from springpot.host.validation.store import store_validation
+from springpot.host.validation.validation import validate
+
+NEEDS_CLANG = pytest.mark.skipif(
+    shutil.which("clang") is None or shutil.which("wasm-ld") is None,
+    reason="no clang and wasm-ld: apt-get install clang lld",
+)
+CSV = """new Promise((done) => {
+  URL.createObjectURL = (blob) => { blob.text().then(done); return "#"; };
+  document.getElementById("download").click();
+})"""
+
+
+PICK = """(() => {
+  const picker = document.getElementById("picker");
+  picker.value = %d;
+  picker.dispatchEvent(new Event("change"));
+})()"""
+
+
+def emitted(folder: Path, number: str = "float32", mode: str = "off", prefix: str = "sp") -> Path:
+    folder.mkdir()
+    chosen = replace(scene(number=number, mode=mode, prefix=prefix), name=folder.name)
+    emit(chosen, model_file(folder, passive_model()), folder / "c", accept_unsafe=True)
+    return folder / "c"
+
+
+def pressed(browser: DrivenBrowser) -> np.ndarray:
+    """Press with a real pointer and let go; time, position, velocity and force, (n, 4)."""
+    left, y, width, height = browser.box("object")
+    x = left + width / 2
+    browser.mouse("mousePressed", x, y + 0.32 * height)
+    browser.mouse("mouseMoved", x, y + 0.7 * height)
+    browser.wait_for(lambda: float(browser.text("force").split()[0]) > 0.5, "a force")
+    browser.mouse("mouseReleased", x, y + 0.7 * height)
+    browser.wait_for(lambda: float(browser.text("depth").split()[0]) < 0.0, "the hand has left")
+    return np.loadtxt(str(browser.value(CSV)).splitlines(), delimiter=",", skiprows=1)
+
+
+@NEEDS_CHROMIUM
+@NEEDS_CLANG
+def test_what_is_pressed_has_the_bits_of_the_c(tmp_path: Path) -> None:
+    """Two scenes of one page, of both number types, with and without a coupling."""
+    folders = [emitted(tmp_path / "soft"), emitted(tmp_path / "held", "float64", "proxy", "pad")]
+    store_validation(folders[0], validate(folders[0], [recording("one", press(1.0))], paced_s=0.1))
+    page = tmp_path / "press.html"
+    write_press_page(folders, page)
+    with driven_browser(tmp_path) as browser:
+        browser.open_ready(page.as_uri())
+        for index, folder in enumerate(folders):
+            if index > 0:
+                browser.value(PICK % index)
+            browser.until(
+                f"document.getElementById('object-name').textContent === '{folder.parent.name}'"
+            )
+            assert browser.text("selftest") == "no step differs from the reference"
+            rows = pressed(browser)
+            library = SceneLibrary(folder)
+            position, velocity, force = rows[:, 1:].T.astype(library.dtype)
+            here, _ = library.new_state().run(position, velocity)
+            assert here.max() > 0.5
+            np.testing.assert_array_equal(here, force)  # text has no -0
+        assert browser.errors == []
+        assert [
+            url for url in browser.requests if not url.startswith(("data:", page.as_uri()))
+        ] == []
+        for width in (400, 1366):
+            browser.open_ready(page.as_uri(), width)
+            assert browser.value("document.documentElement.scrollWidth") <= width
+
+
+@NEEDS_CLANG
+def test_the_command_states_what_the_page_holds(tmp_path: Path) -> None:
+    folder = emitted(tmp_path / "soft")
+    done = spring("page", folder, "--out", tmp_path / "press.html", "--json")
+    found = json.loads(done.stdout)
+    assert found["bytes"] == (tmp_path / "press.html").stat().st_size
+    assert found["without_recording"] == ["soft"]
+    (one,) = found["scenes"]
+    assert one["name"] == "soft"
+    assert 1000 < one["wasm_bytes"] < found["bytes"]
+    node = shutil.which("node") is not None
+    assert (one["selftest"], one["force_hash"] is not None) == (
+        (0, True) if node else (None, False)
+    )
+
+
+def test_a_scene_with_places_is_refused_in_one_line(tmp_path: Path) -> None:
+    model = passive_model()
+    places = Places(
+        np.zeros(2), np.full(2, 0.01), np.ones((2, 2, 1)), model.hammerstein.slopes_n[None]
+    )
+    with_places = replace(model, hammerstein=replace(model.hammerstein, places=places))
+    write_model(tmp_path / "model.spm", with_places)
+    emit(scene(), tmp_path / "model.spm", tmp_path / "c")
+    with pytest.raises(UsageError, match="has places; the page presses one point"):
+        write_press_page([tmp_path / "c"], tmp_path / "press.html")
+
+
+def test_a_missing_compiler_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    folder = emitted(tmp_path / "soft")
+    module = "springpot.host.page.wasm_module"
+    monkeypatch.setattr(f"{module}.shutil.which", lambda _: None)
+    monkeypatch.setattr(f"{module}.packaged_compiler", lambda: ())
+    with pytest.raises(
+        UsageError, match="no compiler for WebAssembly: `apt-get install clang lld`"
+    ):
+        write_press_page([folder], tmp_path / "press.html")

@@ -1,0 +1,228 @@
+"""Delays, mass, tare and contact point: taken out when asked, said, and kept in the details."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from springpot import check_recordings
+from springpot.codegen.errors import DataError, UsageError
+from springpot.host.commands.recordings.import_ import import_
+from springpot.trainer.recordings.conditioning import Conditioning, condition, on_one_surface
+from springpot.trainer.recordings.contact_point import find_contact
+from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.recording_file import read_recording
+
+TIME_S = np.arange(4000) * 1e-3
+PHASE = 2 * np.pi * 3.0 * TIME_S
+POSITION_M = 5e-3 * (1 - np.cos(PHASE))
+
+
+def recording(
+    force_n: np.ndarray, position_m: np.ndarray = POSITION_M, **more: object
+) -> Recording:
+    return Recording("a", position_m, force_n, 1e-3, **more)  # type: ignore[arg-type]
+
+
+def test_delays_are_metadata_unless_taken_out() -> None:
+    late = recording(1000 * 5e-3 * (1 - np.cos(PHASE - 2 * np.pi * 3.0 * 0.0025)))
+    noted, told = condition(late, Conditioning(force_delay_s=0.0025))
+    assert (noted.force_delay_s, told) == (0.0025, [])
+    assert noted.content_hash == late.content_hash
+    aligned, told = condition(late, Conditioning(force_delay_s=0.0025, align=True))
+    assert aligned.force_delay_s == 0.0
+    assert aligned.details["aligned_s"] == 0.0025
+    assert "force shifted by 2.5 ms against position, 3 samples at the end cut" in told[0]
+    np.testing.assert_allclose(aligned.force_n, 1000 * aligned.position_m, atol=1e-6)
+    both, _ = condition(late, Conditioning(0.001, 0.0035, align=True))
+    np.testing.assert_allclose(both.force_n, 1000 * both.position_m, atol=1e-6)
+    with pytest.raises(UsageError, match="no delay is stated"):
+        condition(late, Conditioning(align=True))
+    with pytest.raises(DataError, match="shorter than the delay"):
+        condition(late, Conditioning(force_delay_s=9.0, align=True))
+
+
+def test_the_inertia_of_a_mass_is_removed() -> None:
+    acceleration = 5e-3 * (2 * np.pi * 3.0) ** 2 * np.cos(PHASE)
+    measured = recording(1000 * POSITION_M + 0.4 * acceleration)
+    found, told = condition(measured, Conditioning(mass_kg=0.4))
+    np.testing.assert_allclose(found.force_n[50:-50], 1000 * POSITION_M[50:-50], atol=0.02)
+    assert np.abs(measured.force_n - 1000 * POSITION_M).max() > 0.6
+    assert "inertia of 0.4 kg removed" in told[0]
+    assert found.details["mass_beyond_load_cell_kg"] == 0.4
+
+
+def test_the_give_of_a_frame_is_removed() -> None:
+    force_n = 1000 * POSITION_M
+    measured = recording(force_n, POSITION_M + force_n / 8e3)
+    found, told = condition(measured, Conditioning(frame_npm=8e3))
+    np.testing.assert_allclose(found.position_m, POSITION_M, atol=1e-12)
+    assert "1.25 mm of the travel of 11.2 mm were the frame's give at 8000 N/m: removed" in told[0]
+    assert found.details["frame_npm"] == 8e3
+    tared, _ = condition(
+        recording(force_n + 3.0, measured.position_m), Conditioning(frame_npm=8e3, tare=3.0)
+    )
+    np.testing.assert_allclose(tared.position_m, POSITION_M, atol=1e-12)
+    with pytest.raises(DataError, match="state the frame's stiffness in N/m"):
+        condition(measured, Conditioning(frame_npm=8.0))
+
+
+def touched(surface_m: float, tare_n: float) -> Recording:
+    depth_m = np.maximum(POSITION_M - surface_m, 0.0)
+    return recording(900 * depth_m + tare_n + np.random.default_rng(5).normal(0, 0.01, len(TIME_S)))
+
+
+@given(st.floats(5e-4, 4e-3), st.floats(-2.0, 2.0), st.floats(-0.03, 0.03))
+@settings(max_examples=60, deadline=None, derandomize=True)
+def test_the_surface_is_found_within_its_uncertainty(
+    surface_m: float, tare_n: float, drift_nps: float
+) -> None:
+    """However far the load cell drifts: by up to 9 % of the peak while these presses last."""
+    still = touched(surface_m, tare_n)
+    found = find_contact(replace(still, force_n=still.force_n + drift_nps * TIME_S))
+    assert abs(found.position_m - surface_m) < found.uncertainty_m
+    assert found.uncertainty_m < 2e-4
+
+
+@pytest.mark.parametrize("drift_n", [-1.0, 1.0])
+@pytest.mark.parametrize("tare", [None, "auto"])
+def test_a_drift_is_named_whether_the_tare_is_taken_off_or_not(
+    drift_n: float, tare: Literal["auto"] | None
+) -> None:
+    still = touched(2e-3, 0.5 if drift_n > 0.0 else 0.0)
+    drifting = replace(
+        still,
+        position_m=still.position_m - 2e-3,
+        force_n=still.force_n + drift_n * TIME_S / TIME_S[-1],
+    )
+    found, _ = condition(drifting, Conditioning(tare=tare))
+    kinds = [finding.kind for finding in check_recordings([found]).findings]
+    assert "drift" in kinds
+    assert not {"contact", "tare"} & set(kinds)  # one cause, one line
+
+
+def presses(zeros_m: Sequence[float]) -> list[Recording]:
+    """Presses of one object, each with its own noise, counted from the zeros of their files."""
+    found = []
+    for seed, zero_m in enumerate(zeros_m):
+        depth_m = np.maximum(POSITION_M - 2e-3, 0.0)
+        noise_n = np.random.default_rng(seed).normal(0.0, 0.01, len(TIME_S))
+        found.append(recording(900 * depth_m + noise_n, POSITION_M + zero_m))
+    return found
+
+
+AUTO = Conditioning(contact_force="auto")
+
+
+def test_presses_with_one_zero_keep_it() -> None:
+    """The rig has counted from one place: so do the recordings, and that is the surface."""
+    raw = presses([5e-3] * 6)
+    moved, told = on_one_surface([condition(each, AUTO)[0] for each in raw], AUTO)
+    zeros_m = [
+        before.position_m - after.position_m for before, after in zip(raw, moved, strict=True)
+    ]
+    assert np.ptp(zeros_m) < 1e-12
+    surface_m, doubt_m = (moved[0].details[f"contact_{k}_m"] for k in ("position", "uncertainty"))
+    assert np.mean(zeros_m) == pytest.approx(surface_m, abs=1e-12)
+    assert abs(surface_m - 7e-3) <= doubt_m + 1e-6
+    assert told.startswith("one surface for all 6, where their bounds meet: ")
+
+
+def test_presses_with_zeros_of_their_own_keep_these() -> None:
+    conditioned = [condition(each, AUTO)[0] for each in presses([0.0, 1e-3, 5e-4])]
+    kept, told = on_one_surface(conditioned, AUTO)
+    assert "each recording keeps its own" in told
+    for before, after in zip(conditioned, kept, strict=True):
+        np.testing.assert_array_equal(before.position_m, after.position_m)
+
+
+def test_one_press_a_stated_force_and_places_keep_what_was_found() -> None:
+    found = [condition(each, AUTO)[0] for each in presses([0.0, 0.0])]
+    placed = [
+        replace(each, place_x_m=0.0, place_y_m=y)
+        for each, y in zip(found, (0.0, 0.01), strict=True)
+    ]
+    for given_, options in (
+        (found[:1], AUTO),
+        (found, Conditioning(contact_force=0.5)),
+        (placed, AUTO),
+    ):
+        kept, told = on_one_surface(given_, options)
+        assert (kept, told) == (list(given_), "")
+
+
+@pytest.mark.parametrize(("surface_m", "tare_n"), [(2e-3, 0.0), (3e-3, 1.5), (1e-3, -0.7)])
+def test_the_surface_becomes_position_0(surface_m: float, tare_n: float) -> None:
+    found = find_contact(touched(surface_m, tare_n))
+    assert found.tare_n == pytest.approx(tare_n, abs=0.01)
+    shifted, told = condition(touched(surface_m, tare_n), Conditioning(contact_force="auto"))
+    assert shifted.zero == "none"
+    assert shifted.details["contact_position_m"] == pytest.approx(surface_m, abs=2e-4)
+    assert np.interp(0.0, *np.sort([shifted.position_m, shifted.force_n])) < 0.2
+    assert "tare of" in told[0]
+    assert "surface at" in told[0]
+
+
+@pytest.mark.parametrize("stated_n", [1, np.int64(1), np.float32(1.0)])
+def test_a_whole_number_is_a_stated_force_too(stated_n: float) -> None:
+    item = touched(2e-3, 1.0)
+    for name in ("contact_force", "tare"):
+        whole, _ = condition(item, Conditioning(**{"contact_force": 2.0, name: stated_n}))
+        same, _ = condition(item, Conditioning(**{"contact_force": 2.0, name: 1.0}))
+        np.testing.assert_array_equal(whole.position_m, same.position_m)
+        np.testing.assert_array_equal(whole.force_n, same.force_n)
+
+
+@pytest.mark.parametrize("word", ["Auto", "", "1", np.nan, np.inf])
+@pytest.mark.parametrize("name", ["contact_force", "tare"])
+def test_other_words_are_no_force(name: str, word: str) -> None:
+    with pytest.raises(UsageError, match=f"{name}=.*give a force in N, or 'auto'"):
+        condition(touched(2e-3, 1.0), Conditioning(**{name: word}))  # type: ignore[arg-type]
+
+
+def test_a_stated_contact_force_and_tare() -> None:
+    found, told = condition(touched(2e-3, 1.0), Conditioning(tare=1.0, contact_force=0.9))
+    assert found.details["contact_position_m"] == pytest.approx(3e-3, abs=1e-4)
+    assert "where force passes 0.9 N" in told[0]
+    tared, _ = condition(touched(2e-3, 1.0), Conditioning(tare="auto"))
+    assert np.median(tared.force_n[POSITION_M < 1e-3]) == pytest.approx(0.0, abs=0.01)
+    np.testing.assert_array_equal(tared.position_m, POSITION_M)
+    stated, _ = condition(touched(2e-3, 1.0), Conditioning(tare=0.5))
+    assert np.median(stated.force_n[POSITION_M < 1e-3]) == pytest.approx(0.5, abs=0.01)
+
+
+def test_what_never_leaves_the_object_has_no_surface() -> None:
+    with pytest.raises(DataError, match="never leaves the object"):
+        condition(recording(900 * POSITION_M + 3.0), Conditioning(contact_force="auto"))
+    with pytest.raises(DataError, match="never passes"):
+        condition(touched(2e-3, 0.0), Conditioning(contact_force=50.0))
+    with pytest.raises(UsageError, match="leave out --zero"):
+        condition(recording(POSITION_M, zero="min"), Conditioning(contact_force="auto"))
+
+
+def test_the_command_takes_them_all(tmp_path: Path) -> None:
+    made = touched(2e-3, 0.5)
+    lines = (
+        f"{t:.3f},{x:.9g},{f:.6g}\n"
+        for t, x, f in zip(TIME_S, POSITION_M, made.force_n, strict=True)
+    )
+    (tmp_path / "a.csv").write_text("time_s,position_m,force_N\n" + "".join(lines))
+    arguments = [str(tmp_path / "a.csv"), "--out", str(tmp_path / "o"), "--contact-force", "auto",
+                 "--tare", "auto", "--force-delay-s", "0.001", "--align",
+                 "--mass-kg", "0.01"]  # fmt: skip
+    result = CliRunner().invoke(import_, arguments)
+    assert result.exit_code == 0, result.exception
+    read = read_recording(tmp_path / "o" / "a.h5")
+    assert {"aligned_s", "mass_beyond_load_cell_kg", "tare_n", "contact_position_m"} <= set(
+        read.details
+    )
+    assert read.position_m.min() == pytest.approx(-2e-3, abs=1e-4)
+    for wrong in (["--tare", "x"], ["--mass-kg", "-1"], ["--force-delay-s", "nan"]):
+        refused = CliRunner().invoke(import_, [*arguments[:3], *wrong])
+        assert isinstance(refused.exception, UsageError) or refused.exit_code == 2

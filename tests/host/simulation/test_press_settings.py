@@ -1,0 +1,69 @@
+"""What a URL of a simulated object says of its sensors, and of the rest between presses."""
+
+import numpy as np
+import pytest
+
+from springpot.codegen.errors import UsageError
+from springpot.host.devices.device import DeviceRequirements
+from springpot.host.devices.drivers import open_device
+from springpot.host.simulation.bench import SimulatedBench
+from springpot.host.simulation.objects import PressSettings, parse_url
+
+HALF_S = 0.5 * 10 * (1 - np.cos(2 * np.pi * 2 * np.arange(500) / 1000))
+
+
+def test_a_rested_object_remembers_and_a_fresh_one_does_not() -> None:
+    depths_m = {}
+    for query in ("", "?rest=1"):
+        bench = SimulatedBench(parse_url(f"sim://mullins{query}"))
+        depths_m[query] = [bench.press(0.5 * HALF_S)[0].max() for _ in range(1)]
+        bench.press(HALF_S)
+        depths_m[query].append(bench.press(0.5 * HALF_S)[0].max())
+    fresh, rested = depths_m[""], depths_m["?rest=1"]
+    assert fresh[1] == pytest.approx(fresh[0], abs=3e-5)
+    assert rested[1] > rested[0] + 5e-4  # damaged by the deep press between
+
+
+def test_rate_drift_and_glitch_change_what_is_kept_alone() -> None:
+    def pressed(query: str) -> tuple[np.ndarray, np.ndarray]:
+        taken: list[tuple[np.ndarray, np.ndarray]] = []
+        bench = SimulatedBench(parse_url(f"sim://ecoflex-00-50{query}"))
+        position_m, force_n = bench.press(HALF_S, lambda x, f: taken.append((x, f)))
+        assert np.array_equal(np.concatenate([x for x, _ in taken]), position_m)
+        return position_m, force_n
+
+    position_m, force_n = pressed("")
+    for rate_hz in (500, 50, 8):
+        slow_m, slow_n = pressed(f"?rate={rate_hz}")
+        assert np.array_equal(slow_m, position_m[:: 1000 // rate_hz])
+        assert np.array_equal(slow_n, force_n[:: 1000 // rate_hz])
+    drifted_m, drifted_n = pressed("?drift=0.6")
+    assert np.array_equal(drifted_m, position_m)
+    assert drifted_n - force_n == pytest.approx(1e-5 * np.arange(500))
+    glitch_m, glitch_n = pressed("?glitch=1")
+    assert np.array_equal(glitch_m[1:], position_m[1:])
+    assert glitch_m[0] == 0.0
+    assert np.array_equal(glitch_n, force_n)
+
+
+@pytest.mark.parametrize(
+    ("query", "named"),
+    [
+        ("rest=-1", "rest=-1: give seconds between 0 and 3600"),
+        ("rate=300", "rate=300: the bench samples at 1000 Hz: give a whole part"),
+        ("rate=fast", "such as 500"),
+        ("drift=2", "N a minute between -1 and 1"),
+        ("glitch=yes", "0, 1"),
+    ],
+)
+def test_wrong_settings_are_refused(query: str, named: str) -> None:
+    with pytest.raises(UsageError, match=named):
+        parse_url(f"sim://mullins?{query}")
+
+
+def test_a_session_refuses_what_only_a_recording_uses() -> None:
+    found = parse_url("sim://mullins?rest=5&rate=100&drift=0.1&glitch=1").presses
+    assert found == PressSettings(5.0, 100, 0.1, True)
+    requirements = DeviceRequirements(1000, 0.02, 10.0)
+    with pytest.raises(UsageError, match="are of recorded presses: leave them out"):
+        open_device("sim://mullins?drift=0.1", requirements)

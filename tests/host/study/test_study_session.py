@@ -1,0 +1,144 @@
+"""Sessions of a study on a simulated device: what is felt, what is written, how it goes on."""
+
+import json
+import subprocess
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from support.peer import CLI, wait_until
+from support.small_study import DEVICE, Typist, planned_study
+
+from springpot import read_recordings
+from springpot.codegen.errors import DataError, DeviceError, UsageError
+from springpot.host.native.loop_library import COLUMN, NONE, empty_rows
+from springpot.host.study import session as study_session
+from springpot.host.study.plan import StudyPlan, Trial
+from springpot.host.study.session import RESPONSE_COLUMNS, PressWatch, run_session
+from springpot.host.study.table import read_table
+
+
+@pytest.fixture
+def plan(tmp_path: Path) -> StudyPlan:
+    return planned_study(tmp_path, 1)
+
+
+def types(monkeypatch: pytest.MonkeyPatch, *lines: str, seconds: float = 0.4) -> None:
+    monkeypatch.setattr("sys.stdin", Typist(list(lines), seconds))
+
+
+def test_sessions_to_the_last_question(plan: StudyPlan, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Practice, two sessions, of which one is stopped on the way and goes on; the questions."""
+    types(monkeypatch, "l", "r", "50")
+    assert run_session(plan, "01", DEVICE) == {
+        "out": str(plan.folder("01")), "participant": "01", "session": 0, "done": 1,
+        "stopped": "the session is over",
+    }  # fmt: skip
+    types(monkeypatch, "l", "70", "r", "101", "nan", "70", "r", "l", "71.5", "l", "q")
+    stopped = run_session(plan, "01", DEVICE)
+    assert (stopped["done"], stopped["stopped"]) == (2, "stopped: the same command goes on")
+    types(monkeypatch, *("l", "r", "72") * 4)
+    assert run_session(plan, "01", DEVICE)["done"] == 4
+    types(monkeypatch, *("r", "l", "73") * 6, "no, never", "")
+    last = run_session(plan, "01", DEVICE)
+    assert (last["session"], last["done"]) == (2, 6)
+    with pytest.raises(UsageError, match="participant 01 has finished all sessions"):
+        run_session(plan, "01", DEVICE)
+
+    rows = read_table(plan.folder("01") / "responses.csv", RESPONSE_COLUMNS)
+    assert [Trial(*list(row.values())[:7]) for row in rows] == list(plan.trials)
+    assert [row["rating"] for row in rows] == ["50", "70", "71.5", *["72"] * 4, *["73"] * 6]
+    answers = (plan.folder("01") / "answers.csv").read_text().splitlines()
+    assert answers[1:] == ['01,Did it shake?,"no, never"', "01,What else?,"]
+    assert {file.suffix for file in plan.folder("01").iterdir()} == {".csv", ".h5"}
+
+    # On a real object the force is zero; on the rendered side it is felt: in the log of each trial.
+    for row in rows:
+        (log,) = read_recordings(plan.folder("01") / row["log"])
+        called = (log.channels["call"].astype(int) & NONE) == 0
+        pressing = log.position_m > 1e-3
+        assert not log.force_n[~called].any()
+        assert (pressing & ~called).any()
+        if "rendered" in (row["left"], row["right"]):
+            assert log.force_n[called & pressing].max() > 0.2
+        else:
+            assert called.sum() < 100  # until the pause
+        assert float(row["seconds"]) > 1.0
+
+
+def test_killed_in_a_trial_and_a_row_cut_it_goes_on(plan: StudyPlan) -> None:
+    command = [*CLI, "study", "run", str(plan.path), "--participant", "01", "--device", DEVICE]
+    file = plan.folder("01") / "responses.csv"
+    with subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.DEVNULL) as host:
+        journal = plan.folder("01") / "session-0-trial-01.journal"
+        wait_until(lambda: journal.exists() and journal.stat().st_size > 2 * 4096, 60, "no log")
+        host.kill()
+    assert file.read_text() == ",".join(RESPONSE_COLUMNS) + "\n"
+    with file.open("a") as torn:
+        torn.write("01,0,1,REAL,so")
+    typed = "import time\nfor line in ('l', 'r', '60'): time.sleep(1), print(line, flush=True)"
+    with subprocess.Popen([sys.executable, "-c", typed], stdout=subprocess.PIPE) as typist:
+        done = subprocess.run([*command, "--json"], stdin=typist.stdout, capture_output=True,
+                              text=True, check=False)  # fmt: skip
+    assert json.loads(done.stdout)["done"] == 1, done.stderr
+    (row,) = read_table(file, RESPONSE_COLUMNS)
+    assert row["log"] == "session-0-trial-01-again-2.h5"
+
+
+def test_refusals(plan: StudyPlan, monkeypatch: pytest.MonkeyPatch) -> None:
+    with pytest.raises(UsageError, match="no participant '1': it has 01 to 01"):
+        run_session(plan, "1", DEVICE)
+    types(monkeypatch, "l", seconds=0.0)
+    with pytest.raises(DeviceError):
+        run_session(plan, "01", "serial:///dev/none")
+    types(monkeypatch, "l", "r", "60", seconds=0.1)
+    run_session(plan, "01", DEVICE)
+    file = plan.folder("01") / "responses.csv"
+    for wrong in (("01,0,1", "01,0,2"), (",60,", ",sixty,"), (",60,", ",160,")):
+        text = file.read_text()
+        file.write_text(text.replace(*wrong))
+        with pytest.raises(DataError, match=r"responses\.csv: row 2 is not of this plan"):
+            run_session(plan, "01", DEVICE)
+        file.write_text(text)
+
+
+def test_no_side_is_felt_after_the_watchdog_until_reset(monkeypatch: pytest.MonkeyPatch) -> None:
+    called: list[str] = []
+    state = SimpleNamespace(latched=False, tripped=False)
+    session = SimpleNamespace(
+        runner=SimpleNamespace(state=state, over=False),
+        pause=lambda: called.append("pause"), resume=lambda: called.append("resume"),
+        reset=lambda: (called.append("reset"), setattr(state, "tripped", False)),
+    )  # fmt: skip
+    trial = SimpleNamespace(left="rendered", right="real soft")
+    types(monkeypatch, "l", "r", "30", seconds=0.0)
+    assert study_session._ask(trial, session) == 30.0
+    assert called == ["resume", "pause"]
+    state.tripped = True
+    types(monkeypatch, "l", "r", "50", "reset", "l", "r", "40", seconds=0.0)
+    assert study_session._ask(trial, session) == 40.0
+    assert called[2:] == ["reset", "resume", "pause"]
+    session.runner.over = True
+    types(monkeypatch, "50", seconds=0.0)
+    assert study_session._ask(trial, session) is None
+
+
+def test_warnings_of_depth_and_of_four_times_the_speed(capsys: pytest.CaptureFixture[str]) -> None:
+    time_s = 1e-3 * np.arange(4000)
+    slow_m = 4e-3 * np.sin(2 * np.pi * 0.5 * time_s)  # at most 12.6 mm/s, and as fast in the air
+    deep_m = np.where((time_s % 1.7) < 0.2, 6e-3, 0.0)  # out, and after more than a second in
+    fast_m = np.where(time_s > 2, 4e-3 * np.sin(2 * np.pi * 4 * time_s), 0.0)
+    air_m = fast_m - 5e-3
+    for position_m, words in (
+        (slow_m, []), (deep_m, ["less deep, please"] * 3), (air_m, []),
+        (fast_m, ["slower, please"]), (np.full(4000, np.nan), []),
+    ):  # fmt: skip
+        watch = PressWatch(1e-3, 5e-3, 0.05)
+        rows = empty_rows(len(time_s))
+        rows[:, COLUMN["position_m"]], rows[:, COLUMN["time_s"]] = position_m, time_s
+        for part in (rows[:0], *np.array_split(rows, 97)):
+            watch.append(part)
+        assert capsys.readouterr().err.splitlines() == words
+        assert watch.warnings == len(words)

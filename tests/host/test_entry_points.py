@@ -1,0 +1,306 @@
+"""Another package's command, kind, device and file format are used by their names."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any, cast
+
+import numpy as np
+import pytest
+from support.paths import TESTS
+from support.peer import cli
+from support.small import training
+
+from springpot import import_recordings, train
+from springpot.codegen.errors import DataError, DeviceError, UsageError
+from springpot.host.devices import drivers
+from springpot.host.devices.device import DeviceRequirements, OpenedDevice, VirtualDevice
+from springpot.host.devices.drivers import Driver, open_device
+from springpot.host.native.loop_library import loop_library
+from springpot.host.session.c_loop import CLoop
+from springpot.host.session.runner import SessionRunner
+from springpot.trainer.kinds import KINDS, Kind
+from springpot.trainer.recordings.formats import importing
+from springpot.trainer.recordings.formats.file_format import FileFormat, FileRequest
+from springpot.trainer.recordings.formats.raw_channels import RawChannels
+
+SCENE = 'schema = 1\nname = "rig"\nmodel = "rig.spm"\n[runtime]\nrate_hz = 1000.0\n'
+
+
+def installed(folder: Path) -> Path:
+    """The package of tests/support/stranger, as pip installs it."""
+    source, target = folder / "source", folder / "installed"
+    shutil.copytree(TESTS / "support" / "stranger", source)
+    pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-build-isolation",
+           "--disable-pip-version-check", "--target", str(target), str(source)]  # fmt: skip
+    subprocess.run(pip, check=True, capture_output=True)
+    return target
+
+
+def said(target: Path, folder: Path, *words: str) -> str:
+    """Standard output of a command of springpot beside that package."""
+    result = cli(*words, cwd=folder, env={**os.environ, "PYTHONPATH": str(target)})
+    assert result.returncode == 0, result.stderr
+    return result.stdout
+
+
+def write_rig_file(path: Path) -> None:
+    """Two seconds of pressing a spring that stiffens, at 1 kHz."""
+    t_s = np.arange(4000) / 1000
+    position_mm = 2.5 * (1 - np.cos(2 * np.pi * t_s))
+    force_n = 0.8 * position_mm + 0.05 * position_mm**2
+    np.savetxt(path, np.column_stack([position_mm, force_n]), header="soft-rig 1000", comments="#")
+
+
+@pytest.mark.slow
+def test_a_package_adds_a_command_a_kind_a_device_and_a_format(tmp_path: Path) -> None:
+    target = installed(tmp_path)
+
+    def run(*words: str) -> str:
+        return said(target, tmp_path, *words)
+
+    assert "hello" in run("--help")
+    assert json.loads(run("hello", "sponge", "--json"))["greeted"] == "sponge"
+    write_rig_file(tmp_path / "rig.txt")
+    imported = json.loads(run("import", "rig.txt", "--out", "recordings", "--json"))
+    assert "soft rig at 1000 Hz" in imported["guess"]
+    run("train", "recordings", "--model", "spring", "--out", "rig.spm")
+    (tmp_path / "scene.toml").write_text(SCENE)
+    run("emit", "--scene", "scene.toml", "--out", "c")
+    validated = json.loads(run("validate", "c", "--recording", "recordings", "--json"))
+    assert validated["mismatches"] == 0
+    felt = json.loads(run("run", "--scene", "c", "--device", "still://3", "--seconds", "0.5",
+                          "--log", "felt.h5", "--json"))  # fmt: skip
+    assert felt["ticks"] > 0
+    log = json.loads(run("validate", "c", "--recording", "felt.h5", "--json"))
+    assert log["mismatches"] == 0
+
+
+def test_what_cannot_be_loaded_is_left_out_and_said(tmp_path: Path) -> None:
+    entries = "[springpot.commands]\nbroken = no_such_module:BROKEN\ntrain = json:loads\n"
+    result = cli("--help", env=beside(tmp_path, entries, ""))
+    left_out = [line for line in result.stderr.splitlines() if "left out" in line]
+    assert [("'broken' of other" in line, "'train' of other" in line) for line in left_out] == [
+        (True, False), (False, True),
+    ]  # fmt: skip
+    assert "Traceback" not in result.stderr
+    assert "train " in result.stdout
+
+
+def beside(folder: Path, entries: str, module: str) -> dict[str, str]:
+    """Environment in which a package of one module is installed."""
+    info = folder / "other-1.0.dist-info"
+    info.mkdir()
+    (info / "METADATA").write_text("Metadata-Version: 2.1\nName: other\nVersion: 1.0\n")
+    (info / "entry_points.txt").write_text(entries)
+    (folder / "other.py").write_text(module)
+    return {**os.environ, "PYTHONPATH": str(folder)}
+
+
+def python(environment: dict[str, str], script: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True,
+                          text=True, check=False)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    "link",
+    [
+        "int broken(",
+        "/* springpot declarations begin */ int f(void);",
+        "/* springpot declarations begin */\nunsigned sp_link_sim_size(void);\n"
+        "/* springpot declarations end */",
+        None,
+    ],
+)
+def test_a_link_that_cannot_be_built_leaves_all_other_links(
+    tmp_path: Path, link: str | None
+) -> None:
+    file = tmp_path / "other.c"
+    if link is not None:
+        file.write_text(link)
+    (tmp_path / "good.c").write_text(
+        "/* springpot declarations begin */\nint good(void);\n/* springpot declarations end */\n"
+        "int good(void)\n{\n    return 7;\n}\n"
+    )
+    links = f"Path({str(file)!r}), Path({str(tmp_path / 'good.c')!r})"
+    module = (
+        "from pathlib import Path\nfrom springpot.devices import Driver\n"
+        f"OTHER = Driver('other://1', 'other:Other', links=({links}))\n"
+    )
+    environment = beside(tmp_path, "[springpot.devices]\nother = other:OTHER\n", module)
+    result = python(environment, "from springpot.loop import loop_library\n"
+                    "c = loop_library('double').c\n"
+                    "print(c.sp_link_sim_size() > 0, c.good())")  # fmt: skip
+    assert result.stdout == "True 7\n", result.stderr
+    (said,) = [line for line in result.stderr.splitlines() if "left out" in line]
+    assert str(file) in said
+    assert "good.c" not in said
+
+
+def test_a_part_of_springpot_is_its_own_whoever_takes_the_name(tmp_path: Path) -> None:
+    entries = "[springpot.parts]\nforce-sensor = other:taken\nbench-report = other:taken\n"
+    environment = beside(tmp_path, entries, "def taken(*_):\n    return 'taken'\n")
+    result = python(environment, "from springpot.codegen.entry_points import part\n"
+                    "print(part('force-sensor').__module__)")  # fmt: skip
+    assert result.stdout.strip() == "springpot.host.force_sensor.sensed_press"
+
+
+def test_a_missing_extra_is_named_and_not_taken_for_a_broken_package(tmp_path: Path) -> None:
+    hidden = "import sys\nsys.modules['scipy'] = None\n"
+    script = (
+        f"{hidden}sys.argv = 'springpot record --device serial:///dev/none --protocol paper "
+        "--force serial:///dev/none --out x'.split()\n"
+        "from springpot.host.cli import main; main()"
+    )
+    result = python(dict(os.environ), script)
+    assert result.returncode == 2
+    assert "scipy is not installed: `pip install" in result.stderr
+    assert "uninstall" not in result.stderr
+
+
+def test_a_function_that_no_link_declares_is_named() -> None:
+    adopting: Any = SimpleNamespace(_library=loop_library("double"), _links=[], _kept=[])
+    undeclared: Any = SimpleNamespace(link=lambda library: library.c.sp_link_nobody_init())
+    with pytest.raises(DeviceError, match="sp_link_nobody_init: declare it"):
+        CLoop._adopt(adopting, undeclared)
+    faulty: Any = SimpleNamespace(link=lambda _library: SimpleNamespace().memory)
+    with pytest.raises(DeviceError, match=r"AttributeError: .*'memory'"):  # no missing declaration
+        CLoop._adopt(adopting, faulty)
+    nothing: Any = SimpleNamespace(link=lambda _library: None)
+    with pytest.raises(DeviceError, match="no sp_link that has read, write and reset"):
+        CLoop._adopt(adopting, nothing)
+
+
+MARK = "%rows%"
+
+
+def read_rows(path: Path, request: FileRequest) -> Any:
+    """Return what the file says that is wrong."""
+    n = np.arange(5.0)
+    raw = RawChannels("x", n, n, n, time_digit_s=0.0, source="x", line_of=int)
+    wrong = {
+        "no list": (raw, ""),
+        "no line": [raw],
+        "short time": ([replace(raw, time_s=n[:4])], ""),
+        "a list": ([replace(raw, force_n=cast(Any, [0.0] * 5))], ""),
+    }
+    text = path.read_text().removeprefix(MARK)
+    if text == "a path":
+        replace(raw, source=cast(Any, path))
+    if text == "a line":
+        replace(raw, line_of=cast(Any, 3))
+    return wrong[text]
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("no list", "reading the format 'rows': TypeError: its reader returns no .list of RawCh"),
+        ("no line", "reading the format 'rows': TypeError: its reader returns no .list of RawCh"),
+        ("short time", r"x: time \(4,\), position \(5,\).*give three 1-D numpy arrays"),
+        ("a list", "give three 1-D numpy arrays"),
+        ("a path", "give name and source as text"),
+        ("a line", "give line_of as a function"),
+        ("a key", r"KeyError: 'a key' .*, test_entry_points.py line \d+\): correct or uninstall"),
+    ],
+)
+def test_what_a_reader_does_wrong_is_one_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str, told: str
+) -> None:
+    rows = FileFormat("rows", lambda start: start.startswith(MARK.encode()), read_rows)
+    monkeypatch.setattr(importing, "file_formats", lambda: {"rows": rows})
+    file = tmp_path / "x.rows"
+    file.write_text(MARK + text)
+    with pytest.raises(DataError, match=told):
+        import_recordings(file)
+
+
+class Mute(OpenedDevice):
+    """It has no link, and does not say what its force does unreached."""
+
+    def stop(self) -> None:
+        """End nothing."""
+
+    def close(self) -> None:
+        """Close nothing."""
+
+
+@pytest.mark.parametrize(
+    ("opens", "told"),
+    [
+        (Mute, "abstract.*Mute.*link.*unreached"),
+        (lambda *_: object(), "object inherits neither OpenedDevice nor VirtualDevice"),
+        (lambda _: object(), "takes 1 positional argument but 2 were given"),
+        (f"{__name__}:nothing", "no attribute 'nothing'"),
+    ],
+)
+def test_what_a_driver_does_wrong_is_one_line(
+    monkeypatch: pytest.MonkeyPatch, opens: Any, told: str
+) -> None:
+    monkeypatch.setattr(drivers, "drivers", lambda: {"mute": Driver("mute://1", opens)})
+    with pytest.raises(DeviceError, match=f"^mute://1: .*{told}.*: correct or uninstall"):
+        open_device("mute://1", DeviceRequirements(1000.0, 0.1, 1.0))
+
+
+def test_links_are_a_tuple_of_files() -> None:
+    with pytest.raises(TypeError, match="tuple"):
+        Driver("mute://1", Mute, links=cast(Any, Path("mute.c")))
+
+
+@pytest.mark.parametrize("fit", [lambda *_: None, lambda *_: {}["fit"], f"{__name__}:nothing"])
+def test_what_a_fit_does_wrong_is_one_line(monkeypatch: pytest.MonkeyPatch, fit: Any) -> None:
+    monkeypatch.setitem(KINDS, "wrong", Kind("wrong", "a mistake", fit))
+    with pytest.raises(UsageError, match=r"^kind 'wrong': .*: correct or uninstall that package"):
+        train(training(), "wrong")
+
+
+@pytest.mark.parametrize("name", ["Kind", "its model"])
+def test_a_kind_has_the_name_of_its_entry_point(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
+    def fit(*given: Any) -> Any:
+        found = KINDS["hammerstein"].function()(*given)
+        return (
+            found if name == "its model" else replace(found, model=replace(found.model, kind="a"))
+        )
+
+    monkeypatch.setitem(KINDS, "a", Kind("a" if name == "its model" else "b", "a mistake", fit))
+    with pytest.raises(UsageError, match=f"^kind 'a': TypeError: {name} has the name"):
+        train(training(), "a")
+
+
+class Raising(VirtualDevice):
+    """Its last calls fail."""
+
+    def __init__(self, last: str) -> None:
+        """Take the name of the call that fails."""
+        self.last, self.calls = last, list[str]()
+
+    def link(self, library: Any) -> Any:
+        """Return no link: no loop runs."""
+
+    def stop(self) -> None:
+        """Fail perhaps."""
+        self._call("stop")
+
+    def close(self) -> None:
+        """Fail perhaps."""
+        self._call("close")
+
+    def _call(self, name: str) -> None:
+        self.calls.append(name)
+        if self.last == name:
+            raise ValueError(f"no {name}")
+
+
+@pytest.mark.parametrize("last", ["stop", "close"])
+def test_what_a_device_does_wrong_at_the_end_is_one_line_and_it_is_closed(last: str) -> None:
+    device, runner = Raising(last), object.__new__(SessionRunner)
+    runner._supervisor, runner._stopped = cast(Any, SimpleNamespace(device=device)), False
+    runner._drain_thread = None
+    with pytest.raises(DeviceError, match=f"^Raising.{last}: ValueError: no {last} .*: correct or"):
+        runner.close()
+    assert device.calls == ["stop", "close"]

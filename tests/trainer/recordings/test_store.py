@@ -1,0 +1,218 @@
+"""Files of recordings: bits come back, damage is never silent, and a killed writer loses nothing.
+
+What was committed to a journal survives SIGKILL; of a flipped bit or a cut, either all samples come
+back as they were, or one line says that the file is damaged.
+"""
+
+import os
+import signal
+import subprocess
+import sys
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from springpot.codegen.errors import DataError, DeviceError, UsageError
+from springpot.trainer.recordings.journal import JournalWriter, journal_of, read_journal
+from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.recording_file import read_recording, write_recording
+
+RNG = np.random.default_rng(1)
+ITEM = Recording(
+    "press", np.cumsum(RNG.normal(0, 1e-5, 900)) ** 2, RNG.normal(2.0, 1.0, 900), 1e-3,
+    details={"protocol": "paper", "seed": 3}, channels={"notes": np.arange(900.0)},
+    session="one", start_s=2.5, place_x_m=0.01, place_y_m=-0.02,
+)  # fmt: skip
+
+
+def assert_same(found: Recording, wanted: Recording = ITEM) -> None:
+    assert found.content_hash == wanted.content_hash
+    assert {name: getattr(found, name) for name in ("name", "dt_s", "zero", "session", "start_s",
+                                                   "place_m", "source")} == {
+        name: getattr(wanted, name) for name in ("name", "dt_s", "zero", "session", "start_s",
+                                                 "place_m", "source")}  # fmt: skip
+    assert dict(found.details) == dict(wanted.details)
+    for name, samples in wanted.channels.items():
+        np.testing.assert_array_equal(found.channels[name], samples)
+
+
+def journal_of_item(folder: Path) -> Path:
+    """A journal that its writer left behind."""
+    with pytest.raises(ZeroDivisionError), JournalWriter(
+        folder / "press.h5", "press", 1e-3, "device", dict(ITEM.details), channels=("notes",)
+    ) as writer:  # fmt: skip
+        for begin in range(0, 900, 50):
+            rows = slice(begin, begin + 50)
+            notes = ITEM.channels["notes"][rows, None]
+            writer.append(ITEM.position_m[rows], ITEM.force_n[rows], notes)
+        raise ZeroDivisionError
+    return folder / "press.journal"
+
+
+def test_a_recording_comes_back_to_the_bit(tmp_path: Path) -> None:
+    write_recording(tmp_path / "press.h5", ITEM)
+    assert_same(read_recording(tmp_path / "press.h5"))
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["press.h5"]
+
+
+def test_a_finished_journal_is_a_recording_and_leaves_nothing(tmp_path: Path) -> None:
+    with JournalWriter(tmp_path / "press.h5", "press", 1e-3, "device", {"a": 1}) as writer:
+        writer.append(ITEM.position_m, ITEM.force_n)
+        writer.finish({"b": 2}, session="one", start_s=1.0)
+    found = read_recording(tmp_path / "press.h5")
+    np.testing.assert_array_equal(found.force_n, ITEM.force_n)
+    assert dict(found.details) == {"a": 1, "b": 2} and found.start_s == 1.0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["press.h5"]
+
+
+def test_an_interrupted_journal_is_read_as_its_recording(tmp_path: Path) -> None:
+    journal = journal_of_item(tmp_path)
+    for path in (journal, tmp_path / "press.h5"):
+        found = read_recording(path)
+        np.testing.assert_array_equal(found.position_m, ITEM.position_m)
+        np.testing.assert_array_equal(found.channels["notes"], ITEM.channels["notes"])
+        assert "recovered 0.900 s" in found.details["recovered"]
+    with pytest.raises(UsageError, match="keeps a recording that was interrupted"):
+        JournalWriter(tmp_path / "press.h5", "press", 1e-3, "device", {})
+
+
+def test_a_journal_in_use_is_neither_read_nor_written(tmp_path: Path) -> None:
+    with JournalWriter(tmp_path / "press.h5", "press", 1e-3, "device", {}) as writer:
+        writer.append(ITEM.position_m, ITEM.force_n)
+        with pytest.raises(UsageError, match="another springpot is recording it now"):
+            JournalWriter(tmp_path / "press.h5", "press", 1e-3, "device", {})
+        with pytest.raises(DataError, match="still being recorded"):
+            read_journal(journal_of(tmp_path / "press.h5"))
+        writer.discard()
+    assert not list(tmp_path.iterdir())
+
+
+READER = """
+import sys
+from pathlib import Path
+from springpot.codegen.errors import DataError
+from springpot.trainer.recordings.recording_file import read_recording
+from springpot.trainer.recordings.notices import *
+whole = read_recording(Path(sys.argv[1]))
+for name in sys.argv[2:]:
+    try:
+        found = read_recording(Path(name))
+    except DataError as error:
+        print("refused" if str(error).startswith(name) and "\\n" not in str(error) else error)
+        continue
+    n = len(found.force_n)
+    same = (found.position_m == whole.position_m[:n]).all() and found.dt_s == whole.dt_s
+    same &= (found.force_n == whole.force_n[:n]).all() and found.name == whole.name
+    lost = "damaged" in found.details.get("recovered", "")
+    print("same" if same and (n == len(whole.force_n) or lost) else "SILENT")
+"""
+
+
+def outcomes(whole: Path, damaged: list[Path]) -> list[str]:
+    """What a process of its own makes of each file: `refused`, `same`, or else."""
+    done = subprocess.run(
+        [sys.executable, "-W", "ignore", "-c", READER, whole, *damaged], capture_output=True,
+        text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, (done.returncode, done.stderr[-400:])
+    return done.stdout.splitlines()
+
+
+@pytest.mark.parametrize("kind", ["recording", "journal"])
+@pytest.mark.parametrize("count", [300, pytest.param(3000, marks=pytest.mark.slow)])
+def test_flipped_bits_and_cuts_are_never_silent(tmp_path: Path, kind: str, count: int) -> None:
+    folder = tmp_path / "damaged"
+    folder.mkdir()
+    if kind == "journal":
+        whole = journal_of_item(tmp_path)
+    else:
+        whole = tmp_path / "press.h5"
+        write_recording(whole, ITEM)
+    content, rng = whole.read_bytes(), np.random.default_rng(2)
+    found: list[str] = []
+    for begin in range(0, count, 150):
+        files = []
+        for k in range(begin, min(begin + 150, count)):
+            changed = bytearray(content)
+            at = int(rng.integers(len(content)))
+            if k % 5 < 3:
+                changed[at] ^= 1 << int(rng.integers(8))
+            else:
+                del changed[at:]
+            files.append(folder / f"{k}{whole.suffix}")
+            files[-1].write_bytes(changed)
+        found += outcomes(whole, files)
+        for file in files:
+            file.unlink()
+    assert len(found) == count and set(found) <= {"refused", "same"}, set(found)
+    assert found.count("refused") > 0.2 * count or kind == "journal"
+
+
+WRITER = """
+import sys, time
+from pathlib import Path
+import numpy as np
+from springpot.trainer.recordings import journal
+journal._COMMIT_S = 0.002
+with journal.JournalWriter(Path(sys.argv[1]), "press", 1e-3, "device", {}) as writer:
+    for k in range(100000):
+        rows = np.arange(7.0 * k, 7.0 * k + 7)
+        writer.append(rows, -rows)
+        print(writer.committed_rows, flush=True)
+"""
+
+
+@pytest.mark.parametrize("count", [3, pytest.param(30, marks=pytest.mark.slow)])
+def test_a_killed_writer_loses_no_row_that_was_committed(tmp_path: Path, count: int) -> None:
+    for k in range(count):
+        file = tmp_path / f"{k}.h5"
+        writer = subprocess.Popen(
+            [sys.executable, "-c", WRITER, file], stdout=subprocess.PIPE, text=True
+        )
+        assert writer.stdout is not None
+        committed = 0
+        while committed < 200 * (k % 5 + 1):
+            committed = int(writer.stdout.readline())
+        os.kill(writer.pid, signal.SIGKILL)
+        committed = max([committed, *map(int, writer.stdout.read().split()[:-1])])
+        writer.wait()
+        writer.stdout.close()
+        found, lost = read_journal(journal_of(file))
+        assert len(found.force_n) >= committed and not lost
+        np.testing.assert_array_equal(found.position_m, np.arange(len(found.force_n)))
+        np.testing.assert_array_equal(found.force_n, -found.position_m)
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="no /dev/full")
+def test_a_full_disk_ends_it_and_keeps_what_was_there(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("springpot.trainer.recordings.journal._COMMIT_S", 0.0)
+    with pytest.raises(DeviceError, match="make room"), JournalWriter(
+        tmp_path / "press.h5", "press", 1e-3, "device", {}
+    ) as writer:  # fmt: skip
+        writer.append(ITEM.position_m, ITEM.force_n)
+        assert writer._store is not None
+        pages = writer._store.execute("PRAGMA page_count").fetchone()[0]
+        writer._store.execute(f"PRAGMA max_page_count = {pages + 2}")
+        for _ in range(50):
+            writer.append(ITEM.position_m, ITEM.force_n)
+    assert writer.full
+    found, _ = read_journal(tmp_path / "press.journal")
+    np.testing.assert_array_equal(found.force_n[:900], ITEM.force_n)
+
+
+def test_files_that_are_no_recording_are_one_line(tmp_path: Path) -> None:
+    (tmp_path / "text.h5").write_text("no HDF5")
+    (tmp_path / "empty.journal").touch()
+    for name in ("text.h5", "empty.journal", "none.h5"):
+        with pytest.raises(DataError) as error:
+            read_recording(tmp_path / name)
+        assert str(error.value).startswith(str(tmp_path / name)) and "\n" not in str(error.value)
+
+
+def test_a_name_that_is_no_files_is_refused(tmp_path: Path) -> None:
+    with pytest.raises(DataError):
+        replace(ITEM, name="../press")

@@ -1,0 +1,256 @@
+"""Kind `springpot`: a fractional solid, three or four numbers with intervals.
+
+force = stiffness x + coefficient D^order x; where recordings show that this stops to grow at high
+frequencies, a fractional Zener solid with a stiffness of an instant step besides. It is fitted and
+rendered as a continuum of Maxwell branches, whose spectrum is known in closed form (Cole and Cole,
+1941): trapezoids on log-spaced time constants converge exponentially, and no weight is below 0.
+"""
+
+import time
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import product
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import nnls
+
+from springpot.codegen.arrays import Samples
+from springpot.codegen.model.passive import Hammerstein
+from springpot.trainer.features.values import highpass
+from springpot.trainer.models.fit import Fit, FitOptions, assemble
+from springpot.trainer.models.passive.passive_force import model_along
+from springpot.trainer.models.training_set import TrainingSet
+from springpot.trainer.recordings.quality.noise_floor import sensor_noise_n
+from springpot.trainer.recordings.recording import Recording
+
+_PER_DECADE, _FASTEST_STEPS, _BEYOND = 2.5, 0.25, 10.0  # time steps, longest recordings
+_FAR, _POINTS = 20.0, 400  # of ln tau beyond the branches: what is left further out is little
+_MIN_UNITS, _BLOCKS = 4, 10  # fewer recordings are divided into blocks of rows
+_ORDERS = np.linspace(0.02, 0.98, 49)
+_ZENER_ORDERS = _ORDERS[_ORDERS < 0.71]  # nearer 1 it has but one time constant
+_TIMES, _NEARBY, _ZOOMS, _STEP, _FACTOR = 25, np.arange(-3.0, 4.0), 5, 0.02, 1.6
+_TOUCHES, _NOISES, _SELDOM = 0.01, 4.0, 0.002  # of the peak force, of noise, of the samples
+_BETTER = 0.95  # of the error on what was left out: a fourth number has to be worth it
+_ORDER_STEP, _BRANCHED = 3e-4, 5e-4  # accuracy of the search, and of a sum of branches
+
+
+@dataclass(frozen=True)
+class Solid:
+    """Stiffness at rest; weight of the fractional part, N s^order/m, or of a Zener solid N/m."""
+
+    stiffness_npm: float
+    weight: float
+    order: float
+    time_s: float | None
+
+    def numbers(self) -> dict[str, float]:
+        """The law; coefficient: of a Zener solid in slow motion, N s^order/m."""
+        time_s = 1.0 if self.time_s is None else self.time_s
+        law = {"stiffness_npm": self.stiffness_npm, "coefficient": self.weight * time_s**self.order}
+        instant = {} if self.time_s is None else {"instant_npm": self.stiffness_npm + self.weight}
+        return {**law, "order": self.order, **instant}
+
+    def weights(self, tau_s: Samples) -> Samples:
+        """Weights of depth and of each branch, (1 + n,), N/m."""
+        weights = self.weight * fractional_part(tau_s, self.order, self.time_s)
+        weights[0] += self.stiffness_npm
+        return weights
+
+
+@dataclass(frozen=True, eq=False)
+class _Table:
+    """Rows of a set: depth, branches of tau_s, (n,), and force: (rows, 2 + n).
+
+    means: what was taken off the columns where the mean force of a recording is free.
+    unit: recording, or block of rows of few recordings, that is left out together, (rows,).
+    """
+
+    tau_s: Samples
+    rows: Samples
+    means: Samples
+    unit: NDArray[np.intp]
+
+    def root(self, chosen: NDArray[np.bool_] | slice = slice(None)) -> Samples:
+        """Square root of the products of some rows: `root @ [weights, -1]` is what is missed."""
+        return np.asarray(np.linalg.qr(self.rows[chosen], mode="r"))
+
+    def missed_n(self, solid: Solid, chosen: NDArray[np.bool_] | slice = slice(None)) -> float:
+        return float(np.linalg.norm(self.rows[chosen] @ [*solid.weights(self.tau_s), -1.0]))
+
+
+def fit_springpot(
+    name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
+) -> Fit:
+    """Fit the numbers by least squares; intervals by leaving out each recording in turn."""
+    begin = time.perf_counter()
+    rows = data.even_rows() if options.fraction is None else data.rows(options.fraction, 0)
+    way, pressed = _own_way(data, rows)
+    table = _table(way, pressed)
+    simple, zener = (_best(table, table.root(), is_zener) for is_zener in (False, True))
+    (others, error), (of_zener, zener_error) = (_left_out(table, its) for its in (simple, zener))
+    solid, others = (zener, of_zener) if zener_error < _BETTER * error else (simple, others)
+    bias_n = float(table.means[-1] - solid.weights(table.tau_s) @ table.means[:-1])
+    passive = to_hammerstein(solid, table.tau_s, data)
+    passive = replace(passive, bias_n=bias_n, recovers=way is not data)
+    metadata = _metadata(solid, others, table)
+    model = assemble(
+        "springpot", name, data, options, len(pressed), (None, None), passive, True, metadata
+    )
+    return Fit(model, len(pressed), 0.0, time.perf_counter() - begin, metadata=metadata)
+
+
+def _metadata(solid: Solid, others: Sequence[Solid], table: _Table) -> dict[str, Any]:
+    """Provenance: each number and half its interval of 1.96 errors, 95 %; what the law misses."""
+    law = {}
+    for name, value in solid.numbers().items():
+        of_others = np.array([other.numbers()[name] for other in others])
+        squares = (len(others) - 1) * np.var(of_others)  # the jackknife, Efron and Stein (1981)
+        rounding = _ORDER_STEP if name == "order" else _BRANCHED * abs(value)
+        law[name] = [value, float(np.hypot(1.96 * np.sqrt(squares), rounding))]
+    all_n = float(np.linalg.norm(table.rows[:, -1])) or 1.0
+    percent = 100.0 * table.missed_n(solid) / all_n
+    count = len(law) + bool(table.means.any())
+    return {"n_parameters": count, "material": law, "residual_percent": percent}
+
+
+def _table(data: TrainingSet, rows: NDArray[np.intp]) -> _Table:
+    """Rows of a set; branches from a quarter of a time step to ten times the longest recording."""
+    fast_s, slow_s = _FASTEST_STEPS * data.dt_s, _BEYOND * data.longest_s
+    tau_s = np.geomspace(fast_s, slow_s, 2 + int(np.log10(slow_s / fast_s) * _PER_DECADE))
+    depth_m = data.along(rows, lambda depth, at: depth[at]) - data.trained.min_m
+    columns = [depth_m]
+    for tau in tau_s.tolist():
+        columns.append(data.along(rows, partial(_branch, tau_s=tau, dt_s=data.dt_s)))
+    columns.append(data.force_n(rows))
+    table, means = np.stack(columns, axis=1), np.zeros(len(columns))
+    owner, many = data.owner(rows), len(data.recordings)
+    for its in (owner == number for number in np.unique(owner)):
+        if data.contact == "always":
+            means += table[its].mean(axis=0) / many
+            table[its] -= table[its].mean(axis=0)
+        table[its] /= np.sqrt(its.sum())
+    unit = owner if many >= _MIN_UNITS else np.arange(len(rows)) * _BLOCKS // len(rows)
+    return _Table(tau_s, table, means, unit)
+
+
+def _branch(depth_m: Samples, rows: NDArray[np.intp], tau_s: float, dt_s: float) -> Samples:
+    return highpass(depth_m, tau_s, dt_s)[rows]
+
+
+def _own_way(data: TrainingSet, rows: NDArray[np.intp]) -> tuple[TrainingSet, NDArray[np.intp]]:
+    """Return the set along the way of its surface, and the rows in which the object pushes.
+
+    It lets the tool go where the law, which is linear, would pull: it gives 0 N there, and its
+    surface stays dented. The set and its rows as they are if that is seldom.
+    """
+    force_n = data.force_n(rows)
+    noise_n = max(sensor_noise_n(each.force_n) for each in data.recordings)
+    least_n = max(_TOUCHES * float(force_n.max()), _NOISES * noise_n)
+    pushes = force_n > least_n
+    if data.contact == "always" or pushes.all() or not pushes.any():
+        return data, rows
+    way, motions = data, data.motions
+    for _ in range(3):
+        table = _table(way, rows[pushes])
+        law = to_hammerstein(_best(table, table.root(), False), table.tau_s, data)
+        if way is data:
+            bare = [model_along(law, motion, data.dt_s, surface=False)[0] for motion in motions]
+            if float(np.mean(np.concatenate(bare) < -least_n)) < _SELDOM:
+                return data, rows
+        law = replace(law, recovers=True)
+        found = [model_along(law, motion, data.dt_s, surface=True)[1] for motion in motions]
+        way = replace(data, depths_m=tuple(found), _found={})
+    return way, rows[pushes]
+
+
+def to_hammerstein(solid: Solid, tau_s: Samples, data: TrainingSet) -> Hammerstein:
+    """Return the same law as a spring and Maxwell branches: passive, and rendered by the same C."""
+    span_m = data.trained.max_m - data.trained.min_m
+    elastic_n, *branch_n = (span_m * solid.weights(tau_s)).tolist()
+    there = np.array(branch_n) > 0.0
+    return Hammerstein(
+        origin_m=data.trained.min_m,
+        span_m=span_m,
+        elastic_n=np.array([elastic_n]),
+        tau_s=tau_s[there],
+        branch_n=np.array(branch_n)[there, None],
+        radius_m=np.empty(0),
+        stop_n=np.empty((0, 1)),
+        bias_n=0.0,
+    )
+
+
+def fractional_part(tau_s: Samples, order: float, time_s: float | None) -> Samples:
+    """Weights of a spring, for what relaxes slower than all branches, and of each branch, (1 + n,).
+
+    tau_s: ascending, evenly spaced in their logarithm. time_s: T of the Zener solid, of weight 1
+    altogether, within 0.3 % for orders up to 0.7; None: of the derivative, s^-order.
+    """
+    log_tau, scale = np.log(tau_s), np.sin(np.pi * order) / np.pi
+    reach = (log_tau[1] - log_tau[0]) / 2
+    below = np.linspace(log_tau[0] - reach - _FAR, log_tau[0] - reach, _POINTS)
+    above = np.linspace(log_tau[-1] + reach, log_tau[-1] + reach + _FAR, _POINTS)
+
+    def spectrum(at: Samples) -> Samples:
+        if time_s is None:
+            return np.asarray(scale * np.exp(-order * at))
+        far = np.clip(order * (at - np.log(time_s)), -300.0, 300.0)
+        return np.asarray(scale / (2.0 * (np.cosh(far) + np.cos(np.pi * order))))
+
+    if time_s is None:
+        slow = spectrum(above)[0] / order
+        fast_s = spectrum(below)[-1] * np.exp(below[-1]) / (1.0 - order)
+    else:
+        half, far = np.pi * order / 2.0, order * (above[0] - np.log(time_s))
+        slow = (half - np.arctan(np.tan(half) * np.tanh(far / 2.0))) / (np.pi * order)
+        fast_s = np.trapezoid(np.exp(below) * spectrum(below), below)
+    weights = spectrum(log_tau) * 2 * reach
+    # Faster branches follow the velocity, as a share of the fastest one here does; slower ones
+    # relax at a rate, as a share of the slowest one does.
+    weights[0] += fast_s / tau_s[0]
+    relaxing = np.trapezoid(np.exp(-above) * spectrum(above), above) * tau_s[-1]
+    weights[-1] += relaxing
+    return np.concatenate([[slow - relaxing], weights])
+
+
+def _lowest(
+    table: _Table, root: Samples, orders: Samples, times: Iterable[float | None]
+) -> tuple[Solid, float]:
+    """Return the best solid of some orders and times, and its mean squared error, N^2."""
+    found: list[tuple[Solid, float]] = []
+    for order, time_s in product(orders.tolist(), times):
+        part = fractional_part(table.tau_s, order, time_s)
+        terms = np.stack([np.eye(1, len(part))[0], part], axis=1)
+        weights, missed_n = nnls(root[:, :-1] @ terms, root[:, -1])
+        solid = Solid(float(weights[0]), float(weights[1]), order, time_s)
+        found.append((solid, float(missed_n) ** 2))
+    return min(found, key=lambda pair: pair[1])
+
+
+def _best(table: _Table, root: Samples, is_zener: bool, near: Solid | None = None) -> Solid:
+    """Return the solid of lowest error: finer and finer grids about `near`, or the best of all."""
+    orders, times = _ORDERS, [None]
+    if is_zener:
+        orders = _ZENER_ORDERS
+        times = [*np.geomspace(table.tau_s[0], table.tau_s[-1], _TIMES).tolist()]
+    near = near or _lowest(table, root, orders, times)[0]
+    for zoom in range(_ZOOMS):
+        reach = _NEARBY / 3.0**zoom
+        around = np.clip(near.order + _STEP * reach, orders[0], orders[-1])
+        if near.time_s is not None:
+            around_s = np.clip(near.time_s * _FACTOR**reach, table.tau_s[0], table.tau_s[-1])
+            times = [*around_s.tolist()]
+        near = _lowest(table, root, around, times)[0]
+    return near
+
+
+def _left_out(table: _Table, start: Solid) -> tuple[list[Solid], float]:
+    """Fits without each unit, and the squares of what each misses of the unit, N^2."""
+    solids, square = [], 0.0
+    for unit in (table.unit == number for number in np.unique(table.unit)):
+        solids.append(_best(table, table.root(~unit), start.time_s is not None, start))
+        square += table.missed_n(solids[-1], unit) ** 2
+    return solids, square
