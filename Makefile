@@ -88,15 +88,14 @@ licences: $(STAMP)
 
 # Long tests: 10 000 malformed files, an hour at 1 kHz; all 2^32 bit patterns through the guards, 1e8
 # hostile ticks a scene, 24 simulated hours of pressing, every object and model in closed loop; a
-# million damaged frames, every fault of a session five times, a minute on every emulated board; every
-# reader of files, and of the wire, an hour under a fuzzer.
+# million damaged frames, every fault of a session five times; every reader of files, and of the wire,
+# an hour under a fuzzer.
 soak: $(STAMP) test-c
 	SPRINGPOT_FUZZ=10000 $(BIN)/pytest tests/trainer/recordings/test_hostile_files.py tests/host/commands/test_import_command.py
 	$(C_BUILD)/$(firstword $(COMPILERS))/float/test_patterns 1
 	SPRINGPOT_SOAK=1 $(BIN)/pytest tests/host/stability/test_hostile.py tests/host/stability/test_stability.py tests/codegen/stages/test_engines.py
-	SPRINGPOT_FRAMES=1000000 $(BIN)/pytest tests/wings/devices/test_wire.py
+	SPRINGPOT_FRAMES=1000000 $(BIN)/pytest tests/host/devices/test_wire.py
 	SPRINGPOT_ROUNDS=5 $(BIN)/pytest -n0 tests/host/session/test_faults.py
-	SPRINGPOT_SOAK=1 $(BIN)/pytest -n0 tests/wings/boards/test_mcu_board.py
 	$(BIN)/pip install --quiet --disable-pip-version-check atheris
 	$(BIN)/python tests/proof/fuzz/fuzz.py
 

@@ -18,7 +18,7 @@ from pathlib import Path
 from traceback import extract_tb
 from typing import Any, TypeVar
 
-from springpot.codegen.errors import SpringpotError, UsageError
+from springpot.codegen.errors import SpringpotError
 
 Entry = TypeVar("Entry")
 _WINGS = "springpot.host"  # folders that an installation may leave out
@@ -51,29 +51,6 @@ def registered(group: str, kind: type[Entry] | tuple[type[Entry], ...]) -> dict[
             found[entry.name] = loaded
     places = {name: (getattr(one, "place", 100), name) for name, one in found.items()}
     return dict(sorted(found.items(), key=lambda item: places[item[0]]))
-
-
-def part(name: str) -> Any | None:
-    """Load one entry of the group springpot.parts; None if no installed package has it.
-
-    Raises ModuleNotFoundError if springpot's own part lacks a package.
-    """
-    entry = next((one for one in _entries("parts") if one.name == name), None)
-    return None if entry is None else _loaded(entry)
-
-
-def required_part(name: str, option: str) -> Any:
-    """Load one entry of the group springpot.parts, for an option of a command.
-
-    Raises UsageError if no installed package has it.
-    """
-    found = part(name)
-    if found is None:
-        raise UsageError(
-            f"{option}: the part {name!r} of springpot is not installed here: install all of "
-            "springpot, or leave the option out"
-        )
-    return found
 
 
 @contextmanager

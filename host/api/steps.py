@@ -207,14 +207,13 @@ def validate(
     recordings: Recordings,
     *,
     paced_s: float = 3.0,
-    device: str | None = None,
     accept_edited: bool = False,
 ) -> "Validation":
     """Replay recordings through the C of `folder`: its error, its time, its bits against numpy's.
 
-    paced_s: how long ticks are timed at the scene's rate, s. device: URL of a board that renders
-    the scene too. accept_edited: C that is not as emitted is no refusal; the result's `edited`
-    names its files. Raises DataError for recordings of another rate or zero than the model's.
+    paced_s: how long ticks are timed at the scene's rate, s. accept_edited: C that is not as
+    emitted is no refusal; the result's `edited` names its files. Raises DataError for recordings of
+    another rate or zero than the model's.
 
     >>> validate("c", recordings).mismatches  # C and its reference: the same bits
     0
@@ -224,7 +223,7 @@ def validate(
 
     chosen, emitted = _some(recordings), given_path(folder)
     require_emission(emitted)
-    return validate_folder(emitted, chosen, paced_s, device, accept_edited)
+    return validate_folder(emitted, chosen, paced_s, accept_edited)
 
 
 def stability(

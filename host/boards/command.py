@@ -1,4 +1,4 @@
-"""`springpot firmware`: a scene and the serial protocol, built for a board."""
+"""`springpot firmware`: a scene, built for a board."""
 
 from pathlib import Path
 
@@ -31,12 +31,8 @@ def firmware(scene: Path, name: str, out: Path, accept_edited: bool, as_json: bo
         say(f"{out / TRANSDUCER}: built as you changed it")
     with progress_bar("firmware"), emitted_folder(scene) as folder:
         program = build_firmware(folder, board, out, accept_edited=accept_edited)
-    run = (
-        f"{' '.join([board.emulator, '-M', board.name, *board.options])} -nographic -monitor none "
-        f"-chardev pty,id=c0 -serial chardev:c0 -kernel {program}"
-    )
     print_result(
         {"firmware": str(program), "board": board.name, "target": board.target},
         as_json,
-        {"firmware": str(program), "emulate": run},
+        {"firmware": str(program)},
     )

@@ -61,7 +61,7 @@ def run_batch(folder: Path, board: Board, calls: Calls) -> Batch:
         place = Path(scratch)
         program = build_batch(folder, board, place)
         (place / "calls.bin").write_bytes(rows.tobytes())
-        _emulate(board, program, place)
+        emulate(board, program, place)
         returned_bytes = (place / "returns.bin").read_bytes()
     row = np.dtype([("force_n", real), ("notes", "<i4"), ("counts", "<u4")], align=wide)
     returned = np.frombuffer(
@@ -90,7 +90,11 @@ def run_batch(folder: Path, board: Board, calls: Calls) -> Batch:
     )
 
 
-def _emulate(board: Board, program: Path, place: Path) -> None:
+def emulate(board: Board, program: Path, place: Path) -> None:
+    """Run a program on the emulated board; its files are in `place`, and "returns.bin" is written.
+
+    Raises UsageError without the emulator, SpringpotError where it fails.
+    """
     command = [
         emulator_of(board), "-M", board.name, *board.options, "-display", "none",
         "-monitor", "none", "-serial", "null",

@@ -1,15 +1,12 @@
-"""Firmware: an emitted scene, the protocol and a board's port, built for that board."""
+"""Firmware: an emitted scene and a board's port, built for that board."""
 
 import shutil
 import subprocess
 from pathlib import Path
 
-import numpy as np
-
 from springpot.codegen.atomic_write import folder_written_aside
 from springpot.codegen.emit.header import prefixed
 from springpot.codegen.errors import BudgetError
-from springpot.codegen.literals import literal
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import state_bytes
 from springpot.host.boards.boards import Board, compiler_of
@@ -17,11 +14,10 @@ from springpot.host.emission.checksums import is_edited, require_replaceable, wr
 from springpot.host.emission.emission import read_emission
 from springpot.host.native.compiler import CompilerError
 from springpot.host.native.scene_library import port_headers, scene_prefix
-from springpot.runtime_c.paths import PORT_MCU, PORT_WIRE, flags
+from springpot.runtime_c.paths import PORT_MCU, flags
 
 TRANSDUCER = "sp_transducer.c"  # the user's encoder and drive
 _COMMON = ("sp_firmware.c", "sp_port.c", TRANSDUCER)
-_WIRE = ("sp_wire.c", "sp_wire.h", "sp_wire_messages.h")
 _NAME = "firmware.elf"
 _STACK_BYTES = 4096  # of everything else
 
@@ -34,22 +30,18 @@ def build_firmware(
     An earlier firmware there is replaced; TRANSDUCER, where its user changed it, is built as it is.
     Raises UsageError without a compiler, or where `out` holds anything else or other changes,
     BudgetError where it does not fit the board, DataError where the C is not as emitted, unless
-    that is accepted: the board then reports another hash.
+    that is accepted.
     """
     require_replaceable(out, yours=[TRANSDUCER])
-    emitted = read_emission(folder, accept_edited)
-    plan = emitted.plan
+    plan = read_emission(folder, accept_edited).plan
     with folder_written_aside(out) as aside:
         _copy(folder, aside, plan)
         for name in (*_COMMON, *_headers(), *board.sources):
             _port_file(name, plan, aside)
-        for name in _WIRE:
-            shutil.copyfile(PORT_WIRE / name, aside / name)
-        (aside / "sp_metadata.h").write_text(_metadata(plan, emitted.hash))
         write_checksums(aside)
         if is_edited(out, TRANSDUCER):
             shutil.copyfile(out / TRANSDUCER, aside / TRANSDUCER)
-        sources = (f"{scene_prefix(folder)}.c", *_COMMON, "sp_wire.c", *board.sources)
+        sources = (f"{scene_prefix(folder)}.c", *_COMMON, *board.sources)
         _linked(board, aside, sources, state_bytes(plan), strict)
     return out / _NAME
 
@@ -82,24 +74,6 @@ def _port_file(name: str, plan: Plan, out: Path) -> None:
     prefix = plan.scene.runtime.prefix
     text = (PORT_MCU / name).read_text().replace('"sp_scene.h"', f'"{prefix}_scene.h"')
     (out / name).write_text(prefixed(text, prefix))
-
-
-def _metadata(plan: Plan, scene_hash: str) -> str:
-    """What the protocol says of the scene."""
-    digest = bytes.fromhex(scene_hash)
-    items = ", ".join(f"{byte}" for byte in digest)
-    return (
-        "/* What the firmware reports of its scene. */\n"
-        "#ifndef SP_METADATA_H\n#define SP_METADATA_H\n\n"
-        f"#define SP_METADATA_DT_S {_float(plan.dt_s)}\n"
-        f"#define SP_METADATA_WATCHDOG_S {_float(plan.watchdog_s)}\n"
-        f"#define SP_METADATA_MAX_N {_float(plan.max_force_n)}\n"
-        f"#define SP_METADATA_HASH {{{{{items}}}}}\n\n#endif\n"
-    )
-
-
-def _float(value: float) -> str:
-    return literal(np.float32(value))
 
 
 def _linked(

@@ -12,7 +12,6 @@ from springpot.codegen.scene import Device
 from springpot.codegen.short_repr import short_repr
 
 if TYPE_CHECKING:
-    from springpot.host.devices.url import Address
     from springpot.host.native.c_library import CLibrary
 
 
@@ -38,7 +37,7 @@ class DeviceRequirements:
 
     presses: the loop drives the tool into an object, to record it. senses: it is read only.
     examined: nothing is rendered.
-    hash: of the scene, for boards that render it themselves. max_n: of the scene's force.
+    max_n: of the scene's force.
     m_per_turn .. nm_per_a: the transmission and torque constant of a motor drive.
     effector_mass_kg, weight_n: of the handle; its mass is compensated, its weight held up.
     """
@@ -46,7 +45,6 @@ class DeviceRequirements:
     rate_hz: float
     watchdog_s: float
     max_n: float
-    hash: str = ""
     presses: bool = False
     senses: bool = False
     examined: bool = False
@@ -113,10 +111,6 @@ class OpenedDevice(Protocol):
         """Return the C link (sp_link *); from then on only the loop reads and writes."""
         ...
 
-    def rendering_board(self) -> "RenderingBoard | None":
-        """The board, where it renders the scene itself and no loop runs here; else None."""
-        return None
-
     @abstractmethod
     def stop(self) -> None:
         """After the loop: no force, acknowledged where the device can. Raises nothing."""
@@ -125,12 +119,6 @@ class OpenedDevice(Protocol):
     @abstractmethod
     def close(self) -> None:
         """Let the device go: the last call."""
-
-
-class RenderingBoard(OpenedDevice, Protocol):
-    """A device that renders the scene itself, and where it is."""
-
-    address: "Address"
 
 
 class VirtualDevice(OpenedDevice):

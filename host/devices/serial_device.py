@@ -4,7 +4,7 @@ import contextlib
 import math
 import time
 from collections.abc import Callable, Iterator
-from typing import Any, Self
+from typing import Any
 
 import serial
 
@@ -36,13 +36,13 @@ _REFUSED_ACTION = 1
 
 
 class SerialDevice(OpenedDevice):
-    """A simple device (position in, force out), or a board that renders by itself."""
+    """A device of springpot serial: position in, force out."""
 
     unreached = FORCE_ZERO  # by its own watchdog, which START sets
 
     def __init__(self, address: Address, requirements: DeviceRequirements) -> None:
         """Open and start it. Raises DeviceError with one line for whatever is wrong."""
-        address.require_known(("baud", "surface_mm", "feed"))
+        address.require_known(("baud", "surface_mm"))
         self.address, self.requirements = address, requirements
         baud = int(address.number("baud", BAUD, 1200, 12e6))
         frame_bytes = max(messages()[name].wire_bytes for name in ("sample", "force"))
@@ -55,10 +55,9 @@ class SerialDevice(OpenedDevice):
             self.hello = self._hello()
             self._check(self.hello)
             self.command("PRESS" if requirements.presses else "START")
-            if not self.renders:
-                if not requirements.senses:
-                    self._prove_watchdog()
-                self._require_rate()
+            if not requirements.senses:
+                self._prove_watchdog()
+            self._require_rate()
         except BaseException:
             self.close()
             raise
@@ -66,13 +65,7 @@ class SerialDevice(OpenedDevice):
     @property
     def watchdog_s(self) -> float:
         """Silence of this host after which the device ends its force by itself."""
-        if self.requirements.max_n == 0.0:  # a replay: nobody holds it
-            return self.requirements.watchdog_s
         return min(self.requirements.watchdog_s, _WATCHDOG_S)
-
-    @property
-    def renders(self) -> bool:
-        return bool(self.hello["role"] == constant("RENDERS"))
 
     @property
     def rate_advice(self) -> str:
@@ -80,9 +73,6 @@ class SerialDevice(OpenedDevice):
             f"set its firmware to {self.requirements.rate_hz:g} Hz, or render a scene of its rate "
             "([runtime] rate_hz, where the model allows it)"
         )
-
-    def rendering_board(self) -> Self | None:
-        return self if self.renders else None
 
     def link(self, library: CLibrary) -> Any:
         self._link_memory = library.memory(library.c.sp_link_serial_size())
@@ -134,8 +124,7 @@ class SerialDevice(OpenedDevice):
         said = f"{self.address.url}: the device refuses {_REFUSED.get(refused, 'a command')}"
         if refused == _REFUSED_ACTION:
             return DeviceError(
-                f"{said} ({action}): its self-test failed, or its firmware is of an older "
-                "springpot: flash the firmware of this one"
+                f"{said} ({action}): its firmware is of an older springpot: flash that of this one"
             )
         return DeviceError(
             f"{said} ({self.requirements.rate_hz:g} Hz, watchdog {1e3 * self.watchdog_s:g} ms): "
@@ -150,7 +139,7 @@ class SerialDevice(OpenedDevice):
             raise DeviceError(f"{self.address.url}: went away ({error}): plug it in") from None
 
     def send(self, name: str, **values: Any) -> None:
-        """Send one message (before the loop takes over, or to a board that renders)."""
+        """Send one message (before the loop takes over)."""
         self.write(self.sender.encode(name, **values))
 
     def write(self, content: bytes) -> None:
@@ -244,11 +233,5 @@ class SerialDevice(OpenedDevice):
                 f"{url}: its messages are laid out otherwise ({hello['layout']:08x}, here "
                 f"{layout():08x}): flash the firmware of this springpot"
             )
-        if self.renders and hello["model"].hex() != required.hash:
-            raise DeviceError(
-                f"{url}: the board renders model {hello['model'].hex()[:12]}, the scene is "
-                f"{required.hash[:12] or 'none'}: flash this one (firmware --scene takes an "
-                "emitted folder, too), or give the one that it renders"
-            )
-        if not self.renders and hello["max_n"] < required.max_n * (1 - 1e-6):
+        if hello["max_n"] < required.max_n * (1 - 1e-6):
             raise too_weak(url, f"gives at most {hello['max_n']:g} N", required, hello["max_n"])

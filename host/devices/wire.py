@@ -13,7 +13,7 @@ from google_crc32c import value as crc32c
 from springpot.codegen.short_repr import short_repr
 from springpot.runtime_c.paths import PORT_WIRE
 
-_CODES = {"u8": "B", "u32": "I", "f32": "f", "hash": "32s"}
+_CODES = {"u8": "B", "u32": "I", "f32": "f"}
 _HEAD = struct.Struct("<BBI")
 _CRC = struct.Struct("<I")
 _WINDOW = 32

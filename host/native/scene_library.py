@@ -35,7 +35,8 @@ def port_headers(folder: Path, real: str) -> dict[str, str]:
     """Name -> text of the headers that a port includes beside the scene's own."""
     prefix = scene_prefix(folder)
     return {
-        f"{prefix}_scene.h": f'#include "{prefix}.h"\n#include "sp_real.h"\n',
+        f"{prefix}_scene.h": f'#include "{prefix}.h"\n#include "sp_real.h"\n\n'
+        f"#define SP_PERIOD_S {prefix.upper()}_DT_S\n",
         "sp_real.h": (INCLUDE / real / "sp_real.h").read_text(),
     }
 

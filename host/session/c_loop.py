@@ -55,13 +55,9 @@ def scene_step_functions(
 
 
 class CLoop:
-    """A thread of C on absolute deadlines; Python only watches.
-
-    no_sample_advice: what to do if no sample ever came.
-    """
+    """A thread of C on absolute deadlines; Python only watches."""
 
     name = "C thread"
-    no_sample_advice = "check cable and power"
 
     def __init__(self, steps: StepFunctions, settings: LoopSettings) -> None:
         self._steps, self._settings = steps, settings

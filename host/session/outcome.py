@@ -82,13 +82,13 @@ def why_stopped(
     return f"{line}; {fault}" if fault else line, None
 
 
-def fault_at_end(state: LoopState, samples: int, no_sample_advice: str) -> str:
+def fault_at_end(state: LoopState, samples: int) -> str:
     """Why a loop ended without its device, and what to do; empty where the device was there.
 
-    samples: that came. no_sample_advice: of the loop.
+    samples: that came.
     """
     if not samples and state.elapsed_s > _FIRST_SAMPLE_S:
-        return f"no sample ever came, the force was zero: {no_sample_advice}"
+        return "no sample ever came, the force was zero: check cable and power"
     if not state.connected:
         return "the device was gone: plug it in and start again"
     return ""

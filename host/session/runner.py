@@ -9,11 +9,11 @@ from typing import Protocol
 
 import numpy as np
 
-from springpot.codegen.entry_points import blaming, required_part
+from springpot.codegen.entry_points import blaming
 from springpot.codegen.errors import DeviceError, SpringpotError, UsageError
 from springpot.codegen.short_repr import short_repr
 from springpot.host.console.output import say
-from springpot.host.devices.device import RECONNECT_S, DeviceRequirements, OpenedDevice
+from springpot.host.devices.device import RECONNECT_S, DeviceRequirements
 from springpot.host.devices.drivers import open_device
 from springpot.host.native.loop_library import (
     COLUMN,
@@ -24,7 +24,7 @@ from springpot.host.native.loop_library import (
 )
 from springpot.host.session.c_loop import CLoop, StepFunctions
 from springpot.host.session.log import FLIGHT_S
-from springpot.host.session.loop import LinkCounts, Loop, LoopSettings, LoopState
+from springpot.host.session.loop import LinkCounts, LoopSettings, LoopState
 from springpot.host.session.outcome import BY_USER, fault_at_end, spread_us, why_stopped
 from springpot.host.session.supervisor import DeviceSupervisor
 
@@ -68,7 +68,7 @@ class SessionRunner:
         self._settings, self._log, self._report = settings, log, report
         self._takers = [taker for taker in (viewer, warnings) if taker is not None]
         device = open_device(url, requirements)
-        self._loop = _loop_for(device, steps, settings)
+        self._loop = CLoop(steps, settings)
         self._supervisor = DeviceSupervisor(
             self._loop, device, url, requirements, reconnect_s, report, self._fail
         )
@@ -187,7 +187,7 @@ class SessionRunner:
 
     def fault(self) -> str:
         """Why it ended without its device, and what to do; empty where the device was there."""
-        return fault_at_end(self.state, self.counts.samples, self._loop.no_sample_advice)
+        return fault_at_end(self.state, self.counts.samples)
 
     def flight(self) -> LoopRows:
         """The last seconds of rows, after the end."""
@@ -240,19 +240,3 @@ class SessionRunner:
         if self.error is None:
             self.error = error
         self._loop.ask_stop()
-
-
-def _loop_for(device: OpenedDevice, steps: StepFunctions, settings: LoopSettings) -> Loop:
-    """A board that renders keeps its own time."""
-    board = device.rendering_board()
-    if board is not None and settings.reversed:
-        device.stop()
-        device.close()
-        raise UsageError(
-            "a board that renders sends its force by itself: turn the sign in its firmware, and "
-            "leave [device] force_sign out"
-        )
-    if board is None:
-        return CLoop(steps, settings)
-    of_board: Loop = required_part("board-loop", board.address.url)(board, settings)
-    return of_board

@@ -1,6 +1,6 @@
 """A real-time session: `with Session(folder, url, log=file) as s: s.start(); ...`.
 
-A loop (a C thread, or a board that renders) keeps the time; Python watches it, writes the log, and
+A loop in a C thread keeps the time; Python watches it, writes the log, and
 brings back a device that was unplugged. However the session is left, the force is zero first.
 """
 
@@ -83,7 +83,6 @@ class Session:
             rate_hz=1 / plan.dt_s,
             watchdog_s=plan.watchdog_s,
             max_n=min(plan.max_force_n, settings.max_force_n),
-            hash=self._hash,
         )
         self._zero: Zero = "none" if plan.contact else "first"
         self._file = None if log is None else given_path(log)

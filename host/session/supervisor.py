@@ -7,7 +7,8 @@ from collections.abc import Callable
 from springpot.codegen.errors import DeviceError, SpringpotError
 from springpot.host.devices.device import DeviceRequirements, OpenedDevice
 from springpot.host.devices.drivers import open_device
-from springpot.host.session.loop import Loop, LoopState
+from springpot.host.session.c_loop import CLoop
+from springpot.host.session.loop import LoopState
 
 _RETRY_S = 0.05
 
@@ -21,7 +22,7 @@ class DeviceSupervisor:
 
     def __init__(
         self,
-        loop: Loop,
+        loop: CLoop,
         device: OpenedDevice,
         url: str,
         requirements: DeviceRequirements,
@@ -109,7 +110,7 @@ class DeviceSupervisor:
             if self._loop.get_status().over:
                 return None
             try:
-                return self._opened()
+                return open_device(self.url, self._requirements)
             except SpringpotError as error:
                 last = error
                 time.sleep(_RETRY_S)
@@ -120,13 +121,6 @@ class DeviceSupervisor:
             )
         )
         return None
-
-    def _opened(self) -> OpenedDevice:
-        device = open_device(self.url, self._requirements)
-        if (device.rendering_board() is None) == (self.device.rendering_board() is None):
-            return device
-        device.close()
-        raise DeviceError(f"{self.url}: another kind of device came back: plug the first one in")
 
     def _go_on(self, device: OpenedDevice) -> LoopState:
         """The loop goes on with it: until its first sample, or until it is gone again."""

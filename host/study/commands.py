@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from springpot.host.console.lazy_group import LazyGroup
+from springpot.host.console.lazy_group import LazyCommand, LazyGroup
 from springpot.host.console.output import json_option, print_result, print_table, progress_bar
 
 _PATH = click.Path(path_type=Path)
@@ -83,7 +83,10 @@ def _cell(value: object) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
-_COMMANDS = {"plan": plan_study, "run": run_study, "report": report_study}
+_COMMANDS = {
+    name: LazyCommand(f"{__name__}:{name}_study", command.get_short_help_str(80))
+    for name, command in (("plan", plan_study), ("run", run_study), ("report", report_study))
+}
 
 
 @click.group("study", cls=LazyGroup, table=_COMMANDS)

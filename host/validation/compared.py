@@ -45,11 +45,10 @@ def compared_all(
     library: SceneLibrary,
     recordings: Sequence[Recording],
     ticked: Sequence[Recording],
-    board: Any = None,
 ) -> Compared:
     """Run every recording from a fresh state, or those of a session in a row.
 
-    ticked: the recordings at the ticks of the scene. board: runs beside the C, bit for bit.
+    ticked: the recordings at the ticks of the scene.
     """
     replay, scene_hash = Replay(library), library.manifest["hash"]
     predicted: dict[int, Samples] = {}
@@ -70,9 +69,6 @@ def compared_all(
         else:
             logs.add(number)
             force, notes, others = again
-            differs += others
-        if board is not None:
-            force, others = board.compared(replay, position, velocity)
             differs += others
         mismatches += differs
         low += int(clamped_low(notes, force, float(plan.output.min_n)).sum())

@@ -2,7 +2,6 @@
 
 import json
 from collections.abc import Sequence
-from contextlib import AbstractContextManager, nullcontext
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,8 +11,7 @@ from numpy.typing import NDArray
 
 from springpot.codegen.arrays import rms
 from springpot.codegen.emit.golden import backward_velocity
-from springpot.codegen.entry_points import required_part
-from springpot.codegen.errors import DataError, MismatchError, UsageError
+from springpot.codegen.errors import DataError, MismatchError
 from springpot.codegen.model.model import Model
 from springpot.codegen.plan.plan import Plan
 from springpot.host.console.output import shown_fields
@@ -45,13 +43,13 @@ PACED_S = 3.0
 class Validation:
     """Result over all `recordings`; predicted_n: forces of the C, one array a recording.
 
-    mismatches: ticks where C and reference, or a board and the C, differ in force or notes, bit for
-    bit. floor: of the recordings, logs of sessions apart. ramped: samples of each recording in the
-    start-up ramp, which no error counts. model_rmse_n: error of the model itself; rendering_n: RMS
-    of what coupling, guard and limits add to it; None for logs alone, which neither counts. edited:
-    files of the folder that are not as emitted, and were accepted. seen: how many recordings the
-    model was trained on, None where it does not say. places: error of each, if recordings have
-    any. clamped_low: ticks at the lower limit of the force, min_n, N; other clamped ones are at the
+    mismatches: ticks where C and reference differ in force or notes, bit for bit. floor: of the
+    recordings, logs of sessions apart. ramped: samples of each recording in the start-up ramp,
+    which no error counts. model_rmse_n: error of the model itself; rendering_n: RMS of what
+    coupling, guard and limits add to it; None for logs alone, which neither counts. edited: files
+    of the folder that are not as emitted, and were accepted. seen: how many recordings the model
+    was trained on, None where it does not say. places: error of each, if recordings have any.
+    clamped_low: ticks at the lower limit of the force, min_n, N; other clamped ones are at the
     upper limit.
 
     >>> found = validate("c", recordings)
@@ -128,18 +126,15 @@ def validate(
     folder: Path,
     recordings: Sequence[Recording],
     paced_s: float = PACED_S,
-    device: str | None = None,
     accept_edited: bool = False,
 ) -> Validation:
-    """Replay every recording from a fresh state; with `device`, through the board of that URL too.
+    """Replay every recording from a fresh state.
 
     Raises DataError for a sampling rate that the scene cannot take, or where the C is not as
-    emitted, unless that is accepted; DeviceError where the board does not answer.
+    emitted, unless that is accepted.
     """
     emitted = read_emission(folder, accept_edited)
     plan, model = emitted.plan, emitted.model
-    if plan.has_places and device is not None:
-        raise UsageError("--device: a board knows no place: validate this scene without it")
     for recording in recordings:
         require_compatible(recording, model, plan.dt_s)
         if plan.has_places and recording.place_m is None and not recording.channels:
@@ -154,11 +149,7 @@ def validate(
     # What the C carries is a part of it; the hash is of what was built, edits and all.
     stored = json.loads((folder / "manifest.json").read_text())
     library.manifest = {**stored, **library.manifest, "hash": emitted.hash}
-    opened: AbstractContextManager[Any] = nullcontext()
-    if device is not None:
-        opened = required_part("board-replay", "--device")(device, plan, emitted.hash)
-    with opened as board:
-        found = _validated(plan, library, recordings, paced_s, board)
+    found = _validated(plan, library, recordings, paced_s)
     return replace(
         _with_parts(found, model, plan, recordings),
         edited=emitted.edited,
@@ -203,10 +194,9 @@ def _validated(
     library: SceneLibrary,
     recordings: Sequence[Recording],
     paced_s: float,
-    board: Any,
 ) -> Validation:
     ticked = [at_ticks(recording, plan.dt_s) for recording in recordings]
-    found = compared_all(plan, library, recordings, ticked, board)
+    found = compared_all(plan, library, recordings, ticked)
     longest = max(ticked, key=lambda recording: len(recording.position_m))
     position = longest.position_m.astype(plan.dtype)
     velocity = backward_velocity(position, plan.dt_s)

@@ -91,7 +91,7 @@ TEST(checksums_are_those_of_the_definition)
 TEST(the_layout_covers_the_table_to_its_last_field)
 {
     static const char text[] = SP_WIRE_TABLE(TEXT_MESSAGE);
-    CHECK(strcmp(text + strlen(text) - 9, "u8 notes;") == 0);
+    CHECK(strcmp(text + strlen(text) - 12, "f32 force_n;") == 0);
     CHECK(sp_wire_layout() == checksum((const uint8_t *)text, (uint32_t)strlen(text)));
 }
 
@@ -131,13 +131,9 @@ TEST(frames_are_the_bytes_of_the_protocol_and_come_back)
 /* Not a byte after them: the next field, or another's memory. */
 TEST(fields_are_as_long_as_they_are)
 {
-    uint8_t bytes[40];
-    sp_wire_hash hash, read;
-    memset(&hash, 0x11, sizeof hash);
+    uint8_t bytes[8];
     memset(bytes, 0xaa, sizeof bytes);
     CHECK(put_u32(bytes, 0x04030201u) == bytes + 4 && bytes[3] == 4 && bytes[4] == 0xaa);
-    CHECK(put_hash(bytes, hash) == bytes + 32 && bytes[31] == 0x11 && bytes[32] == 0xaa);
-    CHECK(get_hash(bytes, &read) == bytes + 32 && memcmp(&read, &hash, 32) == 0);
 }
 
 TEST(what_is_no_cobs_is_of_no_length)
@@ -166,27 +162,23 @@ TEST(every_message_comes_back_as_it_was_sent)
     uint8_t line[SP_WIRE_MAX_BYTES];
     sp_wire_receiver receiver = {0};
     sp_wire_frame frame;
-    sp_wire_hello hello = {.layout = 0x80f0e0d1u, .role = 1, .rate_hz = 1000.5f, .max_n = -3.25f};
-    for (int i = 0; i < 32; i++) {
-        hello.model.bytes[i] = (uint8_t)(200 + i);
-    }
+    const sp_wire_hello hello = {.layout = 0x80f0e0d1u, .rate_hz = 1000.5f, .max_n = -3.25f};
     sp_wire_hello heard;
     memset(&heard, 0, sizeof heard);
     uint32_t count = sp_wire_send_hello(&sequence, &hello, line);
     CHECK(sequence == 8 && given(&receiver, line, count, &frame) == SP_WIRE_NEW);
     CHECK(frame.sequence == 7 && frame.size == SP_WIRE_BODY_HELLO);
     CHECK(sp_wire_get_hello(&frame, &heard) == 1);
-    CHECK(heard.layout == hello.layout && heard.role == hello.role);
+    CHECK(heard.layout == hello.layout);
     CHECK(heard.rate_hz == hello.rate_hz && heard.max_n == hello.max_n);
-    CHECK(memcmp(heard.model.bytes, hello.model.bytes, 32) == 0);
 
-    const sp_wire_rendered rendered = {3, 0.5f, -0.25f, 1e-3f, 7.5f, 0x41};
-    sp_wire_rendered felt = {0};
-    count = sp_wire_send_rendered(&sequence, &rendered, line);
+    const sp_wire_sample sample = {3, 0.5f, -0.25f, 7.5f};
+    sp_wire_sample felt = {0};
+    count = sp_wire_send_sample(&sequence, &sample, line);
     CHECK(sequence == 9 && given(&receiver, line, count, &frame) == SP_WIRE_NEW);
-    CHECK(sp_wire_get_rendered(&frame, &felt) == 1);
-    CHECK(felt.call == 3 && felt.position_m == 0.5f && felt.velocity_mps == -0.25f);
-    CHECK(felt.dt_s == 1e-3f && felt.force_n == 7.5f && felt.notes == 0x41);
+    CHECK(sp_wire_get_sample(&frame, &felt) == 1);
+    CHECK(felt.status == 3 && felt.position_m == 0.5f && felt.velocity_mps == -0.25f);
+    CHECK(felt.measured_n == 7.5f);
     CHECK(receiver.gaps == 0);
 
     sp_wire_force force = {2.0f};

@@ -19,7 +19,6 @@ from springpot.host.study.definition import read_study
 TESTED = {
     "python": "test_python_examples.py",
     "cpp": "test_documented_c.py",
-    "js": "test_documented_c.py",
     "csharp": "test_documented_c.py",
     "c": "",
     "text": "",

@@ -36,9 +36,7 @@ def test_the_tutorial_of_a_haptics_researcher(tmp_path: Path) -> None:
 
 @pytest.mark.realtime
 def test_the_tutorial_of_an_embedded_engineer(tmp_path: Path) -> None:
-    arm = shutil.which("arm-none-eabi-gcc") is not None
-    board = arm and shutil.which("qemu-system-arm") is not None
-    needs = [name for name, there in (("arm", arm), ("board", board)) if there]
+    needs = ["arm"] if shutil.which("arm-none-eabi-gcc") else []
     run_page("tutorials/embedded-engineer.md", tmp_path, *needs)
 
 
@@ -67,7 +65,7 @@ def test_the_first_board_gives_what_its_page_states(tmp_path: Path) -> None:
         shutil.rmtree(tmp_path / name)
     run_commands(page_blocks("how-to/record.md")[0], tmp_path)
     printed = " ".join(run_page("how-to/microcontroller.md", tmp_path).split())
-    flash, ram, stack, _, bound = table_row("explanation/boards.md", "rf-fd")
+    flash, ram, stack, _, bound = table_row("how-to/microcontroller.md", "rf-fd")
     found = re.search(r"flash (\d+) bytes RAM (\d+) bytes and (\d+) of stack", printed)
     assert found, printed
     # Other compilers and scikit-learns differ by a few bytes and nodes; on another processor a
@@ -77,8 +75,6 @@ def test_the_first_board_gives_what_its_page_states(tmp_path: Path) -> None:
     told = re.search(r"at most (\d+) a tick", printed)
     assert told
     assert int(told[1]) == pytest.approx(int(bound), rel=0.1)
-    printed = " ".join(run_page("how-to/microcontroller.md", tmp_path, "board").split())
-    assert "what was felt is what the model says" in printed
 
 
 def test_the_public_recording_is_stored_as_written() -> None:

@@ -18,13 +18,10 @@ if TYPE_CHECKING:
 @click.command(name="validate")
 @click.argument("folder", type=PATH)
 @recordings_given("Recording or folder")
-@click.option(
-    "--device", "url", help="A board that renders the scene, such as serial:///dev/ttyACM0."
-)
 @accept_edited_option
 @json_option
 def validate_(
-    folder: Path, recordings: tuple[str, ...], url: str | None, accept_edited: bool, as_json: bool
+    folder: Path, recordings: tuple[str, ...], accept_edited: bool, as_json: bool
 ) -> None:
     """Replay recordings (files or folders) through the C of an emitted FOLDER."""
     from springpot.host.emission.emission import require_emission
@@ -35,7 +32,7 @@ def validate_(
     require_emission(folder)  # first: where both are given the wrong way round, it says so
     found = read_recordings(map(Path, recordings))
     with progress_bar(f"{number_of(len(found), 'recording')}"):
-        validation = validate(folder, found, device=url, accept_edited=accept_edited)
+        validation = validate(folder, found, accept_edited=accept_edited)
     if len(validation.felt) < len(
         found
     ):  # a log says nothing of the object: the page keeps what does

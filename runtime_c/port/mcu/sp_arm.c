@@ -4,12 +4,11 @@
 #include "sp_port.h"
 
 #define CPACR SP_REGISTER(0xe000ed88u)
-#define ICSR SP_REGISTER(0xe000ed04u)
 #define SYST_CSR SP_REGISTER(0xe000e010u)
 #define SYST_RVR SP_REGISTER(0xe000e014u)
 #define SYST_CVR SP_REGISTER(0xe000e018u)
 
-enum { FULL_ACCESS_FPU = 0xf << 20, SYST_ON = 7, SYST_MAX = 1 << 24, FIRST_INTERRUPT = 16 };
+enum { FULL_ACCESS_FPU = 0xf << 20, SYST_ON = 7, SYST_MAX = 1 << 24 };
 
 /* Of the linker script. */
 extern uint32_t sp_stack_top[], sp_data_load[], sp_data[], sp_data_end[], sp_bss[], sp_bss_end[];
@@ -38,11 +37,6 @@ static void on_systick(void)
         turn = 0;
         sp_port_period();
     }
-}
-
-static void on_interrupt(void)
-{
-    sp_board_interrupt((ICSR & 0x1ffu) - FIRST_INTERRUPT);
 }
 
 /* A fault: the motor must not stay on. A debugger finds the cause. */
@@ -74,17 +68,13 @@ typedef struct {
     void (*reset)(void);
     void (*exceptions[13])(void);
     void (*systick)(void);
-    void (*interrupts[SP_ARM_INTERRUPTS])(void);
 } vectors;
 
 #define FOUR(f) f, f, f, f
-#define SIXTEEN(f) FOUR(f), FOUR(f), FOUR(f), FOUR(f)
 extern const vectors sp_arm_vectors;
 __attribute__((section(".vectors"), used)) const vectors sp_arm_vectors = {
     .stack_top = sp_stack_top,
     .reset = sp_arm_reset,
     .exceptions = {FOUR(on_fault), FOUR(on_fault), FOUR(on_fault), on_fault},
     .systick = on_systick,
-    .interrupts = {SIXTEEN(on_interrupt), SIXTEEN(on_interrupt), SIXTEEN(on_interrupt),
-                   SIXTEEN(on_interrupt)},
 };

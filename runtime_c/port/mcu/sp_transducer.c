@@ -1,5 +1,5 @@
-/* The hand's side of a board that has neither sensor nor motor, such as an emulated one: motion
- * comes from the host, and the force goes there. Replace this file by your encoder and drive. */
+/* The hand's side of a board that has neither sensor nor motor, such as an emulated one. Replace
+ * this file by your encoder and drive. */
 #include "sp_port.h"
 
 int sp_hand_motion(float *position_m, float *velocity_mps)

@@ -4,7 +4,7 @@
 #include "sp_wire.h"
 
 /* springpot declarations begin */
-/* springpot serial, a simple device: position in, force out. surface_m: position of the undeformed
+/* springpot serial: position in, force out. surface_m: position of the undeformed
  * surface in the device's own counting. watchdog_s: of the device. */
 uint32_t sp_link_serial_size(void);
 sp_link *sp_link_serial_init(void *memory, int fd, double surface_m, float watchdog_s,

@@ -71,22 +71,6 @@ static const uint8_t *get_f32(const uint8_t *at, float *value)
     return at;
 }
 
-static uint8_t *put_hash(uint8_t *at, sp_wire_hash value)
-{
-    for (uint32_t i = 0; i < sizeof value.bytes; i++) {
-        at[i] = value.bytes[i];
-    }
-    return at + sizeof value.bytes;
-}
-
-static const uint8_t *get_hash(const uint8_t *at, sp_wire_hash *value)
-{
-    for (uint32_t i = 0; i < sizeof value->bytes; i++) {
-        value->bytes[i] = at[i];
-    }
-    return at + sizeof value->bytes;
-}
-
 uint32_t sp_wire_encode(const sp_wire_frame *frame, uint8_t *bytes)
 {
     uint8_t plain[SP_WIRE_MAX_PLAIN];

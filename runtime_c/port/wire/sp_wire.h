@@ -25,18 +25,12 @@ enum {
 };
 
 /* A struct for each message (sp_wire_force, ...), its type number and the size of its body. */
-typedef struct {
-    uint8_t bytes[32];
-} sp_wire_hash;
-
 #define SP_WIRE_C_u8 uint8_t
 #define SP_WIRE_C_u32 uint32_t
 #define SP_WIRE_C_f32 float
-#define SP_WIRE_C_hash sp_wire_hash
 #define SP_WIRE_SIZE_u8 1
 #define SP_WIRE_SIZE_u32 4
 #define SP_WIRE_SIZE_f32 4
-#define SP_WIRE_SIZE_hash 32
 
 #define SP_WIRE_MEMBER(type, name) SP_WIRE_C_##type name;
 #define SP_WIRE_ADD(type, name) +SP_WIRE_SIZE_##type

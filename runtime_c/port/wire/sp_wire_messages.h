@@ -4,8 +4,8 @@
  *
  * A frame: type u8, version u8, sequence u32, body, CRC-32C of all before it (u32), all
  * little-endian; the whole COBS-encoded, between two 0 bytes. The sequence counts the frames
- * that one end has sent. Setpoints (SAMPLE, FORCE, FEED, RENDERED) are never sent again: the newest
- * counts. COMMAND is sent again until an ACK with its sequence comes back.
+ * that one end has sent. Setpoints (SAMPLE, FORCE) are never sent again: the newest counts. COMMAND
+ * is sent again until an ACK with its sequence comes back.
  *
  * Signs: position is the penetration into the object, force is positive where it pushes the tool
  * out. m, m/s, N, s.
@@ -14,7 +14,7 @@
 #define SP_WIRE_MESSAGES_H
 
 /* clang-format off */
-#define SP_WIRE_VERSION 1
+#define SP_WIRE_VERSION 2
 
 /* MESSAGE(type, NAME, name) */
 #define SP_WIRE_TABLE(MESSAGE)   \
@@ -23,9 +23,7 @@
     MESSAGE(3, COMMAND, command) \
     MESSAGE(4, ACK, ack)         \
     MESSAGE(5, SAMPLE, sample)   \
-    MESSAGE(6, FORCE, force)     \
-    MESSAGE(7, FEED, feed)       \
-    MESSAGE(8, RENDERED, rendered)
+    MESSAGE(6, FORCE, force)
 
 /* Host: who are you? A device that hears it, old or new, forgets the sequence that it has seen. */
 #define SP_WIRE_ASK(FIELD) \
@@ -35,15 +33,13 @@
  * sequence that it has seen. */
 #define SP_WIRE_HELLO(FIELD)  \
     FIELD(u32, layout)        \
-    FIELD(u8, role)             /* SP_WIRE_RENDERS or SP_WIRE_SIMPLE */ \
     FIELD(f32, rate_hz)         /* samples a second that it sends by itself */ \
-    FIELD(f32, max_n)      /* maximum force of its motor */ \
-    FIELD(hash, model)          /* manifest hash of the scene that it renders; 0 for a simple one */
+    FIELD(f32, max_n)           /* maximum force of its motor */
 
 /* Host: do it. After STOP the motor is without force. The device's watchdog counts from the first
  * FORCE on; once it has tripped, only START, PRESS and RESET take forces again. */
 #define SP_WIRE_COMMAND(FIELD) \
-    FIELD(u8, action)           /* SP_WIRE_STOP, _START: a hand will be given forces, _RESET, _PRESS: an object is pressed, _REPLAY: a board takes FEED as fast as it comes, its motor without force */ \
+    FIELD(u8, action)           /* SP_WIRE_STOP, _START: a hand will be given forces, _RESET, _PRESS: an object is pressed */ \
     FIELD(f32, watchdog_s)      /* silence of the host after which the force goes to zero */ \
     FIELD(f32, rate_hz)         /* samples a second that the host wants */
 
@@ -52,7 +48,7 @@
     FIELD(u32, command)         /* sequence of the command */ \
     FIELD(u8, refused)          /* 0, or an SP_WIRE_REFUSED_... */
 
-/* Simple device: the newest measurement. */
+/* Device: the newest measurement. */
 #define SP_WIRE_SAMPLE(FIELD) \
     FIELD(u8, status)           /* bits SP_WIRE_TRIPPED, _RUNNING, _LOAD_CELL */ \
     FIELD(f32, position_m)    \
@@ -63,25 +59,9 @@
 #define SP_WIRE_FORCE(FIELD) \
     FIELD(f32, force_n)
 
-/* Host, to a board that renders: the newest motion. */
-#define SP_WIRE_FEED(FIELD)   \
-    FIELD(f32, position_m)    \
-    FIELD(f32, velocity_mps)
-
-/* Board that renders: one call of its scene. */
-#define SP_WIRE_RENDERED(FIELD) \
-    FIELD(u8, call)             /* bits SP_WIRE_IDLE (sp_idle, not sp_step), SP_WIRE_WAS_RESET */ \
-    FIELD(f32, position_m)    \
-    FIELD(f32, velocity_mps)  \
-    FIELD(f32, dt_s)          \
-    FIELD(f32, force_n)       \
-    FIELD(u8, notes)
-
-enum { SP_WIRE_SIMPLE = 0, SP_WIRE_RENDERS = 1 };
-enum { SP_WIRE_STOP = 0, SP_WIRE_START = 1, SP_WIRE_RESET = 2, SP_WIRE_PRESS = 3, SP_WIRE_REPLAY = 4 };
+enum { SP_WIRE_STOP = 0, SP_WIRE_START = 1, SP_WIRE_RESET = 2, SP_WIRE_PRESS = 3 };
 enum { SP_WIRE_REFUSED_ACTION = 1, SP_WIRE_REFUSED_RATE = 2, SP_WIRE_REFUSED_WATCHDOG = 3 };
 enum { SP_WIRE_TRIPPED = 1, SP_WIRE_RUNNING = 2, SP_WIRE_LOAD_CELL = 4 };
-enum { SP_WIRE_IDLE = 1, SP_WIRE_WAS_RESET = 2 };
 /* clang-format on */
 
 #endif

@@ -122,6 +122,6 @@ def test_a_firmware_that_stops_is_told(tmp_path: Path, monkeypatch: pytest.Monke
         def stops(board: Board, program: Path, place: Path, written: int = written) -> None:
             (place / "returns.bin").write_bytes(bytes(written))
 
-        monkeypatch.setattr(emulator, "_emulate", stops)
+        monkeypatch.setattr(emulator, "emulate", stops)
         with pytest.raises(SpringpotError, match=f"{returned} of 3 calls returned"):
             run_batch(tmp_path / "c", BOARDS["mps2-an386"], steps(position, position))

@@ -17,7 +17,7 @@ from springpot.host.devices.url import Address
         ("sim://ecoflex-00-30?hand=mid", ("sim", "", "ecoflex-00-30", {"hand": "mid"})),
         ("replay:///a/b%20c.h5", ("replay", "", "/a/b c.h5", {})),
         ("replay://a/b.h5", ("replay", "", "a/b.h5", {})),
-        ("serial:///dev/x?baud=9600&feed=", ("serial", "", "/dev/x", {"baud": "9600", "feed": ""})),
+        ("serial:///dev/x?baud=9600&a=", ("serial", "", "/dev/x", {"baud": "9600", "a": ""})),
         ("odrive://slcan//dev/x?node=1", ("odrive", "slcan", "/dev/x", {"node": "1"})),
         ("odrive://socketcan/can0", ("odrive", "socketcan", "can0", {})),
         ("dhd://", ("dhd", "", "", {})),

@@ -58,7 +58,7 @@ KEYS: dict[str, Any] = {
 
 def test_a_driver_gets_the_keys_of_the_scene_as_they_stand() -> None:
     asked: dict[str, Any] = {
-        "rate_hz": 2000.0, "watchdog_s": 0.03, "max_n": 9.0, "hash": "h", "presses": True,
+        "rate_hz": 2000.0, "watchdog_s": 0.03, "max_n": 9.0, "presses": True,
         "senses": True, "examined": True,
     }  # fmt: skip
     device = Device(surface_mm=3.0, mass_kg=5.0, **KEYS)
@@ -70,7 +70,7 @@ def test_without_keys_nothing_is_scaled_turned_moved_or_held_up() -> None:
     required = requirements_of(Device(), rate_hz=1000.0, watchdog_s=0.02, max_n=12.0)
     assert required == DeviceRequirements(1000.0, 0.02, 12.0)
     assert dataclasses.asdict(required) == {
-        "rate_hz": 1000.0, "watchdog_s": 0.02, "max_n": 12.0, "hash": "", "presses": False,
+        "rate_hz": 1000.0, "watchdog_s": 0.02, "max_n": 12.0, "presses": False,
         "senses": False, "examined": False, "surface_m": 0.0, "m_per_turn": None,
         "sign": 1, "force_sign": 1, "zero_turns": 0.0, "max_torque_nm": None, "nm_per_a": None,
         "effector_mass_kg": None, "weight_n": 0.0,
@@ -105,6 +105,5 @@ def test_what_a_driver_does_not_say_harms_nobody() -> None:
     assert not device.comes_back
     assert device.unreached == FORCE_ZERO
     assert (device.rate_advice, device.failure, device.max_n) == ("", "", None)
-    assert device.rendering_board() is None
     device.stop()
     device.close()

@@ -21,7 +21,6 @@ from springpot.host.devices.serial_device import SerialDevice
 from springpot.host.devices.serial_port import require_fast_line
 from springpot.host.devices.wire import Receiver, Sender, constant, layout, messages
 
-HASH = bytes(range(32))
 TRIPPED = constant("TRIPPED")
 
 
@@ -29,10 +28,8 @@ TRIPPED = constant("TRIPPED")
 class SimulatedDevice:
     """The other end of the line, and the line: answers at once, samples at its rate."""
 
-    role: str = "SIMPLE"
     max_n: float = 12.0
     layout: int = field(default_factory=layout)
-    model: bytes = bytes(32)
     rate_hz: float = 1000.0
     trips_s: float = 0.05  # after the last force
     refuses: int = 0
@@ -77,8 +74,7 @@ class SimulatedDevice:
 
     def _answer(self, name: str, sequence: int, values: dict) -> None:
         if name == "ask" and not self.version:
-            self._say("hello", layout=self.layout, role=constant(self.role),
-                      rate_hz=self.rate_hz, max_n=self.max_n, model=self.model)  # fmt: skip
+            self._say("hello", layout=self.layout, rate_hz=self.rate_hz, max_n=self.max_n)
         elif name == "ask":
             self.sent += of_version(self.version)
         elif name == "command":
@@ -165,8 +161,6 @@ def test_a_device_is_asked_started_and_proved(opened: Opened) -> None:
         assert values["rate_hz"] == 1000.0
     assert simulated.closed == 0
     assert simulated.looked == simulated.slept > 0
-    assert device.rendering_board() is None
-    assert not device.renders
     assert device.comes_back
     assert device.failure == ""
     device.stop()
@@ -182,16 +176,9 @@ def test_an_object_is_pressed_with_another_command(opened: Opened) -> None:
     assert simulated.names == ["ask", "PRESS", "force", "RESET"]
 
 
-def test_a_board_that_renders_is_started_and_not_proved(opened: Opened) -> None:
-    simulated = SimulatedDevice("RENDERS", max_n=0.0, model=HASH, rate_hz=0.0)
-    device = opened(simulated, DeviceRequirements(1000, 0.15, 10.0, hash=HASH.hex()))
-    assert simulated.names == ["ask", "START"]
-    assert device.rendering_board() is device
-
-
 @pytest.mark.parametrize(
     ("max_n", "watchdog_s", "asked_s"),
-    [(10.0, 0.02, 0.02), (10.0, 0.15, 0.15), (10.0, 0.5, 0.15), (0.0, 0.5, 0.5)],
+    [(10.0, 0.02, 0.02), (10.0, 0.15, 0.15), (10.0, 0.5, 0.15), (0.0, 0.5, 0.15)],
 )
 def test_no_watchdog_is_asked_for_that_could_not_be_proved(
     opened: Opened, max_n: float, watchdog_s: float, asked_s: float
@@ -219,17 +206,12 @@ def test_a_device_that_says_nothing_is_asked_for_two_seconds(opened: Opened) -> 
     assert len(simulated.heard) == pytest.approx(40, abs=1)
 
 
-_BOARD = {"role": "RENDERS", "model": HASH}
-
-
 @pytest.mark.parametrize(
     ("options", "needs", "parts"),
     [
-        ({"version": 9}, {}, ["version 9", "version 1", "flash"]),
+        ({"version": 9}, {}, ["version 9", "version 2", "flash"]),
         ({"layout": layout() ^ 1}, {}, [f"{layout() ^ 1:08x}", f"{layout():08x}"]),
-        (_BOARD, {"hash": "ab" * 32}, ["000102030405", "abababababab", "flash"]),
-        (_BOARD, {}, ["000102030405", "none", "flash"]),
-        ({"refuses": 1}, {}, ["that action (START)", "self-test", "flash"]),
+        ({"refuses": 1}, {}, ["that action (START)", "older springpot", "flash"]),
         ({"refuses": 2}, {}, ["that rate", "1000 Hz", "runtime.rate_hz"]),
         ({"refuses": 3}, {}, ["that watchdog", "150 ms", "guard.watchdog_ms"]),
         ({"refuses": 4}, {}, ["a command"]),

@@ -1,7 +1,6 @@
 """Real-time sessions on simulated hands, recordings and a serial device of its own process."""
 
 import ctypes
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -9,12 +8,10 @@ from support.peer import peer, wait_until
 from support.small import model_file, press, recording, scene
 
 from springpot import Session, SpringpotError
-from springpot.codegen.errors import DataError, DeviceError, UsageError
+from springpot.codegen.errors import DataError, UsageError
 from springpot.host.cli import exit_status
 from springpot.host.emission.emission import emit
 from springpot.host.native.loop_library import NONE, RESET, SILENT
-from springpot.host.session.loop import LoopSettings
-from springpot.host.session.runner import _loop_for
 from springpot.host.validation.validation import validate
 from springpot.trainer.recordings.recording_file import read_recording, write_recording
 
@@ -225,36 +222,3 @@ def test_a_log_is_not_overwritten(tmp_path, folder):
     with pytest.raises(UsageError, match="not overwritten"):
         Session(folder, "sim://ecoflex-00-30", log, report=list).__enter__()
     assert log.read_text() == "mine"
-
-
-@pytest.mark.realtime
-@pytest.mark.parametrize("fed", [False, True])
-def test_a_board_that_renders(tmp_path, folder, fed):
-    """The host watches or feeds, and refuses another model; the bits are this machine's."""
-    log, motion = tmp_path / "a.h5", tmp_path / "press.h5"
-    write_recording(motion, recording("press", press(1.0)))
-    with peer("serial_board", "--scene", folder, *(["--fed"] if fed else [])) as board:
-        url = f"{board.url}&feed={motion}" if fed else board.url
-        with Session(folder, url, log, seconds=1.5, report=list) as session:
-            session.start()
-            wait_until(lambda: session.runner.state.ticks > 300, 5, "no calls")
-            session.reset()
-            finish(session)
-        assert session.result()["resets"] >= 2  # at its start, and the user's; perhaps repeated
-        assert session.result()["sequence_gaps"] == 0
-        assert session.result()["ticks"] > 900
-        assert assert_faithful(folder, log).force_n.max() > 0.3
-        other = tmp_path / "other"
-        emit(scene(smoothing_s=0.01), model_file(tmp_path), other, accept_unsafe=True)
-        with pytest.raises(DeviceError, match="the board renders model"):
-            Session(other, board.url, report=list).__enter__()
-
-
-def test_a_board_that_renders_turns_no_sign():
-    """It sends its force by itself: refused, and left without force."""
-    left = []
-    board = SimpleNamespace(rendering_board=lambda: "a board", stop=lambda: left.append("stop"),
-                            close=lambda: left.append("close"))  # fmt: skip
-    with pytest.raises(UsageError, match=r"leave \[device\] force_sign out"):
-        _loop_for(board, None, LoopSettings(0.001, reversed=True))
-    assert left == ["stop", "close"]

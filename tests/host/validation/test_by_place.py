@@ -9,7 +9,7 @@ from support.small import DT_S, passive_model, press, scene
 
 import springpot
 from springpot import Model, Recording, Session
-from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.errors import DataError
 from springpot.codegen.model.model_file import write_model
 from springpot.codegen.model.places import Places
 from springpot.host.emission.emission import emit
@@ -111,11 +111,6 @@ def test_a_session_at_a_place_is_logged_with_it_and_repeated_bit_for_bit(
         logs.append(read_recording(log))
     assert [log.place_m for log in logs] == list(PLACES[::2])
     assert validate(folder, logs, paced_s=0.01).mismatches == 0
-
-
-def test_a_board_knows_no_place(folder: Path) -> None:
-    with pytest.raises(UsageError, match="a board knows no place"):
-        validate(folder, [pressed(PLACES[0])], device="serial:///dev/null")
 
 
 def test_the_line_names_the_worst_place() -> None:

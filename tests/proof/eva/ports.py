@@ -1,4 +1,4 @@
-"""The protocol, the ring of bytes and the links: any bytes, no invalid access."""
+"""The protocol and the links: any bytes, no invalid access."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -36,7 +36,6 @@ PORT_DRIVERS = (
         ),
         ("-eva-min-loop-unroll", "64", "-eva-interprocedural-splits"),
     ),
-    Port("bytes", _PLAIN),
     Port(
         "serial",
         Precision(

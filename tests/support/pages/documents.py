@@ -5,7 +5,6 @@ A comment in front of a block, which a reader does not see, says what a test has
     <!-- test: file scene.toml -->     the block is written to that file
     <!-- test: URL = sim://pad, 60 = 1 -->     words that stand for others when it runs
     <!-- test: arm -->                 needs a cross compiler
-    <!-- test: board -->               needs a cross compiler and an emulator
     <!-- test: device -->              needs a device that no test has
     <!-- test: package -->             needs a package that no test has
     <!-- test: seen -->                lines of what the commands before it print, with any numbers
@@ -26,7 +25,7 @@ _BLOCK = re.compile(
     re.M | re.S,
 )
 _INLINE = re.compile(r"`((?:springpot|make) [^`]+)`")
-NEEDS = ("arm", "board", "device", "package")
+NEEDS = ("arm", "device", "package")
 
 
 @dataclass(frozen=True)

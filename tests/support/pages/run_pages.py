@@ -5,14 +5,12 @@ import re
 import shlex
 import subprocess
 import sys
-from contextlib import ExitStack
 from pathlib import Path
 
 from support.pages.documents import Block, page_blocks
 from support.paths import ROOT, TESTS
 
 MAIN = [sys.executable, "-c", "from springpot.host.cli import main; main()"]
-_TTY = "/dev/pts/N"
 
 
 def run_page(name: str, folder: Path, *needs: str) -> str:
@@ -44,16 +42,7 @@ def run_page(name: str, folder: Path, *needs: str) -> str:
 
 def run_commands(block: Block, folder: Path) -> list[str]:
     """Run a block's commands in `folder`, one after the other; return what each printed."""
-    printed = []
-    with ExitStack() as running:
-        port = ""
-        for command in block.substituted:
-            words = shlex.split(command.replace(_TTY, port) if port else command)
-            if words[0].startswith("qemu"):
-                port = _emulator(words, folder, running)
-            else:
-                printed.append(_run(words, folder, block.where))
-    return printed
+    return [_run(shlex.split(command), folder, block.where) for command in block.substituted]
 
 
 def unseen(block: Block, printed: str) -> list[str]:
@@ -91,27 +80,12 @@ def _run(words: list[str], folder: Path, where: str) -> str:
         words = [*MAIN, *words[1:]]
     elif words[0] == "python":
         words[0] = sys.executable
-    elif words[:2] == ["make", "firmware"]:  # into this checkout's build folder, by its .venv
-        board, scene = (word.partition("=")[2] for word in words[2:])
-        words = [*MAIN, "firmware", "--scene", scene, "--board", board, "--out",
-                 f"build/firmware/{board}"]  # fmt: skip
     elif words[0] == "make" and words[1] != "-C":  # the checkout's own: that it is there must do
         words = ["make", "--dry-run", "--directory", str(ROOT), *words[1:]]
     done = subprocess.run(words, cwd=folder, capture_output=True, text=True, check=False,
                           env=_environment(), timeout=900)  # fmt: skip
     assert done.returncode == 0, f"{where}: {shlex.join(words)}\n{done.stdout}\n{done.stderr}"
     return done.stdout + done.stderr
-
-
-def _emulator(words: list[str], folder: Path, running: ExitStack) -> str:
-    process = subprocess.Popen(words, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                               text=True)  # fmt: skip
-    running.enter_context(process)  # closes its output, and waits
-    running.callback(process.terminate)
-    line = process.stdout.readline()
-    found = re.search(r"/dev/\S+", line)
-    assert found, f"the emulator told no port: {line}"
-    return found[0]
 
 
 def _environment() -> dict[str, str]:

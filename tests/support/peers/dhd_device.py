@@ -134,8 +134,7 @@ class LoadCell:
         for frame in self._receiver.feed(self.port.read() or b""):
             if frame.name == "ask":
                 self._receiver.restart()
-                self._send("hello", layout=layout(), role=constant("SIMPLE"), model=bytes(32),
-                           rate_hz=1000.0, max_n=0.0)  # fmt: skip
+                self._send("hello", layout=layout(), rate_hz=1000.0, max_n=0.0)
             elif frame.name == "command":
                 self._send("ack", command=frame.sequence, refused=0)
                 started = frame.values["action"] == constant("START")

@@ -20,8 +20,6 @@ IDLE_RATE_HZ = 1000.0
 class Board:
     """The firmware: commands, watchdog, samples."""
 
-    role, model = "SIMPLE", bytes(32)
-
     def __init__(self, options: argparse.Namespace, port: Port) -> None:
         self.options, self.port = options, port
         self.noise, self.faults = Noise(options), Faults(options)
@@ -50,8 +48,7 @@ class Board:
             self.held = b""
 
     def hello(self) -> None:
-        self.send("hello", layout=layout(), role=constant(self.role), model=self.model,
-                  rate_hz=self.rate_hz, max_n=20.0)  # fmt: skip
+        self.send("hello", layout=layout(), rate_hz=self.rate_hz, max_n=20.0)
 
     def command(self, sequence: int, action: int, watchdog_s: float, rate_hz: float) -> None:
         refused = 0

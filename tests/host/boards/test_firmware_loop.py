@@ -1,0 +1,106 @@
+"""The firmware's loop, here and on emulated boards: the forces of the scene, bit for bit."""
+
+import shutil
+import zlib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.c.mcu import need, target_scene
+from support.paths import C_TESTS, TESTS
+from support.small import DT_S, model_file, press, scene
+
+from springpot.host.boards.boards import BOARDS
+from springpot.host.boards.emulator import emulate
+from springpot.host.boards.firmware import TRANSDUCER, build_firmware
+from springpot.host.emission.emission import emit
+from springpot.host.native.c_library import CLibrary
+from springpot.host.native.compiler import shared_library
+from springpot.host.native.scene_library import SceneLibrary, port_headers
+from springpot.runtime_c.paths import PORT_MCU
+
+WATCHDOG = 20  # periods
+DECLARATION = "uint32_t harness_run(const float *, const uint32_t *, uint32_t, float *);"
+TRANSDUCER_OF_TEST = TESTS / "support" / "c" / "mcu_transducer.c"
+
+
+def motion(missing: slice) -> np.ndarray:
+    """A press with its velocity, (n, 2); no sample in `missing`."""
+    position_m = press(2.0, 0.008, cycles=1)
+    rows = np.column_stack([position_m, np.gradient(position_m, DT_S)]).astype(np.float32)
+    rows[missing, 0] = np.nan
+    return rows
+
+
+def expected(folder: Path, rows: np.ndarray) -> np.ndarray:
+    """Forces of the scene: a step where a sample came, else an idle call."""
+    state = SceneLibrary(folder).new_state()
+    calls = [state.idle(DT_S) if np.isnan(x) else state.step(x, v) for x, v in rows.tolist()]
+    return np.array([force_n for force_n, _ in calls], dtype=np.float32)
+
+
+def harness(folder: Path, *options: str) -> CLibrary:
+    for name, text in port_headers(folder, "float").items():
+        (folder.parent / name).write_text(text)
+    # The harness includes it: built anew where it changed.
+    included = zlib.crc32((PORT_MCU / "sp_firmware.c").read_bytes())
+    built = shared_library(
+        [C_TESTS / "firmware_harness.c", folder / "sp.c"],
+        [folder.parent, folder, PORT_MCU],
+        [f"-DTEST_OF_FIRMWARE={included}u", *options],
+    )
+    return CLibrary(built, DECLARATION)
+
+
+def forces(library: CLibrary, rows: np.ndarray, periods: list[int]) -> np.ndarray:
+    """What the motor was given, with so many periods in each sleep."""
+    assert sum(periods) == len(rows)
+    found = np.zeros(len(rows) + 1, dtype=np.float32)
+    n = library.c.harness_run(
+        library.ffi.from_buffer("float[]", np.ascontiguousarray(rows)),
+        library.ffi.new("uint32_t[]", periods), len(rows),
+        library.ffi.from_buffer("float[]", found),
+    )  # fmt: skip
+    return found[:n]
+
+
+@pytest.mark.parametrize("missing", [0, 1, WATCHDOG - 5, WATCHDOG + 5])
+def test_each_period_is_a_call_of_the_scene(tmp_path: Path, missing: int) -> None:
+    emit(scene(mode="proxy"), model_file(tmp_path), tmp_path / "c")
+    rows = motion(slice(150, 150 + missing))
+    steps = expected(tmp_path / "c", rows)
+    assert steps.max() > 0.5
+    assert (missing > WATCHDOG) == (not steps[200:].any())  # latched for good
+    library = harness(tmp_path / "c")
+    for periods in ([1] * len(rows), [3] * (len(rows) // 3) + [1] * (len(rows) % 3)):
+        assert forces(library, rows, periods).tobytes() == steps.tobytes()
+
+
+def test_a_scene_whose_self_test_fails_renders_nothing(tmp_path: Path) -> None:
+    emit(scene(), model_file(tmp_path), tmp_path / "c")
+    source = tmp_path / "c" / "sp.c"
+    begin = "int sp_selftest(void)\n{\n"
+    assert begin in source.read_text()
+    source.write_text(source.read_text().replace(begin, f"{begin}    return 7;\n"))
+    rows = motion(slice(0, 0))
+    assert len(forces(harness(tmp_path / "c"), rows, [1] * len(rows))) == 0
+
+
+@pytest.mark.board
+@pytest.mark.slow
+@pytest.mark.parametrize("board", list(BOARDS))
+def test_an_emulated_board_renders_by_its_timer(tmp_path: Path, board: str) -> None:
+    """A sensor that misses some samples, and then so many that the watchdog latches."""
+    need(board)
+    emit(target_scene(BOARDS[board].target, mode="proxy"), model_file(tmp_path), tmp_path / "c")
+    out = tmp_path / "firmware"
+    build_firmware(tmp_path / "c", BOARDS[board], out)
+    shutil.copyfile(TRANSDUCER_OF_TEST, out / TRANSDUCER)
+    program = build_firmware(tmp_path / "c", BOARDS[board], out, strict=True)
+    rows = motion(slice(100, 105))
+    rows[300 : 300 + 2 * WATCHDOG, 0] = np.nan
+    (tmp_path / "calls.bin").write_bytes(rows.tobytes())
+    emulate(BOARDS[board], program, tmp_path)
+    steps = expected(tmp_path / "c", rows)
+    assert steps.max() > 0.5 and not steps[300 + WATCHDOG + 5 :].any()
+    assert (tmp_path / "returns.bin").read_bytes() == steps.tobytes()

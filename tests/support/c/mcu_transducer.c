@@ -1,0 +1,31 @@
+/* For an emulated board: motion out of "calls.bin" (position, velocity; a position that is not a
+ * number stands for a sensor without news), forces into "returns.bin"; the end ends the emulator. */
+#include "sp_port.h"
+#include "sp_semihosting.h"
+
+static uint32_t from, to;
+static int opened;
+
+int sp_hand_motion(float *position_m, float *velocity_mps)
+{
+    static const char in[] = "calls.bin", out[] = "returns.bin";
+    float row[2];
+    if (!opened) {
+        from = sp_semihosting_open(in, sizeof in - 1, SP_SEMIHOSTING_READ_BINARY);
+        to = sp_semihosting_open(out, sizeof out - 1, SP_SEMIHOSTING_WRITE_BINARY);
+        opened = 1;
+    }
+    if (sp_semihosting_read(from, row, sizeof row) != 0) {
+        sp_semihosting_exit();
+    }
+    *position_m = row[0];
+    *velocity_mps = row[1];
+    return row[0] == row[0];
+}
+
+void sp_hand_force(float force_n)
+{
+    if (opened) {
+        sp_semihosting_write(to, &force_n, sizeof force_n);
+    }
+}
