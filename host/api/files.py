@@ -43,8 +43,8 @@ def write_recordings(path: File, recordings: Recordings) -> list[Path]:
     Returns the files that were written; a reader never sees half of one. Raises UsageError for
     several recordings in one file, or two of one name in a folder.
 
-    >>> write_recordings("presses", presses)[0].name
-    'press.h5'
+    >>> write_recordings("presses", press)[0].suffix
+    '.h5'
     """
     out, chosen = given_path(path), given_recordings(recordings)
     if out.suffix == ".h5":

@@ -3,7 +3,7 @@
  *     force = g(v) (v/M)^q,   q = 1 or 3,   M the largest v so far, which heals towards v
  *
  * with v = u in the object. M rises only with v = M, where the force is g(v), and falls only while
- * the stored energy falls with it: no press gives energy back (docs/explanation/passivity.md). */
+ * the stored energy falls with it: no press gives energy back (docs/explanation/model.md). */
 #ifndef SP_DAMAGE_H
 #define SP_DAMAGE_H
 

@@ -4,7 +4,7 @@
  *
  * The amounts are given at the nodes of a regular grid, are bilinear within a cell, and never
  * negative. The place changes only while the tool is off the object, which then has rested there
- * for ever: stored energy falls to 0 (docs/explanation/passivity.md). */
+ * for ever: stored energy falls to 0 (docs/explanation/model.md). */
 #ifndef SP_MAP_H
 #define SP_MAP_H
 

@@ -8,7 +8,7 @@
  * and gives no force while the tool is above. From tick to tick the surface comes back as far as
  * the force of the last tick allows at the stiffest that each piece of the depth can be: the model
  * does not pull on the way, and what is left of the force moves it in the next tick. No work is
- * done, and stored energy falls (docs/explanation/passivity.md). */
+ * done, and stored energy falls (docs/explanation/model.md). */
 #ifndef SP_SURFACE_H
 #define SP_SURFACE_H
 

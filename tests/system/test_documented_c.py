@@ -35,7 +35,7 @@ def cxx():
 
 
 def test_the_example_in_the_documentation(tmp_path, cxx):
-    text = (ROOT / "docs" / "how-to" / "chai3d.md").read_text()
+    text = (ROOT / "docs" / "how-to" / "game-engine.md").read_text()
     example = re.findall(r"```cpp\n(.*?)```", text, re.DOTALL)[0]
     assert 35 <= len(example.splitlines()) <= 50
     (tmp_path / "loop.cpp").write_text(example)

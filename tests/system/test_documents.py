@@ -51,9 +51,9 @@ def test_every_block_is_of_a_kind_that_a_test_looks_at() -> None:
     run = {
         *PREPARED,
         "README.md",
+        "how-to/drives.md",
         "how-to/microcontroller.md",
-        "how-to/force-dimension.md",
-        "how-to/python.md",  # by test_python_examples.py
+        "reference/python.md",  # by test_python_examples.py
         *(f"tutorials/{name}.md" for name in
           ("haptics-researcher", "embedded-engineer", "material-scientist")),
     }  # fmt: skip

@@ -29,7 +29,7 @@ def test_the_lab_s_first_session(tmp_path: Path) -> None:
         "[[profile]]\namplitude_n = 4.0\nfrequency_hz = 1.0\ncycles = 4\n"
         "[[profile]]\namplitude_n = 2.5\nfrequency_hz = 2.0\ncycles = 6\n"
     )
-    for block in page_blocks("how-to/force-dimension.md"):
+    for block in page_blocks("how-to/drives.md"):
         if block.note.startswith("file "):
             (tmp_path / block.note.removeprefix("file ")).write_text(block.text)
         elif block.note == "prints URL":

@@ -430,7 +430,7 @@ static inline void sp_poles_apart(const float *loss, uint32_t n_poles, const flo
  * and gives no force while the tool is above. From tick to tick the surface comes back as far as
  * the force of the last tick allows at the stiffest that each piece of the depth can be: the model
  * does not pull on the way, and what is left of the force moves it in the next tick. No work is
- * done, and stored energy falls (docs/explanation/passivity.md). */
+ * done, and stored energy falls (docs/explanation/model.md). */
 
 /* Where the surface comes back to from `from` under force_n. stiffest: [n_pieces], N a piece. */
 static inline float sp_surface_back(const float *stiffest, uint32_t n_pieces, float from,

@@ -1,4 +1,4 @@
-"""The code of README.md, docs/how-to/python.md and every docstring, run as it stands there."""
+"""The code of README.md, docs/reference/python.md and every docstring, run as it stands there."""
 
 import doctest
 import re
@@ -11,7 +11,10 @@ from support.paths import ROOT
 from support.small import passive_model, training
 
 import springpot
+from springpot.codegen.errors import DataError
+from springpot.codegen.scene import Guard
 from springpot.host.api.files import write_scene
+from springpot.host.estimators.ensemble import ensemble_data
 
 
 def example(file: str) -> str:
@@ -38,7 +41,7 @@ def test_six_lines_of_the_readme():
 
 def test_from_a_recording_to_a_felt_session(capsys):
     names: dict = {}
-    exec(compile(example("docs/how-to/python.md"), "docs/how-to/python.md", "exec"), names)
+    exec(compile(example("docs/reference/python.md"), "docs/reference/python.md", "exec"), names)
     assert "mN" in capsys.readouterr().out
     assert names["session"].error is None
     assert names["session"].result()["ticks"] == len(names["felt"][0].force_n)
@@ -63,6 +66,9 @@ def around(tmp_path_factory):
     names = {name: getattr(springpot, name) for name in dir(springpot)}
     names |= {"recordings": recordings, "press": press, "model": model}
     return folder, names | {
+        "Guard": Guard,
+        "DataError": DataError,
+        "ensemble_data": ensemble_data,
         "RandomForestRegressor": RandomForestRegressor,
         "cross_val_score": cross_val_score,
     }

@@ -25,7 +25,7 @@ SOAK = bool(os.environ.get("SPRINGPOT_SOAK"))
 PRESS_S = 24 * 3600.0 if SOAK else 600.0
 DRIFT_TICKS = 10_000_000 if SOAK else 200_000
 KINDS = ("rf-fd", "rbf-fd", "rbf-pv", "hammerstein")
-# Of the peak force: how far float32 may be from float64 (docs/explanation/numbers.md).
+# Of the peak force: how far float32 may be from float64 (docs/explanation/overview.md).
 FLOAT32_SHARES = {
     "rf-fd": 1e-6, "hammerstein": 3e-6, "springpot": 1e-4, "rbf-pv": 2e-3, "rbf-fd": 5e-3,
 }  # fmt: skip

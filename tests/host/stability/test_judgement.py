@@ -107,11 +107,11 @@ def test_a_person_reads_a_screen_the_gravest_first() -> None:
 
 def test_the_grades_of_the_how_to_page_are_those_that_are_given() -> None:
     """Fidelity is graded where no sample is lost and nothing is made stiffer, from 10 % on."""
-    page = (ROOT / "docs/how-to/stability.md").read_text("utf-8")
+    page = (ROOT / "docs/explanation/stability.md").read_text("utf-8")
     assert f"fidelity error above {FAITHFUL_PERCENT:g} %" in page
     assert f"above {1e3 * QUIET_MPS:g} mm/s on a hold" in page
     words = [line.split("|")[1].strip() for line in page.splitlines() if line.startswith("| ")]
-    assert {*words[1:]} - {"---"} == {grade.word for grade in Grade}
+    assert {grade.word for grade in Grade} <= {*words}
     for case in WHOLE + LOSING:
         make = losing if case in LOSING else outcome
         found = judge(make(case, fidelity_percent=FAITHFUL_PERCENT + 0.1))

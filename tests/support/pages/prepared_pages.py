@@ -43,13 +43,10 @@ def emitted_job(folder: Path) -> None:
 
 
 PREPARED = {
-    "how-to/fem.md": nothing,
+    "explanation/stability.md": small_job,
     "how-to/import.md": rig_files,
-    "how-to/own-ensemble.md": nothing,
     "how-to/places.md": few_places,
     "how-to/record.md": nothing,
     "how-to/run-a-device.md": emitted_job,
-    "how-to/single-file.md": small_job,
-    "how-to/small-and-fast.md": small_job,
-    "how-to/stability.md": small_job,
+    "reference/c.md": small_job,
 }
