@@ -5,13 +5,12 @@ A package that declares
     [project.entry-points."springpot.devices"]
     still = "my_package.still:STILL"
 
-adds the device still://. Groups: springpot.commands, springpot.kinds, springpot.devices,
-springpot.formats, and springpot.parts for what one command of springpot asks another package for.
+adds the device still://. Groups: springpot.kinds and springpot.devices.
 Nothing of a package is loaded before its group is used.
 """
 
 import sys
-from collections.abc import Collection, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
@@ -19,7 +18,7 @@ from pathlib import Path
 from traceback import extract_tb
 from typing import Any, TypeVar
 
-from springpot.codegen.errors import SpringpotError, UsageError
+from springpot.codegen.errors import SpringpotError
 
 Entry = TypeVar("Entry")
 _WINGS = "springpot.host"  # folders that an installation may leave out
@@ -36,8 +35,8 @@ def registered(group: str, kind: type[Entry] | tuple[type[Entry], ...]) -> dict[
 
     They are sorted by their attribute `place` if they have one, then by name. An entry of another
     package that cannot be loaded, is not of `kind`, or takes a name that springpot has, is left
-    out, and a line on standard error says so once; a wing of springpot that is not installed is
-    left out silently. Raises ModuleNotFoundError if springpot itself lacks a package.
+    out, and a line on standard error says so once. Raises ModuleNotFoundError if springpot itself
+    lacks a package.
     """
     found: dict[str, Any] = {}
     for entry in _entries(group):
@@ -52,40 +51,6 @@ def registered(group: str, kind: type[Entry] | tuple[type[Entry], ...]) -> dict[
             found[entry.name] = loaded
     places = {name: (getattr(one, "place", 100), name) for name, one in found.items()}
     return dict(sorted(found.items(), key=lambda item: places[item[0]]))
-
-
-def absent(group: str, found: Collection[str]) -> str:
-    """Say, to end a message, which of springpot's own entries belong to wings that are not here.
-
-    found: names of the entries that `registered` gave. Empty if nothing is missing.
-    """
-    names = sorted(one.name for one in _entries(group) if _is_own(one) and one.name not in found)
-    if not names:
-        return ""
-    return f"; not installed here: {', '.join(names)}; to have them, install all of springpot"
-
-
-def part(name: str) -> Any | None:
-    """Load one entry of the group springpot.parts; None if no installed package has it.
-
-    Raises ModuleNotFoundError if springpot's own part lacks a package.
-    """
-    entry = next((one for one in _entries("parts") if one.name == name), None)
-    return None if entry is None else _loaded(entry)
-
-
-def required_part(name: str, option: str) -> Any:
-    """Load one entry of the group springpot.parts, for an option of a command.
-
-    Raises UsageError if no installed package has it.
-    """
-    found = part(name)
-    if found is None:
-        raise UsageError(
-            f"{option}: the part {name!r} of springpot is not installed here: install all of "
-            "springpot, or leave the option out"
-        )
-    return found
 
 
 @contextmanager
@@ -117,8 +82,6 @@ def _loaded(entry: EntryPoint) -> Any | None:
         return entry.load()
     except ModuleNotFoundError as error:
         if _is_own(entry):
-            if (error.name or "").startswith(_WINGS):
-                return None
             raise  # an extra is missing: the command line says which
         _say(entry, str(error))
     except Exception as error:

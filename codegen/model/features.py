@@ -16,7 +16,11 @@ from springpot.codegen.short_repr import short_repr
 
 
 class Features(ABC):
-    """Features of the depth x(t), m, that a regressor maps to a force."""
+    """Features of the depth x(t), m, that a regressor maps to a force.
+
+    >>> Features.exact_at_any_rate  # by default they hold at the recordings' rate alone
+    False
+    """
 
     engine: ClassVar[str] = "fir"  # how history is kept: samples ("fir") or poles ("recursive")
     exact_at_any_rate: ClassVar[bool] = False

@@ -68,14 +68,14 @@ def import_recordings(
     resample_hz: float | None = None,
     options: ImportOptions | None = None,
 ) -> list[Recording]:
-    """Read a CSV, MAT, HDF5 or Mach-1 file, a CAN log or a journal, in SI units.
+    """Read a CSV, MAT or HDF5 file, or a journal, in SI units.
 
     columns: such as "time=COL:s,position=COL:mm,force=COL:N", COL a header or a number from 1;
     where empty, guessed from the headers. How it was understood is logged.
     zero: subtract nothing, the "first" sample or the "min" of each channel, which the noise makes
     lower, so that what is left is higher by 3 to 4 times its standard deviation.
     resample_hz: rate, Hz, to interpolate at.
-    options: delays, mass, tare, contact force, CAN database, Mach-1 block.
+    options: delays, mass, tare, contact force.
     Raises DataError naming file and row, UsageError for columns and options that do not fit it.
 
     >>> import_recordings("press.csv", "time=t:s,position=x:mm,force=f:N")[0].name

@@ -9,15 +9,14 @@ from springpot.codegen.errors import SpringpotError
 # The options that are not the argument with the same name.
 _ARGUMENTS = {
     **{"map": "columns", "model": "kind", "validate": "validation", "place": "place_m"},
-    "compliance": "frame_npm",
 }
 # Those that are not of a function, but of the settings that it takes.
 _SETTINGS = {
     "Conditioning": (
-        *("align", "accept_signs", "contact_force", "tare", "mass_kg", "frame_npm"),
+        *("align", "accept_signs", "contact_force", "tare", "mass_kg"),
         *("position_delay_s", "force_delay_s"),
     ),
-    "ImportOptions": ("dbc", "block", "decimal", "place_m"),
+    "ImportOptions": ("decimal", "place_m"),
 }
 _OWNERS = {argument: owner for owner, its in _SETTINGS.items() for argument in its}
 _OF_THE_COMMAND = ("rest-s",)  # it takes several files, import_recordings takes one

@@ -44,7 +44,9 @@ class LazyCommand:
 class LazyGroup(click.Group):
     """A group whose commands, by name, are imported when they are used."""
 
-    def __init__(self, *args: Any, table: Mapping[str, LazyCommand], **options: Any) -> None:
+    def __init__(
+        self, *args: Any, table: Mapping[str, LazyCommand | click.Command], **options: Any
+    ) -> None:
         super().__init__(*args, **options)
         self._table = table
 
@@ -53,7 +55,7 @@ class LazyGroup(click.Group):
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
         found = self._table.get(cmd_name)
-        return found.load() if found else None
+        return found.load() if isinstance(found, LazyCommand) else found
 
     def resolve_command(
         self, ctx: click.Context, args: list[str]
@@ -71,7 +73,10 @@ class LazyGroup(click.Group):
             formatter.write_dl(self._short_helps())
 
     def _short_helps(self) -> list[tuple[str, str]]:
-        return [(name, one.line()) for name, one in self._table.items()]
+        return [
+            (name, one.line() if isinstance(one, LazyCommand) else one.get_short_help_str(80))
+            for name, one in self._table.items()
+        ]
 
 
 def _refuse_empty(ctx: click.Context, args: list[str]) -> None:

@@ -1,9 +1,8 @@
-"""python-can and cantools: buses and databases of signals, their refusals as one line."""
+"""python-can: buses, and their refusals as one line."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from springpot.codegen.errors import DataError, DeviceError
+from springpot.codegen.errors import DeviceError
 from springpot.host.devices.url import Address
 
 if TYPE_CHECKING:
@@ -24,16 +23,3 @@ def python_can_bus(address: Address, bitrate: int) -> "can.BusABC":
     except (can.CanError, OSError, ValueError, ImportError) as error:
         reason = " ".join(str(error).split())
         raise DeviceError(f"{address.url}: {reason}: check it") from None
-
-
-def can_database(path: Path) -> Any:
-    """Read a CAN database. Raises DataError where it is none."""
-    import cantools
-
-    try:
-        return cantools.database.load_file(path)
-    except OSError as error:
-        raise DataError(f"{path}: {error.strerror}: give a CAN database") from None
-    except Exception as error:
-        reason = " ".join(str(error).split())[:200]
-        raise DataError(f"{path}: not a CAN database ({reason}): correct --dbc") from None

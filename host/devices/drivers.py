@@ -6,7 +6,7 @@ from functools import cache
 from importlib import import_module
 from pathlib import Path
 
-from springpot.codegen.entry_points import absent, blaming, registered
+from springpot.codegen.entry_points import blaming, registered
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.codegen.short_repr import short_repr
 from springpot.host.devices.device import DeviceRequirements, OpenedDevice
@@ -80,16 +80,13 @@ def parse_device(url: str) -> Address:
     Raises DeviceError for a scheme that no driver serves, UsageError for a URL without its place.
     """
     table = drivers()
-    try:
-        return parse_address(
-            url,
-            {scheme: driver.example for scheme, driver in table.items()},
-            "device",
-            [scheme for scheme, driver in table.items() if driver.on_bus],
-            [scheme for scheme, driver in table.items() if driver.has_default],
-        )
-    except DeviceError as error:
-        raise DeviceError(f"{error}{absent('devices', table)}") from None
+    return parse_address(
+        url,
+        {scheme: driver.example for scheme, driver in table.items()},
+        "device",
+        [scheme for scheme, driver in table.items() if driver.on_bus],
+        [scheme for scheme, driver in table.items() if driver.has_default],
+    )
 
 
 def driver_of(url: str) -> Driver:

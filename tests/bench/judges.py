@@ -24,6 +24,7 @@ from typing import Any
 import numpy as np
 from judges_recordings import PAPER_SIGNALS, SEED, SETTINGS, Recordings, recorded
 from spring_dashpot import spring_dashpot_percent
+from support.files.mach1 import mach1_recordings
 
 from springpot.codegen.plan.make_plan import make_plan
 from springpot.host.bench.bench import code_hash, key_of
@@ -34,7 +35,6 @@ from springpot.host.simulation.objects import FOREIGN_OBJECTS, OBJECTS
 from springpot.trainer.kinds import AUTO, fit_kind
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.training_set import training_set
-from springpot.trainer.recordings.formats.importing import import_file
 from springpot.trainer.recordings.quality.noise_floor import find_noise_floor
 from springpot.trainer.selection.auto import candidates
 
@@ -72,7 +72,7 @@ class Cell:
         """Training part, test part, and the noise floor of the latter, N; None if unknown."""
         if self.file is None:
             return recorded(self.name, self.structure, self.seed)
-        found = import_file(self.file, None, "min", None).recordings
+        found = mach1_recordings(self.file)
         test = tuple(each for each in found if each.name.endswith(f"-{self.structure}"))
         floor_n = find_noise_floor(test).rms_n
         return tuple(each for each in found if each not in test), test, floor_n
@@ -146,7 +146,7 @@ def all_cells(mach1: Path | None, seed: int = SEED) -> Iterator[Cell]:
     for name in FOREIGN_OBJECTS:
         yield from (Cell(name, structure, seed=seed) for structure in SETTINGS)
     if mach1:
-        for each in import_file(mach1, None, "min", None).recordings:
+        for each in mach1_recordings(mach1):
             yield Cell(MACH1, each.name.rpartition("-")[2], mach1)
     for name in OBJECTS:
         yield from (Cell(name, structure, seed=seed) for structure in KIN_STRUCTURES)

@@ -1,4 +1,4 @@
-"""Another package's command, kind, device and file format are used by their names."""
+"""Another package's kind and device are used by their names."""
 
 import json
 import os
@@ -16,8 +16,8 @@ from support.paths import TESTS
 from support.peer import cli
 from support.small import training
 
-from springpot import import_recordings, train
-from springpot.codegen.errors import DataError, DeviceError, UsageError
+from springpot import train
+from springpot.codegen.errors import DeviceError, UsageError
 from springpot.host.devices import drivers
 from springpot.host.devices.device import DeviceRequirements, OpenedDevice, VirtualDevice
 from springpot.host.devices.drivers import Driver, open_device
@@ -25,9 +25,6 @@ from springpot.host.native.loop_library import loop_library
 from springpot.host.session.c_loop import CLoop
 from springpot.host.session.runner import SessionRunner
 from springpot.trainer.kinds import KINDS, Kind
-from springpot.trainer.recordings.formats import importing
-from springpot.trainer.recordings.formats.file_format import FileFormat, FileRequest
-from springpot.trainer.recordings.formats.raw_channels import RawChannels
 
 SCENE = 'schema = 1\nname = "rig"\nmodel = "rig.spm"\n[runtime]\nrate_hz = 1000.0\n'
 
@@ -54,21 +51,19 @@ def write_rig_file(path: Path) -> None:
     t_s = np.arange(4000) / 1000
     position_mm = 2.5 * (1 - np.cos(2 * np.pi * t_s))
     force_n = 0.8 * position_mm + 0.05 * position_mm**2
-    np.savetxt(path, np.column_stack([position_mm, force_n]), header="soft-rig 1000", comments="#")
+    columns = np.column_stack([t_s, position_mm, force_n])
+    np.savetxt(path, columns, "%.6f", ",", header="time_s,position_mm,force_N", comments="")
 
 
 @pytest.mark.slow
-def test_a_package_adds_a_command_a_kind_a_device_and_a_format(tmp_path: Path) -> None:
+def test_a_package_adds_a_kind_and_a_device(tmp_path: Path) -> None:
     target = installed(tmp_path)
 
     def run(*words: str) -> str:
         return said(target, tmp_path, *words)
 
-    assert "hello" in run("--help")
-    assert json.loads(run("hello", "sponge", "--json"))["greeted"] == "sponge"
-    write_rig_file(tmp_path / "rig.txt")
-    imported = json.loads(run("import", "rig.txt", "--out", "recordings", "--json"))
-    assert "soft rig at 1000 Hz" in imported["guess"]
+    write_rig_file(tmp_path / "rig.csv")
+    run("import", "rig.csv", "--out", "recordings")
     run("train", "recordings", "--model", "spring", "--out", "rig.spm")
     (tmp_path / "scene.toml").write_text(SCENE)
     run("emit", "--scene", "scene.toml", "--out", "c")
@@ -79,17 +74,20 @@ def test_a_package_adds_a_command_a_kind_a_device_and_a_format(tmp_path: Path) -
     assert felt["ticks"] > 0
     log = json.loads(run("validate", "c", "--recording", "felt.h5", "--json"))
     assert log["mismatches"] == 0
+    bench = json.loads(run("bench", "--recording", "recordings", "--validate", "recordings",
+                           "--model", "spring", "--model", "rig.spm", "--json"))  # fmt: skip
+    assert {point["model"] for point in bench["points"]} == {"spring", "rig.spm"}
 
 
 def test_what_cannot_be_loaded_is_left_out_and_said(tmp_path: Path) -> None:
-    entries = "[springpot.commands]\nbroken = no_such_module:BROKEN\ntrain = json:loads\n"
-    result = cli("--help", env=beside(tmp_path, entries, ""))
+    entries = "[springpot.kinds]\nbroken = no_such_module:BROKEN\nrf-fd = json:loads\n"
+    script = "from springpot.trainer.kinds import KINDS; print(*KINDS)"
+    result = python(beside(tmp_path, entries, ""), script)
     left_out = [line for line in result.stderr.splitlines() if "left out" in line]
-    assert [("'broken' of other" in line, "'train' of other" in line) for line in left_out] == [
+    assert [("'broken' of other" in line, "'rf-fd' of other" in line) for line in left_out] == [
         (True, False), (False, True),
     ]  # fmt: skip
-    assert "Traceback" not in result.stderr
-    assert "train " in result.stdout
+    assert "rf-fd" in result.stdout.split()
 
 
 def beside(folder: Path, entries: str, module: str) -> dict[str, str]:
@@ -129,25 +127,17 @@ def test_a_link_that_cannot_be_built_leaves_all_other_links(
     )
     links = f"Path({str(file)!r}), Path({str(tmp_path / 'good.c')!r})"
     module = (
-        "from pathlib import Path\nfrom springpot.devices import Driver\n"
+        "from pathlib import Path\nfrom springpot.host.devices.drivers import Driver\n"
         f"OTHER = Driver('other://1', 'other:Other', links=({links}))\n"
     )
     environment = beside(tmp_path, "[springpot.devices]\nother = other:OTHER\n", module)
-    result = python(environment, "from springpot.loop import loop_library\n"
+    result = python(environment, "from springpot.host.native.loop_library import loop_library\n"
                     "c = loop_library('double').c\n"
                     "print(c.sp_link_sim_size() > 0, c.good())")  # fmt: skip
     assert result.stdout == "True 7\n", result.stderr
     (said,) = [line for line in result.stderr.splitlines() if "left out" in line]
     assert str(file) in said
     assert "good.c" not in said
-
-
-def test_a_part_of_springpot_is_its_own_whoever_takes_the_name(tmp_path: Path) -> None:
-    entries = "[springpot.parts]\nforce-sensor = other:taken\nbench-report = other:taken\n"
-    environment = beside(tmp_path, entries, "def taken(*_):\n    return 'taken'\n")
-    result = python(environment, "from springpot.codegen.entry_points import part\n"
-                    "print(part('force-sensor').__module__)")  # fmt: skip
-    assert result.stdout.strip() == "springpot.host.force_sensor.sensed_press"
 
 
 def test_a_missing_extra_is_named_and_not_taken_for_a_broken_package(tmp_path: Path) -> None:
@@ -174,50 +164,6 @@ def test_a_function_that_no_link_declares_is_named() -> None:
     nothing: Any = SimpleNamespace(link=lambda _library: None)
     with pytest.raises(DeviceError, match="no sp_link that has read, write and reset"):
         CLoop._adopt(adopting, nothing)
-
-
-MARK = "%rows%"
-
-
-def read_rows(path: Path, request: FileRequest) -> Any:
-    """Return what the file says that is wrong."""
-    n = np.arange(5.0)
-    raw = RawChannels("x", n, n, n, time_digit_s=0.0, source="x", line_of=int)
-    wrong = {
-        "no list": (raw, ""),
-        "no line": [raw],
-        "short time": ([replace(raw, time_s=n[:4])], ""),
-        "a list": ([replace(raw, force_n=cast(Any, [0.0] * 5))], ""),
-    }
-    text = path.read_text().removeprefix(MARK)
-    if text == "a path":
-        replace(raw, source=cast(Any, path))
-    if text == "a line":
-        replace(raw, line_of=cast(Any, 3))
-    return wrong[text]
-
-
-@pytest.mark.parametrize(
-    ("text", "told"),
-    [
-        ("no list", "reading the format 'rows': TypeError: its reader returns no .list of RawCh"),
-        ("no line", "reading the format 'rows': TypeError: its reader returns no .list of RawCh"),
-        ("short time", r"x: time \(4,\), position \(5,\).*give three 1-D numpy arrays"),
-        ("a list", "give three 1-D numpy arrays"),
-        ("a path", "give name and source as text"),
-        ("a line", "give line_of as a function"),
-        ("a key", r"KeyError: 'a key' .*, test_entry_points.py line \d+\): correct or uninstall"),
-    ],
-)
-def test_what_a_reader_does_wrong_is_one_line(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str, told: str
-) -> None:
-    rows = FileFormat("rows", lambda start: start.startswith(MARK.encode()), read_rows)
-    monkeypatch.setattr(importing, "file_formats", lambda: {"rows": rows})
-    file = tmp_path / "x.rows"
-    file.write_text(MARK + text)
-    with pytest.raises(DataError, match=told):
-        import_recordings(file)
 
 
 class Mute(OpenedDevice):

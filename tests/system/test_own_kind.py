@@ -23,7 +23,6 @@ from springpot.codegen.stages.stage import (
     feature_stage,
     regressor_stage,
 )
-from springpot.host.evidence.benchmark.run import Bench, run_bench
 from springpot.trainer.features.values import feature_values
 from springpot.trainer.kinds import KINDS, Kind
 from springpot.trainer.models.fit import FitOptions, assemble
@@ -133,9 +132,7 @@ register_part(Depth)
 register_part(Line)
 
 
-def test_it_trains_emits_validates_and_is_benchmarked(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_it_trains_emits_and_validates(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setitem(KINDS, "line", Kind("line", "a straight line", fit_line))
     model = train(training(), "line", "x").model
     file = tmp_path / "line.spm"
@@ -150,10 +147,3 @@ def test_it_trains_emits_validates_and_is_benchmarked(
     found = validate(tmp_path / "c", tests, paced_s=0.1)
     assert found.mismatches == 0
     assert found.accuracy.rmse_n > 0.0
-    result = run_bench(
-        Bench(training(), tuple(tests), "host", kinds=("line",)), tmp_path / "bench", "test"
-    )
-    (point,) = result["points"]
-    assert point["model"] == "line"
-    assert point["pareto"]
-    assert point["rmse_n"] == pytest.approx(found.accuracy.rmse_n, rel=1e-6)

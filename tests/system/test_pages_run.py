@@ -82,7 +82,6 @@ def test_the_public_recording_is_stored_as_written() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.filterwarnings("ignore:.*low-passed:UserWarning")  # as the notebook says
 def test_the_public_recording_runs(
     tmp_path: Path, mach1_file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

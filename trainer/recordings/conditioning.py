@@ -2,12 +2,17 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 
-from springpot.codegen.entry_points import required_part
+from springpot.codegen.errors import DataError, UsageError
+from springpot.trainer.recordings.contact_point import find_contact
+from springpot.trainer.recordings.quality.signs import require_signs
 from springpot.trainer.recordings.recording import Recording
+
+_SMOOTH_S = 0.02  # over which acceleration is taken from positions
+_MIN_WINDOW = 7
 
 
 @dataclass(frozen=True)
@@ -17,7 +22,6 @@ class Conditioning:
     position_delay_s, force_delay_s: how much later than the truth the channels were sampled; kept
     as metadata, and with `align` also taken out.
     mass_kg: of what moves beyond the load cell; its inertial force is removed.
-    frame_npm: stiffness of the machine's frame, N/m: its give under the force is removed; 0: rigid.
     tare: force without contact, N, or "auto": found out of contact.
     contact_force: force above the tare that marks the surface, N, or "auto": just above the noise.
     accept_signs: signs that the data speak against are those of the rig; said wherever it is used.
@@ -30,21 +34,9 @@ class Conditioning:
     force_delay_s: float = 0.0
     align: bool = False
     mass_kg: float = 0.0
-    frame_npm: float = 0.0
     tare: float | Literal["auto"] | None = None
     contact_force: float | Literal["auto"] | None = None
     accept_signs: bool = False
-
-    def steps(self) -> list[str]:
-        """Options of `springpot import` that change samples, as far as they are given."""
-        given = {
-            "--align": self.align,
-            "--mass-kg": self.mass_kg,
-            "--tare": self.tare is not None,
-            "--contact-force": self.contact_force is not None,
-            "--compliance": self.frame_npm,
-        }
-        return [option for option, is_given in given.items() if is_given]
 
 
 def condition(recording: Recording, options: Conditioning) -> tuple[Recording, list[str]]:
@@ -58,12 +50,119 @@ def condition(recording: Recording, options: Conditioning) -> tuple[Recording, l
         position_delay_s=recording.position_delay_s + options.position_delay_s,
         force_delay_s=recording.force_delay_s + options.force_delay_s,
     )
-    if steps := options.steps():
-        without_rig = required_part("conditioning", ", ".join(steps))
-        recording, messages = without_rig(recording, options)
+    if options.align:
+        recording, line = _aligned(recording)
+        messages.append(line)
+    if options.mass_kg:
+        recording, line = _without_inertia(recording, options.mass_kg)
+        messages.append(line)
+    if options.tare is not None or options.contact_force is not None:
+        tare_n = _stated_n(options.tare, "tare")
+        threshold_n = _stated_n(options.contact_force, "contact_force")
+        move = options.contact_force is not None
+        try:
+            recording, line = _from_contact(recording, tare_n, threshold_n, move)
+        except DataError:
+            if not options.accept_signs:
+                require_signs([recording])  # a turned sign is the cause, and has another remedy
+            raise
+        messages.append(line)
     if options.accept_signs:
         recording = replace(recording, details={**recording.details, "accepted_signs": True})
     return recording, messages
+
+
+def _aligned(recording: Recording) -> tuple[Recording, str]:
+    """Shift the force by the difference of the delays; samples without a partner are cut.
+
+    Raises UsageError where no delay is stated, DataError for a recording that is shorter.
+    """
+    from scipy.interpolate import CubicSpline
+
+    skew_s = recording.force_delay_s - recording.position_delay_s
+    if skew_s == 0.0:
+        raise UsageError("--align: no delay is stated: pass --force-delay-s or --position-delay-s")
+    time_s = np.arange(len(recording.force_n)) * recording.dt_s
+    inside = (time_s + skew_s >= 0.0) & (time_s + skew_s <= time_s[-1])
+    if inside.sum() < 2:
+        raise DataError(f"{recording.name}: is shorter than the delay of {skew_s:g} s: correct it")
+    shifted = replace(
+        recording,
+        position_m=recording.position_m[inside],
+        force_n=np.asarray(CubicSpline(time_s, recording.force_n)(time_s[inside] + skew_s)),
+        channels={name: samples[inside] for name, samples in recording.channels.items()},
+        position_delay_s=0.0,
+        force_delay_s=0.0,
+        details={**recording.details, "aligned_s": skew_s},
+    )
+    return shifted, (
+        f"{recording.name}: force shifted by {skew_s * 1e3:g} ms against position, "
+        f"{(~inside).sum()} samples at the end cut"
+    )
+
+
+def _without_inertia(recording: Recording, mass_kg: float) -> tuple[Recording, str]:
+    """Subtract m a: the cell also pushes the mass beyond it when it accelerates inwards.
+
+    Raises DataError for a recording that is too short for an acceleration.
+    """
+    from scipy.signal import savgol_filter
+
+    window = max(_MIN_WINDOW, round(_SMOOTH_S / recording.dt_s) | 1)
+    if window > len(recording.position_m):
+        raise DataError(f"{recording.name}: too short for an acceleration: leave out --mass-kg")
+    inertia_n = mass_kg * np.asarray(
+        savgol_filter(recording.position_m, window, 3, deriv=2, delta=recording.dt_s)
+    )
+    details = {**recording.details, "mass_beyond_load_cell_kg": mass_kg}
+    return replace(recording, force_n=recording.force_n - inertia_n, details=details), (
+        f"{recording.name}: inertia of {mass_kg:g} kg removed, up to "
+        f"{np.abs(inertia_n).max():.3g} N (acceleration over {window * recording.dt_s:.3g} s)"
+    )
+
+
+def _from_contact(
+    recording: Recording,
+    tare_n: float | None,
+    threshold_n: float | None,
+    move: bool,
+) -> tuple[Recording, str]:
+    """Take the force without contact off, and with `move` put position 0 at the surface.
+
+    tare_n, threshold_n: None: to be found. Raises UsageError beside --zero, DataError where there
+    is no surface.
+    """
+    if recording.zero != "none":
+        raise UsageError("--contact-force and --tare find the zero: leave out --zero")
+    if not move and tare_n is not None:
+        details: dict[str, Any] = {**recording.details, "tare_n": tare_n}
+        found = replace(recording, force_n=recording.force_n - tare_n, details=details)
+        return found, f"{recording.name}: tare of {tare_n:g} N taken off"
+    contact = find_contact(recording, tare_n, threshold_n)
+    details = {**recording.details, "tare_n": contact.tare_n}
+    found = replace(recording, force_n=recording.force_n - contact.tare_n, details=details)
+    line = f"{recording.name}: tare of {contact.tare_n:.4g} N taken off"
+    if not move:
+        return found, line
+    details |= {
+        "contact_position_m": contact.position_m,
+        "contact_uncertainty_m": contact.uncertainty_m,
+        "contact_force_n": contact.threshold_n,
+    }
+    surface_m, doubt_m = contact.position_m, contact.uncertainty_m
+    return replace(found, position_m=found.position_m - surface_m, details=details), (
+        f"{line}, surface at {surface_m * 1e3:.4g} +- {doubt_m * 1e3:.2g} mm, where force passes "
+        f"{contact.threshold_n:.3g} N"
+    )
+
+
+def _stated_n(value: float | str | None, name: str) -> float | None:
+    """Force that was stated, N; None where it is to be found. Raises UsageError for other words."""
+    if value is None or value == "auto":
+        return None
+    if isinstance(value, str) or not np.isfinite(value):
+        raise UsageError(f"{name}={value!r}: give a force in N, or 'auto'")
+    return float(value)
 
 
 def on_one_surface(

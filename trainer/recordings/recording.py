@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 import numpy as np
 
 from springpot.codegen.arrays import Samples, kept_numbers
-from springpot.codegen.entry_points import required_part
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.plurals import number_of
 from springpot.trainer.plot_axes import axes_for_plot
@@ -149,9 +148,9 @@ class Recording:
         Recording('frame', 3 samples at 1000 Hz, 0 to 2 mm, 0 to 9 N)
         """
         from springpot.trainer.recordings.conditioning import condition
+        from springpot.trainer.recordings.formats.frame import frame_channels
         from springpot.trainer.recordings.formats.sampling import to_recording
 
-        frame_channels = required_part("frames", "Recording.from_frame")
         raw = frame_channels(frame, name, {"time": time, "position": position, "force": force})
         recording = to_recording(raw, name, zero, resample_hz)
         return recording if conditioning is None else condition(recording, conditioning)[0]

@@ -56,8 +56,6 @@ _OF_REPORT = ("name", "samples", "rate_hz", "position_m", "force_n", "signs")  #
 )
 @click.option("--resample-hz", type=float, help="Interpolate to this rate.")
 @click.option("--decimal", type=click.Choice(["point", "comma"]), help="CSV: else guessed.")
-@click.option("--dbc", type=PATH, help="Database of a CAN log.")
-@click.option("--block", metavar="KIND", help="Mach-1: only such blocks, for instance Sinusoid.")
 @click.option(
     "--position-delay-s", type=FiniteRange(), default=0.0, help="Of the position's sensor."
 )
@@ -65,14 +63,6 @@ _OF_REPORT = ("name", "samples", "rate_hz", "position_m", "force_n", "signs")  #
 @click.option("--align", is_flag=True, help="Take the stated delays out, not only note them.")
 @click.option(
     "--mass-kg", type=NOT_NEGATIVE, default=0.0, help="Beyond the load cell: inertia is removed."
-)
-@click.option(
-    "--compliance",
-    "frame_npm",
-    type=NOT_NEGATIVE,
-    default=0.0,
-    metavar="N/M",
-    help="Stiffness of the machine's frame, N/m: its give is taken off the position.",
 )
 @click.option("--tare", type=AUTO_OR_N, metavar="auto|N", help="Force without contact.")
 @click.option(
@@ -100,15 +90,13 @@ def import_(
     zero: Zero,
     resample_hz: float | None,
     decimal: DecimalMark | None,
-    dbc: Path | None,
-    block: str | None,
     rest_s: float | None,
     place: str | None,
     out: Path,
     as_json: bool,
     **of_rig: Any,  # options of the same names as fields of Conditioning
 ) -> None:
-    """Turn CSV, Excel, MAT, HDF5, TDMS, Mach-1 text files, CAN logs and journals into recordings.
+    """Turn CSV, MAT and HDF5 files and journals into recordings.
 
     One HDF5 file each. Headers such as time_s,position_m,force_N need no --map. Where one file is
     refused, nothing is written.
@@ -125,9 +113,8 @@ def import_(
 
     mapping = parse_map(map_text) if map_text else None
     options = ImportOptions(
-        dbc, block, decimal, Conditioning(**of_rig),
-        place_m=place_or_columns(place) if place else None,
-    )  # fmt: skip
+        decimal, Conditioning(**of_rig), place_m=place_or_columns(place) if place else None
+    )
     if out.exists() and not out.is_dir():
         raise UsageError(f"--out {out}: is a file: give a folder to write recordings into")
     sources = listed(files)

@@ -13,8 +13,8 @@ from springpot.trainer.recordings.recording_file import write_recording
 
 # Files of a folder that may be recordings; others are named one by one.
 _OF_RECORDINGS = {
-    ".csv", ".tsv", ".tab", ".txt", ".dat", ".asc", ".tra", ".lvm", ".xlsx", ".tdms", ".mat",
-    ".h5", ".hdf5", ".blf", ".log", ".journal",
+    ".csv", ".tsv", ".tab", ".txt", ".dat", ".asc", ".tra", ".lvm", ".mat", ".h5",
+    ".hdf5", ".journal",
 }  # fmt: skip
 _MAX_NAMED = 12  # files in a message
 

@@ -10,6 +10,8 @@ from support.small import passive_model, scene, training
 
 import springpot
 from springpot import Recording
+from springpot.codegen.errors import DataError, UsageError
+from springpot.host.estimators.ensemble import ensemble_data
 
 ITEM = training()[-1]
 
@@ -37,7 +39,7 @@ NO_RECORDINGS = {
 TAKING = {
     "train": springpot.train,
     "check": springpot.check_recordings,
-    "ensemble_data": springpot.ensemble_data,
+    "ensemble_data": ensemble_data,
     "validate": lambda given: springpot.validate("none", given),
 }
 
@@ -45,7 +47,7 @@ TAKING = {
 @pytest.mark.parametrize("call", TAKING.values(), ids=TAKING)
 @pytest.mark.parametrize(("given", "says"), NO_RECORDINGS.values(), ids=NO_RECORDINGS)
 def test_what_is_no_list_of_recordings_is_told_how_to_become_one(given, says, call):
-    with refusing(springpot.UsageError, says):
+    with refusing(UsageError, says):
         call(given)
 
 
@@ -70,15 +72,15 @@ def test_a_recording_is_taken_for_its_positions(tmp_path):
     ids=["a list", "a column", "uneven", "text", "nothing"],
 )
 def test_predict_asks_for_one_press_at_a_time(position_m):
-    with refusing(springpot.DataError, "position_m: ", "give "):
+    with refusing(DataError, "position_m: ", "give "):
         springpot.predict(passive_model(), position_m)
 
 
 @pytest.mark.parametrize("several", [["a.csv", "b.csv"], ("a.csv",), None])
 def test_import_recordings_takes_one_file(several):
-    with pytest.raises(springpot.UsageError, match=r"read_recordings\(\*paths\)"):
+    with pytest.raises(UsageError, match=r"read_recordings\(\*paths\)"):
         springpot.read_recordings(several)
-    with pytest.raises(springpot.UsageError, match="call it for each"):
+    with pytest.raises(UsageError, match="call it for each"):
         springpot.import_recordings(several)
 
 

@@ -12,7 +12,11 @@ import springpot
 from springpot import Recording
 from springpot.host.console.in_python import in_python
 from springpot.host.console.quality import warn_of_quality
+from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.recordings.conditioning import Conditioning
+from springpot.trainer.recordings.formats.importing import ImportOptions
 
+OWNERS = {"ImportOptions": ImportOptions, "Conditioning": Conditioning}
 TIME_S = np.arange(1000) * 1e-2
 DEPTH_M = 2e-3 - 3e-3 * np.cos(TIME_S)
 
@@ -57,7 +61,7 @@ def test_a_remedy_is_an_argument(
             "pass --place X,Y and --align",
             "pass ImportOptions(place_m=(X, Y)) and Conditioning(align=True)",
         ),
-        ("--resample-hz 1e+06, --compliance 5e4", "resample_hz=1e+06, Conditioning(frame_npm=5e4)"),
+        ("--resample-hz 1e+06, --mass-kg 5e4", "resample_hz=1e+06, Conditioning(mass_kg=5e4)"),
         (
             "--decimal comma, or --decimal point",
             "ImportOptions(decimal='comma'), or ImportOptions(decimal='point')",
@@ -79,7 +83,7 @@ def test_every_option_in_a_message_on_recordings_is_an_argument_that_exists() ->
     functions = (
         springpot.import_recordings,
         springpot.train,
-        springpot.FitOptions,
+        FitOptions,
         springpot.record,
         Recording.from_frame,
         springpot.emit,
@@ -89,5 +93,5 @@ def test_every_option_in_a_message_on_recordings_is_an_argument_that_exists() ->
         if "`springpot import`" in said:
             continue
         owner, argument = re.fullmatch(r"(?:(\w+)\()?(\w+?)(?:=\S+?)?\)?(?: auto)?", said).groups()
-        places = [getattr(springpot, owner)] if owner else functions
+        places = [OWNERS[owner]] if owner else functions
         assert any(argument in inspect.signature(place).parameters for place in places), said

@@ -10,6 +10,8 @@ from matplotlib.axes import Axes
 from support.small import passive_model, training
 
 import springpot
+from springpot.codegen.errors import UsageError
+from springpot.host.validation.validation import Validation
 
 
 @pytest.fixture(autouse=True)
@@ -19,7 +21,7 @@ def no_figure_stays() -> Iterator[None]:
 
 
 @pytest.fixture(scope="module")
-def validation(tmp_path_factory: pytest.TempPathFactory) -> springpot.Validation:
+def validation(tmp_path_factory: pytest.TempPathFactory) -> Validation:
     folder = tmp_path_factory.mktemp("emitted") / "c"
     springpot.emit(folder, model=passive_model())
     return springpot.validate(folder, list(training()[:3]), paced_s=0.01)
@@ -32,11 +34,11 @@ def test_a_recording_is_force_against_position(monkeypatch: pytest.MonkeyPatch) 
     np.testing.assert_array_equal(axes.lines[0].get_xydata().T, [1e3 * one.position_m, one.force_n])
     assert isinstance(one.plot(), Axes)
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    with pytest.raises(springpot.UsageError, match=r"pip install 'springpot\[report\]'"):
+    with pytest.raises(UsageError, match=r"pip install 'springpot\[report\]'"):
         one.plot()
 
 
-def test_a_validation_is_what_was_measured_and_the_c(validation: springpot.Validation) -> None:
+def test_a_validation_is_what_was_measured_and_the_c(validation: Validation) -> None:
     measured, of_c = (line.get_ydata() for line in validation.plot().lines)
     k = [len(each.force_n) for each in validation.recordings].index(len(measured))
     np.testing.assert_array_equal(measured, validation.recordings[k].force_n)

@@ -12,6 +12,8 @@ from support.small import DT_S, press, recording
 import springpot
 from springpot import Recording
 from springpot.codegen.errors import DataError, UsageError
+from springpot.trainer.recordings.conditioning import Conditioning
+from springpot.trainer.recordings.formats.importing import ImportOptions
 
 ITEM = recording("press", np.concatenate([press(hz) for hz in (0.5, 1.6, 5.0)]))
 COLUMNS = {
@@ -77,9 +79,9 @@ def test_a_table_is_conditioned_as_a_file_is(surface_m, tmp_path):
     file = tmp_path / "frame.csv"
     np.savetxt(file, np.column_stack(list(table.values())), "%.17g", ",", header=",".join(table),
                comments="")  # fmt: skip
-    asked = springpot.Conditioning(contact_force="auto")
+    asked = Conditioning(contact_force="auto")
     found = Recording.from_frame(table, conditioning=asked)
-    options = springpot.ImportOptions(conditioning=asked)
+    options = ImportOptions(conditioning=asked)
     (read,) = springpot.import_recordings(file, options=options)
     np.testing.assert_allclose(found.position_m, read.position_m, atol=1e-12)
     np.testing.assert_allclose(found.force_n, read.force_n, atol=1e-9)

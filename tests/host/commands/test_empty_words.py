@@ -10,6 +10,7 @@ from support.in_process import spring
 from support.small import passive_model, training
 
 import springpot
+from springpot.codegen.errors import UsageError
 from springpot.host.cli import springpot as command_line
 
 
@@ -65,6 +66,6 @@ def test_no_call_takes_an_empty_path(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     springpot.write_recordings("press.h5", training()[0])  # what "." would find
-    with pytest.raises(springpot.UsageError, match="an empty path"):
+    with pytest.raises(UsageError, match="an empty path"):
         call()
     assert [file.name for file in tmp_path.iterdir()] == ["press.h5"]

@@ -76,7 +76,3 @@ def test_advice_on_a_public_layout_ends(facts: dict[str, str], tmp_path: Path) -
 def test_advice_on_a_mislabelled_file_ends(name: str, tmp_path: Path) -> None:
     (tmp_path / "press.csv").write_text(MISLABELLED[name].text)
     follow(tmp_path / "press.csv", MISLABELLED[name].options, tmp_path)
-
-
-def test_advice_on_real_recordings_ends(mach1_file: Path, tmp_path: Path) -> None:
-    follow(mach1_file, (), tmp_path)

@@ -16,7 +16,8 @@ from support.peer import CLI, wait_until
 from support.small_study import SOFT, planned_study
 
 from springpot.codegen.errors import DeviceError
-from springpot.host.cli import every_command, springpot
+from springpot.host.cli import springpot
+from springpot.host.commands import COMMANDS
 from springpot.host.session import runner
 from springpot.host.session.terminal import stopping_on_sigterm
 from springpot.trainer.recordings.recording_file import read_recording
@@ -73,7 +74,7 @@ def test_every_command_that_moves_a_device_is_left_with_statements(
     arguments = [str(item) for item in (*MOVING[command](tmp_path), "--device", DEVICE)]
     with _same_terminal():
         CliRunner().invoke(springpot, arguments)
-    assert command in every_command()
+    assert command in COMMANDS
     assert raised == [number.name for number in ENDING]
 
 

@@ -20,7 +20,7 @@ from scipy.io import savemat
 from support.files.malformed import TIME_S
 
 from springpot.codegen.errors import DataError
-from springpot.host.formats import array_process, arrays
+from springpot.trainer.recordings.formats import array_process, arrays
 from springpot.trainer.recordings.reader_limits import limit_reader
 
 

@@ -1,13 +1,13 @@
-"""Text to import: CSV of several dialects, Mach-1 files, candump logs."""
+"""Text to import: CSV of several dialects."""
 
 from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 from proof.fuzz.reader import Reader
-from support.files.malformed import DBC, MACH1, TIME_S, can_frames
+from support.files.malformed import TIME_S
 
-from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
+from springpot.trainer.recordings.formats.importing import import_file
 
 
 def _rows(delimiter: str) -> str:
@@ -22,19 +22,14 @@ def seeds() -> Iterator[tuple[str, bytes]]:
     yield "semicolons", lines.encode("utf-8-sig")
     yield "tabs", ("time\tposition\tforce\ns\tmm\tN\n" + _rows("\t")).encode("utf-16")
     yield "text", (b'"time_s","position_mm","force_N","note"\n0,0,0,"a, b"\n0.1,1,1,""\n')
-    yield "mach1", "\r\n".join([*MACH1, *_rows("\t").split("\n"), "<END DATA>", ""]).encode()
-    yield "candump", b"\n".join(can_frames("log").split(b"\n")[:12])
 
 
 def read_import(content: bytes, folder: Path, name: str) -> None:
     """Import it, every other length resampled."""
     file = folder / name
     file.write_bytes(content)
-    database = folder / "rig.dbc"
-    if not database.exists():
-        database.write_text(DBC)
     resample_hz = 50.0 if len(content) % 2 else None
-    import_file(file, None, "none", resample_hz, ImportOptions(dbc=database))
+    import_file(file, None, "none", resample_hz)
 
 
 def read(content: bytes, folder: Path) -> None:
@@ -46,9 +41,9 @@ READER = Reader(
     read,
     words=(
         "time_s", "position_mm", "force_N", "Time (s)", "Extension [mm]", "Load / N", "1e999",
-        "nan", "inf", "-1e308", "1e-320", "<Mach-1 File>", "<INFO>", "<END INFO>", "<DATA>",
-        "<END DATA>", "<Sinusoid>", "\\xff\\xfe", "\\xef\\xbb\\xbf", "#", "\\x22", ";", "\\x09",
-        "(1000000000.000000) v0 123#", "\\xc2\\xb5m", "%", "1_0", "\\x0b", "\\x1c", "\\xc2\\x85",
+        "nan", "inf", "-1e308", "1e-320", "\\xff\\xfe", "\\xef\\xbb\\xbf", "#", "\\x22", ";",
+        "\\x09",
+        "\\xc2\\xb5m", "%", "1_0", "\\x0b", "\\x1c", "\\xc2\\x85",
         "10:12:00.5", "1,007.5", "1.007,5", "***End_of_Header***", "End of test", "Time,x,force",
     ),
 )  # fmt: skip

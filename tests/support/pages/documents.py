@@ -6,6 +6,7 @@ A comment in front of a block, which a reader does not see, says what a test has
     <!-- test: URL = sim://pad, 60 = 1 -->     words that stand for others when it runs
     <!-- test: arm -->                 needs a cross compiler
     <!-- test: device -->              needs a device that no test has
+    <!-- test: package -->             needs a package that no test has
     <!-- test: seen -->                lines of what the commands before it print, with any numbers
     <!-- test: prints URL -->          each line is a process that prints a URL, and goes on
 """
@@ -24,7 +25,7 @@ _BLOCK = re.compile(
     re.M | re.S,
 )
 _INLINE = re.compile(r"`((?:springpot|make) [^`]+)`")
-NEEDS = ("arm", "device")
+NEEDS = ("arm", "device", "package")
 
 
 @dataclass(frozen=True)

@@ -2,20 +2,17 @@
 
 from pathlib import Path
 
-import can
-import cantools
 import numpy as np
 from scipy.io import savemat
 
 from springpot.host.emission.emission import emit
 from springpot.host.emission.scene_file import read_scene
-from support.files.malformed import DBC, MACH1
 from support.pages.job import small_job
 from support.small import DT_S, press, soft_force
 
 
 def rig_files(folder: Path) -> None:
-    """What a material scientist has: a table, a Mach-1 text, a MAT file, a log of CAN frames."""
+    """What a material scientist has: a table, a Mach-1 text, a MAT file."""
     position_m = np.concatenate([press(0.5, 0.010, 2), press(2.0, 0.008, 4), press(5.0, 0.006, 5)])
     force_n, time_s = soft_force(position_m), np.arange(len(position_m)) * DT_S
     columns = np.column_stack([time_s, 1e3 * position_m, force_n])
@@ -25,14 +22,8 @@ def rig_files(folder: Path) -> None:
     rows = "".join(f"{t:.2f}\t{x:.6f}\t{f:.6f}\n" for t, x, f in
                    zip(0.01 * np.arange(400), 1e3 * press(0.25, 0.004)[::10],
                        soft_force(press(0.25, 0.004))[::10] / 9.80665e-3, strict=True))  # fmt: skip
-    head = "\n".join(MACH1)
+    head = "<Mach-1 File>\n<Sinusoid>\n<DATA>\nTime, s\tPosition (z), mm\tFz, gf"
     (folder / "Dynamic_data.txt").write_text(f"{head}\n{rows}<END DATA>\n")
-    (folder / "rig.dbc").write_text(DBC)
-    database = cantools.database.load_file(folder / "rig.dbc")
-    with can.Logger(folder / "drive.blf") as logger:
-        for t, x, f in columns[::2]:
-            data = database.encode_message("Tool", {"Position": x, "Force": f})
-            logger(can.Message(1e9 + t, 291, is_extended_id=False, data=data, channel="vcan0"))
 
 
 def nothing(folder: Path) -> None:

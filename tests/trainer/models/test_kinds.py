@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from codegen.same_bits import require_same_bits
+from support.files.mach1 import mach1_recordings
 from support.small import press, recording, scene, training, wandering
 
 from springpot import Model
@@ -17,7 +18,6 @@ from springpot.host.native.trial_build import built
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.predict import predict_n
-from springpot.trainer.recordings.formats.importing import import_file
 
 KINDS = ["rf-fd", "rbf-fd", "rbf-pv", "hammerstein", "springpot"]
 VARIANTS = {
@@ -77,7 +77,7 @@ FREQUENCIES = ["0.1", "0.2", "0.5", "1", "2"]
 
 @pytest.fixture(scope="module")
 def mach1(mach1_file: Path) -> dict:
-    found = import_file(mach1_file, None, "min", None).recordings
+    found = mach1_recordings(mach1_file)
     return dict(zip(FREQUENCIES, found, strict=True))
 
 

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from support.files.mach1 import mach1_recordings
 from support.in_process import spring
 from support.small import training
 
@@ -230,7 +231,7 @@ def test_check_refuses_with_status_3_after_its_report(tmp_path: Path) -> None:
 
 def test_stiffness_of_the_real_sinusoids(mach1_file: Path) -> None:
     """Published with the data: stiffness rises from about 912 to 1035 N/mm."""
-    report = check_recordings(import_file(mach1_file, None, "first", None).recordings)
+    report = check_recordings(mach1_recordings(mach1_file, "first"))
     cycles = [metadata["cycles"] for metadata in report.recordings]
     assert [round(c["frequency_hz"], 1) for c in cycles] == [0.1, 0.2, 0.5, 1.0, 2.0]
     stiffness = [c["stiffness_npm"] * 1e-3 for c in cycles]

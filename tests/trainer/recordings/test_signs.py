@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from support.files.mach1 import mach1_recordings
 from support.files.mislabelled import Mislabelled, mislabelled, motion, true_force_n
 
 from springpot import Recording, SpringpotError, check_recordings
@@ -143,7 +144,7 @@ def recording_of(kind: str) -> Recording:
 
 def test_real_recordings_of_every_sign(shared_data: Path, mach1_file: Path) -> None:
     """Of those that were pressed, each of the four sign combinations is recognised."""
-    compressed = list(import_file(mach1_file, None, "min", None).recordings)
+    compressed = mach1_recordings(mach1_file)
     for file in sorted((shared_data / "ecoflex_compression").rglob("*_A1.csv")):
         with suppress(SpringpotError):
             compressed += import_file(file, None, "none", 10.0).recordings
@@ -153,27 +154,6 @@ def test_real_recordings_of_every_sign(shared_data: Path, mach1_file: Path) -> N
         turned = replace(item, position_m=x * item.position_m, force_n=f * raw_n, details={})
         signs = find_signs(turned)
         assert (signs.position_sign, signs.force_sign) == (x, f)
-
-
-def test_a_mach1_file_is_turned_round_by_its_own_labels(tmp_path: Path, mach1_file: Path) -> None:
-    text = (mach1_file).read_text(encoding="utf-8-sig")
-    rows = []
-    for line in text.split("\n"):
-        cells = line.split("\t")
-        numbers = len(cells) == 3 and cells[0][:1].isdigit()
-        rows.append("\t".join([cells[0], *(f"-{c}" for c in cells[1:])]) if numbers else line)
-    file = tmp_path / "turned.txt"
-    file.write_text("\n".join(rows))
-    with pytest.raises(DataError, match="--map") as refused:
-        run_import(file, "--zero", "min", "--out", tmp_path / "r")
-    (remedy,) = shlex.split(str(refused.value).partition("--map ")[2].rpartition(" (")[0])
-    assert remedy == "position=Position (z):-1mm,force=Fz:-1gf"
-    run_import(file, "--zero", "min", "--map", remedy, "--out", tmp_path / "r")
-    ((first, *_), (right, *_)) = (
-        read_recordings([tmp_path / "r"]),
-        import_file(mach1_file, None, "min", None).recordings,
-    )
-    np.testing.assert_allclose(first.force_n, right.force_n, atol=1e-9)
 
 
 @pytest.mark.parametrize("sign", [1, -1])

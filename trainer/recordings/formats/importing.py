@@ -7,18 +7,13 @@ from pathlib import Path
 
 import numpy as np
 
-from springpot.codegen.entry_points import absent
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.regular_file import require_regular
 from springpot.codegen.short_repr import short_repr
 from springpot.trainer.recordings.conditioning import Conditioning, condition
 from springpot.trainer.recordings.formats.column_map import ColumnMap
 from springpot.trainer.recordings.formats.csv.decimals import DecimalMark
-from springpot.trainer.recordings.formats.file_format import (
-    START_BYTES,
-    FileRequest,
-    file_formats,
-)
+from springpot.trainer.recordings.formats.file_request import FileRequest
 from springpot.trainer.recordings.formats.raw_channels import RawChannels
 from springpot.trainer.recordings.formats.sampling import to_recording
 from springpot.trainer.recordings.formats.uneven_tail import tail_note
@@ -29,6 +24,14 @@ from springpot.trainer.recordings.recording_file import read_recording
 from springpot.trainer.recordings.recording_hdf5 import is_recording
 from springpot.trainer.recordings.recording_name import safe_recording_name
 
+_START_BYTES = 520  # a user block of HDF5 is 512 of them
+_HDF5, _MAT5, _MAT73 = b"\x89HDF\r\n\x1a\n", b"MATLAB 5.0 MAT-file", b"MATLAB 7.3 MAT-file"
+_OTHERS = {  # how files begin that Python reads: docs/how-to/import.md
+    b"PK\x03\x04": "an Excel workbook (pandas)",
+    b"TDSm": "a TDMS file (npTDMS)",
+    b"LOGG": "a log of CAN frames (cantools)",
+    b"<Mach-1 File>": "a text of Mach-1 (numpy)",
+}
 _NUMBER = r"\s*([+-]?(?:\d+\.?\d*|\.\d+))\s*"
 _PLACE = re.compile(rf"{_NUMBER}([a-z]*)\s*,{_NUMBER}([a-z]+)\s*")
 _HEADERS = re.compile(r"\s*([^\W\d][^,]*?)\s*,\s*([^\W\d][^,]*?)\s*")
@@ -38,7 +41,6 @@ _HEADERS = re.compile(r"\s*([^\W\d][^,]*?)\s*,\s*([^\W\d][^,]*?)\s*")
 class ImportOptions:
     """What only some files need.
 
-    dbc: database of a CAN log. block: only blocks of this kind of a Mach-1 file.
     decimal: what marks decimals in a CSV file, None: guessed.
     conditioning: delays, mass, tare and contact point.
     place_m: where the object was pressed, x and y, or the headers of the two columns that say it;
@@ -48,8 +50,6 @@ class ImportOptions:
     ImportOptions(decimal='comma')
     """
 
-    dbc: Path | None = None
-    block: str | None = None
     decimal: DecimalMark | None = None
     conditioning: Conditioning = field(default_factory=Conditioning)
     place_m: tuple[float, float] | tuple[str, str] | None = None
@@ -113,26 +113,20 @@ def _imported(
     try:
         require_regular(path)
         with path.open("rb") as file:
-            start = file.read(START_BYTES)
+            start = file.read(_START_BYTES)
         if path.suffix == JOURNAL_SUFFIX or is_recording(path):
             return _import_again(path, mapping, zero, resample_hz, options)
         request = FileRequest(
-            mapping or {}, options.dbc, options.block, options.decimal, resample_hz is not None,
-            options.columns_of_place,
-        )  # fmt: skip
+            mapping or {}, options.decimal, resample_hz is not None, options.columns_of_place
+        )
         raws, guess = _read(path, start, request)
     except OSError as error:
         raise DataError(f"{path}: {error.strerror}: give a file that can be read") from None
     names = _unique([raw.name for raw in raws])
     recordings = []
     for raw, name in zip(raws, names, strict=True):
-        try:
-            recording = to_recording(raw, name, zero, resample_hz)
-            recording, messages = condition(recording, options.conditioning)
-        except DataError as error:
-            kinds = len(raws) > 1 and "block" in raw.details
-            other = "; or leave such blocks out, --block KIND" if kinds else ""
-            raise DataError(f"{error}{other}") from None
+        recording = to_recording(raw, name, zero, resample_hz)
+        recording, messages = condition(recording, options.conditioning)
         recordings.append(recording)
         first = str(recording.details.get("first_row_cut", ""))
         notes = (first, tail_note(recording), *messages)
@@ -141,12 +135,21 @@ def _imported(
 
 
 def _read(path: Path, start: bytes, request: FileRequest) -> tuple[list[RawChannels], str]:
-    formats = file_formats()
-    chosen = next(one for one in formats.values() if one.fits(path, start))
-    try:
-        return chosen.read(path, request)
-    except DataError as error:
-        raise type(error)(f"{error}{absent('formats', formats)}") from None
+    """Read a file of other programs: arrays by how it begins, else text."""
+    from springpot.trainer.recordings.formats import arrays
+    from springpot.trainer.recordings.formats.csv.csv_text import read_csv
+
+    if start.startswith(_MAT5):
+        return arrays.read_mat_arrays(path, request)
+    if start.startswith((_HDF5, _MAT73)) or _HDF5 in start[512:]:
+        return arrays.read_hdf5_arrays(path, request)
+    for begins, what in _OTHERS.items():
+        if start.removeprefix(b"\xef\xbb\xbf").startswith(begins):
+            raise DataError(
+                f"{path}: {what}: export it as CSV, or read it in Python and pass its columns to "
+                "springpot.Recording.from_frame"
+            )
+    return read_csv(path, request)
 
 
 def _import_again(

@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 
-from springpot.codegen.entry_points import part
 from springpot.codegen.errors import DataError
 from springpot.codegen.progress import counted
 from springpot.trainer.recordings.quality.alignment import (
@@ -143,11 +142,9 @@ def check_recordings(given: Recordings) -> QualityReport:
     cycles = [find_cycles(recording) for recording in counted(recordings, "finding cycles")]
     signs = [find_signs(recording) for recording in recordings]
     touched: list[Recording] = []
-    drifting: set[str] = set()
-    rig_findings: Any = part("rig-findings")
     for recording, own_signs in zip(recordings, signs, strict=True):
         of_channels = list(channel_findings(recording))
-        # One cause, one line: a wrap turns signs, a turned sign moves the contact, a hum hides it.
+        # One cause, one line: a wrap turns signs, a turned sign moves the contact.
         wraps = any(finding.kind == "wrap" for finding in of_channels)
         of_signs = [] if wraps else list(sign_findings(recording, own_signs))
         findings += of_channels + of_signs
@@ -155,14 +152,9 @@ def check_recordings(given: Recordings) -> QualityReport:
         exchanged = any(finding.kind == "exchanged" for finding in of_signs)
         refused = any(finding.severity == "refusal" for finding in of_signs)
         if not (wraps or exchanged or refused):
-            of_rig: list[Finding] = rig_findings(recording) if rig_findings else []
-            if not any(finding.kind == "hum" for finding in of_rig):
-                touched.append(recording)
-            if any(finding.kind == "drift" for finding in of_rig):
-                drifting.add(recording.name)
-            findings += of_rig
+            touched.append(recording)
     presses = recordings
-    findings += contact_findings(touched, drifting)
+    findings += contact_findings(touched)
     refused = any(f.severity == "refusal" for f in findings)  # a turned sign falls, too
     findings += [] if refused else [*snap_findings(presses), *scale_findings(presses)]
     findings += speed_findings(presses) if presses else []

@@ -2,12 +2,10 @@
 
 import re
 import shlex
-from datetime import datetime, time, timedelta
 from itertools import product
 from pathlib import Path
 
 import numpy as np
-import openpyxl
 import pytest
 
 from springpot.codegen.errors import DataError
@@ -167,25 +165,6 @@ def test_stamps_of_a_clock_pass_midnight(form: str, header: str, tmp_path: Path)
     found = load(tmp_path, lines)
     assert found.recordings[0].dt_s == pytest.approx(0.02)
     assert "s after its first clock stamp" in found.guess
-
-
-@pytest.mark.parametrize(
-    "begin", [datetime(2026, 11, 24, 23, 59, 59), time(23, 59, 59), timedelta(hours=23.9999)]
-)
-def test_a_workbook_has_dates_and_times(begin: datetime | time | timedelta, tmp_path: Path) -> None:
-    book = openpyxl.Workbook()
-    sheet = book.active
-    sheet.append(["Time", "Position (mm)", "Force (N)"])
-    for k in range(100):
-        step = timedelta(milliseconds=20 * k)
-        if isinstance(begin, time):
-            stamp: object = (datetime.combine(datetime(2026, 1, 1), begin) + step).time()
-        else:
-            stamp = begin + step
-        sheet.append([stamp, k, 2 * k])
-    book.save(tmp_path / "press.xlsx")
-    (recording,) = import_file(tmp_path / "press.xlsx", None, "none", None).recordings
-    assert recording.dt_s == pytest.approx(0.02)
 
 
 def test_a_stamp_that_is_none_is_named(tmp_path: Path) -> None:

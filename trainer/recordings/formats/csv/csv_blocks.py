@@ -11,7 +11,7 @@ from springpot.trainer.recordings.formats.csv.csv_layout import Layout, find_lay
 from springpot.trainer.recordings.formats.csv.csv_lines import Cells, cells, is_value
 from springpot.trainer.recordings.formats.csv.csv_missing import MAX_NAMED, MissingColumnsError
 from springpot.trainer.recordings.formats.csv.csv_table import CsvTable
-from springpot.trainer.recordings.formats.file_format import FileRequest
+from springpot.trainer.recordings.formats.file_request import FileRequest
 from springpot.trainer.recordings.formats.sampling import MIN_ROWS
 
 _HEADER_ROWS = 3  # names, units and one more

@@ -40,7 +40,7 @@ from springpot.trainer.recordings.formats.csv.csv_units import (
 )
 from springpot.trainer.recordings.formats.csv.decimals import DecimalMark, decimal_mark
 from springpot.trainer.recordings.formats.csv.stress import require_no_stress
-from springpot.trainer.recordings.formats.file_format import FileRequest
+from springpot.trainer.recordings.formats.file_request import FileRequest
 from springpot.trainer.recordings.formats.units import CLOCK, Quantity, Unit
 
 _LINES = 400  # of numbers, that show their mark of decimals

@@ -17,7 +17,7 @@ from springpot.trainer.recordings.formats.csv.csv_layout import Layout, find_lay
 from springpot.trainer.recordings.formats.csv.csv_lines import DELIMITERS, cells, is_value
 from springpot.trainer.recordings.formats.csv.csv_missing import MissingColumnsError
 from springpot.trainer.recordings.formats.csv.csv_table import UTF8, CsvTable
-from springpot.trainer.recordings.formats.file_format import FileRequest
+from springpot.trainer.recordings.formats.file_request import FileRequest
 from springpot.trainer.recordings.formats.raw_channels import RawChannels
 from springpot.trainer.recordings.formats.sampling import MIN_ROWS
 from springpot.trainer.recordings.formats.units import QUANTITIES

@@ -1,6 +1,6 @@
 """Check whether force begins at position 0, where the surface should be."""
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -30,13 +30,8 @@ _SURFACE_OFF = 0.05  # of the travel
 Met = tuple[Recording, ContactPoint]
 
 
-def contact_findings(
-    recordings: Sequence[Recording], drifting: Collection[str] = ()
-) -> Iterator[Finding]:
-    """Yield findings where position 0 should be the surface and is not, of all together.
-
-    drifting: recordings with a force that drifts, and so has no level without contact.
-    """
+def contact_findings(recordings: Sequence[Recording]) -> Iterator[Finding]:
+    """Yield findings where position 0 should be the surface and is not, of all together."""
     met: list[Met] = []
     loaded: list[Loaded] = []
     in_air: list[tuple[Recording, AirLevel]] = []
@@ -48,8 +43,6 @@ def contact_findings(
         except DataError:  # at its lowest position it touches the surface, or is pressed already
             lowest_m, rest_n = _at_rest(recording)
             least_n = max(_PRELOAD * float(recording.force_n.max()), noise_n(recording.force_n))
-            if recording.name in drifting:
-                continue
             if (level := find_air_level(recording)) is not None:
                 in_air.append((recording, level))
             elif abs(rest_n) > least_n:
@@ -70,8 +63,6 @@ def contact_findings(
     # An object that remembers its last press is met where that left it.
     yield from _surface_findings([item for item in met if not item[0].start_s])
     for recording, contact in met:
-        if recording.name in drifting:
-            continue
         if abs(contact.tare_n) > max(3 * contact.threshold_n, 0.02 * recording.force_n.max()):
             yield warning(
                 "tare", recording.name, f"{contact.tare_n:.3g} N without contact",

@@ -1,4 +1,4 @@
-"""Read the arrays of a MAT, HDF5 or TDMS file: run as a process of its own.
+"""Read the arrays of a MAT or HDF5 file: run as a process of its own.
 
 Their libraries can crash, hang or ask for any amount of memory on a damaged file; a process of its
 own turns that into one line. Prints the arrays as one NPZ file: names, units and values.
@@ -19,8 +19,8 @@ Found = Iterator[tuple[str, str, Any]]
 
 
 def arrays_as_npz(path: Path, kind: str) -> bytes:
-    """Names, units and values of the vectors in a file of the kind "mat", "hdf5" or "tdms"."""
-    found = {"mat": _of_mat, "hdf5": _of_hdf5, "tdms": _of_tdms}[kind](path)
+    """Names, units and values of the vectors in a file of the kind "mat" or "hdf5"."""
+    found = {"mat": _of_mat, "hdf5": _of_hdf5}[kind](path)
     columns = [part for name, unit, value in found for part in _columns(name, unit, value)]
     require_unpacked(path, sum(values.nbytes for _, _, values in columns), "MiB of numbers")
     memory = io.BytesIO()
@@ -72,23 +72,6 @@ def _of_hdf5(path: Path) -> Found:
     with h5py.File(path, "r") as file:
         file.visititems(visit)
     yield from found
-
-
-def _of_tdms(path: Path) -> Found:
-    """Channels by group/name; a waveform's step is one more channel, its time, if none is there."""
-    from nptdms import TdmsFile
-
-    for group in TdmsFile.read(path).groups():
-        names = [channel.name.casefold() for channel in group.channels()]
-        for k, channel in enumerate(group.channels()):
-            yield f"{group.name}/{channel.name}", _tdms_unit(channel.properties), channel[:]
-            step_s = float(channel.properties.get("wf_increment", 0.0))
-            if k == 0 and step_s > 0.0 and "time" not in names:
-                yield f"{group.name}/time", "s", np.arange(len(channel)) * step_s
-
-
-def _tdms_unit(properties: Mapping[str, Any]) -> str:
-    return str(properties.get("unit_string", properties.get("Unit", "")))
 
 
 def _columns(name: str, unit: str, value: Any) -> Iterator[tuple[str, str, Any]]:

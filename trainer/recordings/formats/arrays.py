@@ -1,4 +1,4 @@
-"""MAT (v5, v7.3), HDF5 and TDMS files of any layout: one array a channel, by name or map."""
+"""MAT (v5, v7.3) and HDF5 files of any layout: one array a channel, by name or map."""
 
 import io
 from dataclasses import dataclass
@@ -19,7 +19,7 @@ from springpot.trainer.recordings.formats.column_map import (
 )
 from springpot.trainer.recordings.formats.csv.csv_missing import wanted_columns
 from springpot.trainer.recordings.formats.csv.csv_units import pair_columns
-from springpot.trainer.recordings.formats.file_format import FileRequest
+from springpot.trainer.recordings.formats.file_request import FileRequest
 from springpot.trainer.recordings.formats.raw_channels import RawChannels
 from springpot.trainer.recordings.formats.units import Quantity, Unit, choose_unit
 from springpot.trainer.recordings.places import require_one_place
@@ -48,11 +48,6 @@ def read_hdf5_arrays(path: Path, request: FileRequest) -> tuple[list[RawChannels
     unit is missing or ambiguous, or lengths differ.
     """
     return _read_arrays(path, "hdf5", request.columns)
-
-
-def read_tdms_arrays(path: Path, request: FileRequest) -> tuple[list[RawChannels], str]:
-    """Read one recording from a TDMS file of LabVIEW, as `read_hdf5_arrays`."""
-    return _read_arrays(path, "tdms", request.columns)
 
 
 def _read_arrays(path: Path, kind: str, columns: ColumnMap) -> tuple[list[RawChannels], str]:
@@ -105,10 +100,9 @@ def _place_m(path: Path, arrays: list[_Array], samples: int) -> tuple[float, flo
 
 
 def _load(path: Path, kind: str) -> list[_Array]:
-    library = {"mat": "scipy", "tdms": "nptdms"}.get(kind)
-    if library and find_spec(library) is None:
-        raise ModuleNotFoundError(f"{kind.upper()} files are read by {library}", name=library)
-    module = "springpot.host.formats.array_process"
+    if kind == "mat" and find_spec("scipy") is None:
+        raise ModuleNotFoundError("MAT files are read by scipy", name="scipy")
+    module = "springpot.trainer.recordings.formats.array_process"
     with np.load(io.BytesIO(read_apart(path, module, kind)), allow_pickle=False) as stored:
         names, units = stored["names"], stored["units"]
         arrays = [

@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Literal
 
 import numpy as np
 import pytest
@@ -11,7 +10,6 @@ from click.testing import CliRunner
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from springpot import check_recordings
 from springpot.codegen.errors import DataError, UsageError
 from springpot.host.commands.recordings.import_ import import_
 from springpot.trainer.recordings.conditioning import Conditioning, condition, on_one_surface
@@ -58,21 +56,6 @@ def test_the_inertia_of_a_mass_is_removed() -> None:
     assert found.details["mass_beyond_load_cell_kg"] == 0.4
 
 
-def test_the_give_of_a_frame_is_removed() -> None:
-    force_n = 1000 * POSITION_M
-    measured = recording(force_n, POSITION_M + force_n / 8e3)
-    found, told = condition(measured, Conditioning(frame_npm=8e3))
-    np.testing.assert_allclose(found.position_m, POSITION_M, atol=1e-12)
-    assert "1.25 mm of the travel of 11.2 mm were the frame's give at 8000 N/m: removed" in told[0]
-    assert found.details["frame_npm"] == 8e3
-    tared, _ = condition(
-        recording(force_n + 3.0, measured.position_m), Conditioning(frame_npm=8e3, tare=3.0)
-    )
-    np.testing.assert_allclose(tared.position_m, POSITION_M, atol=1e-12)
-    with pytest.raises(DataError, match="state the frame's stiffness in N/m"):
-        condition(measured, Conditioning(frame_npm=8.0))
-
-
 def touched(surface_m: float, tare_n: float) -> Recording:
     depth_m = np.maximum(POSITION_M - surface_m, 0.0)
     return recording(900 * depth_m + tare_n + np.random.default_rng(5).normal(0, 0.01, len(TIME_S)))
@@ -88,23 +71,6 @@ def test_the_surface_is_found_within_its_uncertainty(
     found = find_contact(replace(still, force_n=still.force_n + drift_nps * TIME_S))
     assert abs(found.position_m - surface_m) < found.uncertainty_m
     assert found.uncertainty_m < 2e-4
-
-
-@pytest.mark.parametrize("drift_n", [-1.0, 1.0])
-@pytest.mark.parametrize("tare", [None, "auto"])
-def test_a_drift_is_named_whether_the_tare_is_taken_off_or_not(
-    drift_n: float, tare: Literal["auto"] | None
-) -> None:
-    still = touched(2e-3, 0.5 if drift_n > 0.0 else 0.0)
-    drifting = replace(
-        still,
-        position_m=still.position_m - 2e-3,
-        force_n=still.force_n + drift_n * TIME_S / TIME_S[-1],
-    )
-    found, _ = condition(drifting, Conditioning(tare=tare))
-    kinds = [finding.kind for finding in check_recordings([found]).findings]
-    assert "drift" in kinds
-    assert not {"contact", "tare"} & set(kinds)  # one cause, one line
 
 
 def presses(zeros_m: Sequence[float]) -> list[Recording]:

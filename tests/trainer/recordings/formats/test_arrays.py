@@ -1,37 +1,27 @@
-"""MAT, HDF5 and CAN logs in, CSV and MAT out: the same samples, units converted once."""
+"""MAT and HDF5 files: the same samples, units converted once."""
 
 from pathlib import Path
 
-import can
-import cantools
 import h5py
 import numpy as np
 import pytest
 from scipy.io import savemat
 from support.files.columns import write_columns
-from support.files.malformed import DBC as TOOL_DBC
 
-from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.column_map import parse_map
-from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
+from springpot.trainer.recordings.formats.importing import import_file
 from springpot.trainer.recordings.recording import Recording
 
 TIME_S = np.arange(50) * 0.01
 POSITION_MM = 5 * np.sin(TIME_S) ** 2
 FORCE_N = 3 * POSITION_MM
-DBC = (
-    TOOL_DBC
-    + """BO_ 292 Cell: 2 RIG
- SG_ LoadCell : 0|16@1- (0.001,0) [0|0] "N" RIG
-"""
-)
 
 
-def load(path: Path, mapping: str = "", **options: object) -> Recording:
-    rate = options.pop("rate", None)
-    chosen = ImportOptions(**options)  # type: ignore[arg-type]
-    result = import_file(path, parse_map(mapping) if mapping else None, "none", rate, chosen)  # type: ignore[arg-type]
-    (recording,) = result.recordings
+def load(path: Path, mapping: str = "") -> Recording:
+    (recording,) = import_file(
+        path, parse_map(mapping) if mapping else None, "none", None
+    ).recordings
     return recording
 
 
@@ -113,50 +103,6 @@ def test_damaged_arrays_give_one_line(tmp_path: Path, kind: str) -> None:
     with pytest.raises(DataError, match=r"a\.mat: damaged or of another format") as refusal:
         load(file)
     assert "\n" not in str(refusal.value)
-
-
-def frames(path: Path, other_frame: bool = False) -> None:
-    database = cantools.database.load_string(DBC)
-    with can.Logger(path) as logger:
-        for t, x, f in zip(TIME_S, POSITION_MM, FORCE_N, strict=True):
-            data = database.encode_message(
-                "Tool", {"Position": x, "Force": 0 if other_frame else f}
-            )
-            logger(can.Message(1e9 + t, 291, is_extended_id=False, data=data, channel="vcan0"))
-            if other_frame:
-                data = database.encode_message("Cell", {"LoadCell": f})
-                stamp = 1e9 + t + 0.001
-                logger(can.Message(stamp, 292, is_extended_id=False, data=data, channel="vcan0"))
-            logger(can.Message(1e9 + t, 700, is_extended_id=False, data=b"x", channel="vcan0"))
-
-
-@pytest.mark.parametrize("name", ["a.blf", "a.log"])
-def test_can_logs(tmp_path: Path, name: str) -> None:
-    (tmp_path / "rig.dbc").write_text(DBC)
-    frames(tmp_path / name)
-    assert_samples(load(tmp_path / name, dbc=tmp_path / "rig.dbc"), 6e-7)
-    (tmp_path / f"cut{name}").write_bytes((tmp_path / name).read_bytes()[:-70])
-    with pytest.raises(DataError, match=f"cut{name}"):
-        load(tmp_path / f"cut{name}", dbc=tmp_path / "rig.dbc")
-    with pytest.raises(UsageError, match="pass --dbc FILE"):
-        load(tmp_path / name)
-    (tmp_path / "rig.dbc").write_text(DBC.replace("291", "293"))
-    with pytest.raises(DataError, match="knows none of its frames"):
-        load(tmp_path / name, dbc=tmp_path / "rig.dbc")
-    (tmp_path / "rig.dbc").write_text("nonsense")
-    with pytest.raises(DataError, match=r"rig\.dbc: not a CAN database"):
-        load(tmp_path / name, dbc=tmp_path / "rig.dbc")
-
-
-def test_signals_of_two_frames_need_resampling(tmp_path: Path) -> None:
-    (tmp_path / "rig.dbc").write_text(DBC)
-    frames(tmp_path / "a.log", other_frame=True)
-    mapping = "position=Tool.Position,force=Cell.LoadCell"
-    with pytest.raises(DataError, match="nothing is interpolated unasked, pass --resample-hz"):
-        load(tmp_path / "a.log", mapping, dbc=tmp_path / "rig.dbc")
-    recording = load(tmp_path / "a.log", mapping, dbc=tmp_path / "rig.dbc", rate=100.0)
-    expected = np.interp(TIME_S[1:], TIME_S + 0.001, FORCE_N)
-    np.testing.assert_allclose(recording.force_n, expected, atol=1.1e-3)
 
 
 @pytest.mark.parametrize("form", ["csv", "mat"])

@@ -6,11 +6,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples, given_numbers
 from springpot.codegen.errors import UsageError
-from springpot.host.console.in_python import errors_in_python
 from springpot.trainer.recordings.formats.column_map import split_unit, stated_hz
 from springpot.trainer.recordings.formats.csv.csv_units import pair_columns
 from springpot.trainer.recordings.formats.raw_channels import RawChannels
@@ -30,71 +28,46 @@ def frame_channels(frame: Any, name: str, columns: Mapping[Quantity, Hashable]) 
     labels = _labels(frame)
     scaled: dict[Quantity, Samples] = {}
     units: dict[Quantity, dict[str, Any]] = {}
-    digit_s = 0.0
+    digit_s, rate_hz = 0.0, None
     for quantity, column in columns.items():
         found = _label(labels, column)
         if found is None:
+            rate_hz = stated_hz(str(column)) if quantity == "time" else None
+            if rate_hz is None:
+                raise UsageError(_missing(quantity, column, labels, frame))
+            units[quantity] = {"unit": f"{rate_hz:g} Hz", "from": "map"}
             continue
         label, stated = found
-        where = f"{name}, {quantity}={str(column)!r}"
-        values = np.asarray(frame[label])
-        values = _without_zone(values)
-        if quantity == "time" and values.dtype.kind in "mM":  # durations, dates
-            digit_s = _step_s(values.dtype)
+        where, values = f"{name}, {quantity}={str(column)!r}", _without_zone(frame[label])
+        if quantity == "time" and values.dtype.kind in "mM":  # its type states the unit
+            step = np.ones((), values.dtype.str.replace("M8", "m8"))
+            digit_s = float(step / np.timedelta64(1, "s"))
             scaled[quantity] = given_numbers((values - values[:1]) / np.timedelta64(1, "s"), where)
-            units[quantity] = {"unit": "s", "from": "map"}  # its type states the unit
+            units[quantity] = {"unit": "s", "from": "map"}
             continue
         own = split_unit(label, quantity)[1] if isinstance(label, str) else None
         texts = {"map": stated, FRAME_NAME: own}
-        with errors_in_python():
-            unit = choose_unit(texts, quantity, where, str(label), in_python=True)
+        unit = choose_unit(texts, quantity, where, str(label), in_python=True)
         scaled[quantity] = given_numbers(values, where) * unit.to_si
         units[quantity] = unit.metadata()
-    rate_hz = None if "time" in scaled else stated_hz(str(columns["time"]))
-    for quantity, column in columns.items():
-        if quantity not in scaled and (quantity != "time" or rate_hz is None):
-            raise UsageError(_missing(quantity, column, labels, frame))
-    if rate_hz is not None:
-        scaled["time"] = np.arange(len(scaled["force"])) / rate_hz
-        units["time"] = {"unit": f"{rate_hz:g} Hz", "from": "map"}
+    force_n = scaled["force"]
+    time_s = scaled["time"] if rate_hz is None else np.arange(len(force_n)) / rate_hz
+    place = pair_columns(Path(name), [str(label) for label in labels], [], "place", "position")
+    path_m = [given_numbers(np.asarray(frame[labels[i]]), f"{name}, {labels[i]}") * to_si
+              for i, to_si in place]  # fmt: skip
     return RawChannels(
-        name,
-        scaled["time"],
-        scaled["position"],
-        scaled["force"],
-        digit_s,
-        FRAME_SOURCE,
-        lambda sample: sample,
-        {"units": units},
-        place_m=_place_m(frame, name, labels),
+        name, time_s, scaled["position"], force_n, digit_s, FRAME_SOURCE, lambda sample: sample,
+        {"units": units}, require_one_place(name, np.column_stack(path_m)) if path_m else None,
         in_python=True,
-    )
-
-
-def _place_m(frame: Any, name: str, labels: Sequence[Hashable]) -> tuple[float, float] | None:
-    """Place that columns such as place_x_mm and place_y_mm state, m; None without them.
-
-    Raises DataError for one of them alone, for its unit, and for a place that changes.
-    """
-    names = [str(label) for label in labels]
-    place = pair_columns(Path(name), names, [], "place", "position")
-    if not place:
-        return None
-    found = [
-        given_numbers(np.asarray(frame[labels[index]]), f"{name}, {labels[index]}") * to_si
-        for index, to_si in place
-    ]
-    return require_one_place(name, np.column_stack(found))
+    )  # fmt: skip
 
 
 def _labels(frame: Any) -> list[Hashable]:
     """Names of all columns. Raises UsageError for what has none."""
-    if isinstance(frame, np.ndarray):
-        found = frame.dtype.names
-    else:
-        found = getattr(frame, "column_names", None) or getattr(frame, "columns", None)
-        if found is None and hasattr(frame, "keys"):
-            found = frame.keys()
+    found = frame.dtype.names if isinstance(frame, np.ndarray) else getattr(frame, "columns", None)
+    found = getattr(frame, "column_names", None) or found
+    if found is None and hasattr(frame, "keys"):
+        found = frame.keys()
     if found is None or callable(found):
         raise UsageError(
             f"{type(frame).__name__} is no table with names of columns: give one of pandas or "
@@ -105,13 +78,9 @@ def _labels(frame: Any) -> list[Hashable]:
 
 
 def _label(labels: Sequence[Hashable], column: Hashable) -> tuple[Hashable, str | None] | None:
-    """The table's own name of a column, and the unit that stands behind a colon.
-
-    Letters of the other case are taken where only one column has them.
-    """
-    text = str(column)
-    bare, colon, stated = text.rpartition(":")
-    for wanted, unit in ((text, None), (bare, stated)) if colon else ((text, None),):
+    """The table's own name of a column, in letters of either case, and the unit behind a colon."""
+    bare, _, stated = str(column).rpartition(":")
+    for wanted, unit in ((str(column), None), (bare, stated)):
         for form in (str, lambda label: str(label).casefold()):
             same = [label for label in labels if form(label) == form(wanted)]
             if len(same) == 1:
@@ -120,32 +89,21 @@ def _label(labels: Sequence[Hashable], column: Hashable) -> tuple[Hashable, str 
 
 
 def _missing(quantity: Quantity, column: Hashable, labels: Sequence[Hashable], frame: Any) -> str:
-    where = f"{quantity}={str(column)!r}"
-    bare = str(column).rpartition(":")[0]
-    same = [name for name in map(str, labels) if name in (str(column), bare)]
+    where, asked = f"{quantity}={str(column)!r}", (str(column), str(column).rpartition(":")[0])
+    same = [name for name in map(str, labels) if name in asked]
     if len(same) > 1:
         return f"{where}: {len(same)} columns have the name {same[0]!r}: rename or drop all but one"
-    index = getattr(getattr(frame, "index", None), "name", None)
-    if index is not None and str(index) in (str(column), bare):
+    if str(getattr(getattr(frame, "index", None), "name", None)) in asked:
         return f"{where}: the table's index, no column: pass the table's reset_index()"
-    shown = ", ".join(repr(str(label)) for label in labels)
-    shown = shown if len(shown) <= _MAX_SHOWN else f"{shown[:_MAX_SHOWN]} ..."
+    shown = ", ".join(repr(str(label)) for label in labels)[:_MAX_SHOWN] or "none"
     rate = ", or a rate such as time='1000Hz'" if quantity == "time" else ""
-    return (
-        f"{where}: no such column: the table has {shown or 'none'}: name one of them, "
-        f"{quantity}=...{rate}"
-    )
+    return f"{where}: no such column: the table has {shown}: name one of them, {quantity}=...{rate}"
 
 
-def _without_zone(values: NDArray[Any]) -> NDArray[Any]:
+def _without_zone(column: Any) -> np.ndarray[Any, Any]:
     """Dates of Python or pandas, which numpy keeps as objects, as numpy's own, in UTC."""
+    values = np.asarray(column)
     if values.dtype.kind != "O" or not all(isinstance(each, datetime) for each in values.flat):
         return values
     zoned = [each if each.tzinfo is None else each.astimezone(UTC) for each in values.flat]
     return np.array([each.replace(tzinfo=None) for each in zoned], "datetime64[us]")
-
-
-def _step_s(stamps: np.dtype[Any]) -> float:
-    """One unit in the last digit that stamps of a date or duration have, s."""
-    step = np.ones((), stamps.str.replace("M8", "m8"))
-    return float(step / np.timedelta64(1, "s"))

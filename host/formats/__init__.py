@@ -1,1 +1,0 @@
-"""Formats of other programs: Mach-1 text, CAN logs, HDF5, MAT, TDMS, workbooks."""

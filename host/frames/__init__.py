@@ -1,1 +1,0 @@
-"""Tables of pandas, polars and others as recordings: `Recording.from_frame`."""

@@ -1,1 +1,0 @@
-"""What a rig adds to samples: found (hum, drift), and taken out on import (--tare, --align)."""
