@@ -24,35 +24,35 @@ _FARTHEST_M = 1.0  # of a place, as in a `Recording`
 _TOO_DEEP = 10.0  # times the trained depth, as for `predict`: another unit
 
 
-def load(folder: File, *, accept_edited: bool = False) -> "LoadedScene":
+def load(folder: File) -> "LoadedScene":
     """Build the C of an emitted folder, or take it from the cache, and load it.
 
-    Raises DataError where the folder is none, of another version, or not as emitted, unless that is
-    accepted: the result's `edited` names the files.
+    Raises DataError where the folder is none, or of another version. Files that are not as emitted
+    are a UserWarning; the result's `edited` names them.
 
     >>> force_n, notes = load("c").run(press.position_m)
     >>> force_n.shape == notes.shape == press.position_m.shape
     True
     """
-    return LoadedScene(given_path(folder), accept_edited)
+    return LoadedScene(given_path(folder))
 
 
 class LoadedScene:
     """What `load` returns. manifest: of the emission, as in manifest.json.
 
-    edited: files of the folder that are not as emitted, and were accepted.
+    edited: files of the folder that are not as emitted.
 
     >>> load("c")
     LoadedScene('c', 1000 Hz)
     """
 
-    def __init__(self, folder: Path, accept_edited: bool = False) -> None:
-        from springpot.host.emission.checksums import require_as_emitted
+    def __init__(self, folder: Path) -> None:
+        from springpot.host.emission.checksums import edited_files
         from springpot.host.emission.emission import read_manifest, require_emission
         from springpot.host.native.scene_library import SceneLibrary
 
         require_emission(folder)
-        self.edited = require_as_emitted(folder, accept_edited)
+        self.edited = edited_files(folder)
         self._folder, self._library = folder, SceneLibrary(folder)
         # What the library says of itself is true of what runs, whatever was edited in the file.
         self.manifest: dict[str, Any] = read_manifest(folder) | self._library.manifest

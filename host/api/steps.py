@@ -207,12 +207,11 @@ def validate(
     recordings: Recordings,
     *,
     paced_s: float = 3.0,
-    accept_edited: bool = False,
 ) -> "Validation":
     """Replay recordings through the C of `folder`: its error, its time, its bits against numpy's.
 
-    paced_s: how long ticks are timed at the scene's rate, s. accept_edited: C that is not as
-    emitted is no refusal; the result's `edited` names its files. Raises DataError for recordings of
+    paced_s: how long ticks are timed at the scene's rate, s. Files that are not as
+    emitted are a UserWarning; the result's `edited` names them. Raises DataError for recordings of
     another rate or zero than the model's.
 
     >>> validate("c", recordings).mismatches  # C and its reference: the same bits
@@ -223,7 +222,7 @@ def validate(
 
     chosen, emitted = _some(recordings), given_path(folder)
     require_emission(emitted)
-    return validate_folder(emitted, chosen, paced_s, accept_edited)
+    return validate_folder(emitted, chosen, paced_s)
 
 
 def stability(

@@ -5,7 +5,6 @@ from pathlib import Path
 import click
 
 from springpot.host.boards.boards import BOARDS, board_of
-from springpot.host.console.options import accept_edited_option
 from springpot.host.console.output import json_option, print_result, progress_bar, say
 
 
@@ -18,9 +17,8 @@ from springpot.host.console.output import json_option, print_result, progress_ba
 )
 @click.option("--board", "name", required=True, help=f"One of {', '.join(BOARDS)}.")
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder to write.")
-@accept_edited_option
 @json_option
-def firmware(scene: Path, name: str, out: Path, accept_edited: bool, as_json: bool) -> None:
+def firmware(scene: Path, name: str, out: Path, as_json: bool) -> None:
     """Build a board's firmware; all its sources lie beside it."""
     from springpot.host.boards.firmware import TRANSDUCER, build_firmware
     from springpot.host.emission.checksums import is_edited
@@ -30,7 +28,7 @@ def firmware(scene: Path, name: str, out: Path, accept_edited: bool, as_json: bo
     if is_edited(out, TRANSDUCER):
         say(f"{out / TRANSDUCER}: built as you changed it")
     with progress_bar("firmware"), emitted_folder(scene) as folder:
-        program = build_firmware(folder, board, out, accept_edited=accept_edited)
+        program = build_firmware(folder, board, out)
     print_result(
         {"firmware": str(program), "board": board.name, "target": board.target},
         as_json,

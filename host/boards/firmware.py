@@ -22,18 +22,15 @@ _NAME = "firmware.elf"
 _STACK_BYTES = 4096  # of everything else
 
 
-def build_firmware(
-    folder: Path, board: Board, out: Path, strict: bool = False, accept_edited: bool = False
-) -> Path:
+def build_firmware(folder: Path, board: Board, out: Path, strict: bool = False) -> Path:
     """Build the firmware of an emitted folder into `out`, with all its sources beside it.
 
     An earlier firmware there is replaced; TRANSDUCER, where its user changed it, is built as it is.
     Raises UsageError without a compiler, or where `out` holds anything else or other changes,
-    BudgetError where it does not fit the board, DataError where the C is not as emitted, unless
-    that is accepted.
+    BudgetError where it does not fit the board.
     """
     require_replaceable(out, yours=[TRANSDUCER])
-    plan = read_emission(folder, accept_edited).plan
+    plan = read_emission(folder).plan
     with folder_written_aside(out) as aside:
         _copy(folder, aside, plan)
         for name in (*_COMMON, *_headers(), *board.sources):

@@ -69,10 +69,3 @@ def recordings_given(help_text: str) -> Callable[[_Command], _Command]:
         return by_place(by_name(merged))
 
     return decorate
-
-
-accept_edited_option = click.option(
-    "--accept-edited",
-    is_flag=True,
-    help="Take C that was changed after it was emitted; logs and reports name its files.",
-)

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import warnings
 from collections.abc import Collection, Sequence
 from pathlib import Path
 
@@ -44,20 +45,22 @@ def require_replaceable(folder: Path, yours: Collection[str] = ()) -> None:
     folder.parent.mkdir(parents=True, exist_ok=True)
 
 
-def require_as_emitted(folder: Path, accept_edited: bool = False) -> tuple[str, ...]:
-    """Names of the files that a build takes and that are not as emitted: none, unless accepted.
-
-    Raises DataError naming the first where they are not accepted.
-    """
-    edited = _edited(folder)
-    if edited and not accept_edited:
-        more = f" (and {len(edited) - 1} more)" if len(edited) > 1 else ""
+def edited_files(folder: Path) -> tuple[str, ...]:
+    """Return names of the files that a build takes and that are not as emitted, with a warning."""
+    known = _known(folder)
+    changed = {name for name, digest in known.items() if _digest(folder / name) != digest}
+    read = {file for pattern in _READ for file in folder.rglob(pattern)}
+    read |= {file.with_suffix(".c") for file in read if file.with_suffix(".c").exists()}
+    read |= {file for file in folder.rglob("*") if file.is_symlink() and file.is_dir()}
+    more = {str(file.relative_to(folder)) for file in read} - known.keys() - {CHECKSUMS}
+    edited = [name for name in changed | more if name.split("/")[0] not in _FOR_BY_HAND]
+    edited = sorted(edited) if known else [CHECKSUMS]
+    if edited:
+        others = f" (and {len(edited) - 1} more)" if len(edited) > 1 else ""
         what = "not as springpot emitted it" if (folder / edited[0]).exists() else "missing"
-        raise DataError(
-            f"{folder / edited[0]}: {what}{more}: `springpot emit` again into another folder; or "
-            "use it as it is with --accept-edited, which logs and reports then say"
-        )
-    return edited
+        line = f"{folder / edited[0]}: {what}{others}: if you did not change it, emit again"
+        warnings.warn(line, UserWarning, stacklevel=3)
+    return tuple(edited)
 
 
 def is_edited(folder: Path, name: str) -> bool:
@@ -81,17 +84,6 @@ def write_checksums(folder: Path) -> None:
     files = [file for file in folder.rglob("*") if file.is_file() and file != folder / CHECKSUMS]
     checksums = {str(file.relative_to(folder)): _digest(file) for file in files}
     (folder / CHECKSUMS).write_text(json.dumps(checksums, indent=2, sort_keys=True) + "\n")
-
-
-def _edited(folder: Path) -> tuple[str, ...]:
-    known = _known(folder)
-    if not known:
-        return (CHECKSUMS,)
-    changed = {name for name, digest in known.items() if _digest(folder / name) != digest}
-    read = {file for pattern in _READ for file in folder.rglob(pattern)}
-    read |= {file for file in folder.rglob("*") if file.is_symlink() and file.is_dir()}
-    more = {str(file.relative_to(folder)) for file in read} - known.keys() - {CHECKSUMS}
-    return tuple(sorted(name for name in changed | more if name.split("/")[0] not in _FOR_BY_HAND))
 
 
 def _known(folder: Path) -> dict[str, str]:

@@ -19,8 +19,8 @@ from springpot.codegen.plan.units import state_bytes
 from springpot.codegen.scene import Scene
 from springpot.codegen.short_repr import short_repr
 from springpot.host.emission.checksums import (
+    edited_files,
     edited_hash,
-    require_as_emitted,
     require_replaceable,
     write_checksums,
 )
@@ -68,7 +68,7 @@ def emit(
 class Emitted:
     """An emitted folder read back.
 
-    edited: files that are not as emitted, and were accepted. hash: of the emission, and of them.
+    edited: files that are not as emitted. hash: of the emission, and of them.
     """
 
     plan: Plan
@@ -90,13 +90,13 @@ def require_emission(folder: Path) -> None:
     raise DataError(f"{folder}: not an emitted folder: `springpot emit --out` makes one")
 
 
-def read_emission(folder: Path, accept_edited: bool = False) -> Emitted:
+def read_emission(folder: Path) -> Emitted:
     """Read back the plan of an emitted folder from what it was made from.
 
-    Raises DataError where a file is not as emitted, unless that is accepted.
+    Raises DataError where there is none; a file that is not as emitted is a UserWarning.
     """
     require_emission(folder)
-    edited = require_as_emitted(folder, accept_edited)
+    edited = edited_files(folder)
     model = read_model(folder / MODEL_COPY)
     scene = scene_from_json((folder / SCENE_COPY).read_text(), str(folder / SCENE_COPY))
     metadata = read_manifest(folder)

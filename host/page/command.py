@@ -4,16 +4,14 @@ from pathlib import Path
 
 import click
 
-from springpot.host.console.options import accept_edited_option
 from springpot.host.console.output import json_option, print_result, progress_bar
 
 
 @click.command()
 @click.argument("folders", nargs=-1, required=True, type=click.Path(path_type=Path))
 @click.option("--out", type=click.Path(path_type=Path), required=True, help="File.html to write.")
-@accept_edited_option
 @json_option
-def page(folders: tuple[Path, ...], out: Path, accept_edited: bool, as_json: bool) -> None:
+def page(folders: tuple[Path, ...], out: Path, as_json: bool) -> None:
     """Write one HTML file in which people press the emitted FOLDERS, in a browser.
 
     The page runs the emitted C as WebAssembly: needs clang and lld, or springpot[cc].
@@ -22,7 +20,7 @@ def page(folders: tuple[Path, ...], out: Path, accept_edited: bool, as_json: boo
     from springpot.host.page.press_page import write_press_page
 
     with progress_bar("page"):
-        result = write_press_page(folders, out, accept_edited)
+        result = write_press_page(folders, out)
     unmeasured = result["without_recording"]
     rows = {"page": f"{out}, {result['bytes'] / 1e3:.0f} kB: open it in a browser"}
     rows["scenes"] = ", ".join(f"{one['name']} ({one['hash'][:12]})" for one in result["scenes"])

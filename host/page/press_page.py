@@ -28,9 +28,7 @@ ADDED_DELAYS = range(4)  # samples beyond those of the scene's device
 _MAX_RECORDED = 8000  # samples of a recording
 
 
-def write_press_page(
-    folders: Sequence[Path], out: Path, accept_edited: bool = False
-) -> dict[str, Any]:
+def write_press_page(folders: Sequence[Path], out: Path) -> dict[str, Any]:
     """Write the page of emitted folders; return the keys of `page --json`.
 
     Raises DataError for no emission, UsageError for a scene with places and without a compiler for
@@ -38,7 +36,7 @@ def write_press_page(
     """
     entries, scenes = [], []
     for folder in counted(folders, "building"):
-        emitted = read_emission(folder, accept_edited)
+        emitted = read_emission(folder)
         if emitted.plan.has_places:
             raise UsageError(
                 f"{folder}: has places; the page presses one point: emit another model"

@@ -50,7 +50,7 @@ def _matching_validation(folder: Path) -> Stored:
     require_emission(folder)
     stored = read_validation(folder)
     result = stored.metadata["result"]
-    emitted = read_emission(folder, accept_edited=bool(result.get("edited")))
+    emitted = read_emission(folder)
     if emitted.hash != result["hash"]:
         raise DataError(f"{folder}: changed since it was validated: `springpot validate` again")
     return stored

@@ -37,8 +37,8 @@ class Session:
 
     folder: of `springpot emit`. url: of the device. log: file to write, a recording with every
     call; beside it the flight recorder. seconds: 0, until `stop`. max_force_n, max_depth_m: beyond
-    them the session ends. accept_edited: C that is not as emitted is no refusal, log and result
-    name its files. place_m: where an object with a map is pressed, x and y. report: takes lines for
+    them the session ends. Files that are not as emitted are a UserWarning; log and result name
+    them. place_m: where an object with a map is pressed, x and y. report: takes lines for
     people, by default a logger. viewer: takes every row too, and never waits. alarm: takes the
     lines of live warnings, and whether something began.
     Raises DeviceError where the device cannot be used as the scene wants.
@@ -61,12 +61,11 @@ class Session:
         max_depth_m: float | None = None,
         reconnect_s: float = RECONNECT_S,
         report: Callable[[str], None] | None = None,
-        accept_edited: bool = False,
         place_m: tuple[float, float] | None = None,
         viewer: RowTaker | None = None,
         alarm: Alarm = lambda _line, _begins: None,
     ) -> None:
-        emitted = read_emission(given_path(folder), accept_edited)
+        emitted = read_emission(given_path(folder))
         plan, self._hash, self._edited = emitted.plan, emitted.hash, list(emitted.edited)
         self._scene = SceneLibrary(given_path(folder))
         settings = LoopSettings(

@@ -47,7 +47,7 @@ class Validation:
     recordings, logs of sessions apart. ramped: samples of each recording in the start-up ramp,
     which no error counts. model_rmse_n: error of the model itself; rendering_n: RMS of what
     coupling, guard and limits add to it; None for logs alone, which neither counts. edited: files
-    of the folder that are not as emitted, and were accepted. seen: how many recordings the model
+    of the folder that are not as emitted. seen: how many recordings the model
     was trained on, None where it does not say. places: error of each, if recordings have any.
     clamped_low: ticks at the lower limit of the force, min_n, N; other clamped ones are at the
     upper limit.
@@ -126,14 +126,13 @@ def validate(
     folder: Path,
     recordings: Sequence[Recording],
     paced_s: float = PACED_S,
-    accept_edited: bool = False,
 ) -> Validation:
     """Replay every recording from a fresh state.
 
     Raises DataError for a sampling rate that the scene cannot take, or where the C is not as
     emitted, unless that is accepted.
     """
-    emitted = read_emission(folder, accept_edited)
+    emitted = read_emission(folder)
     plan, model = emitted.plan, emitted.model
     for recording in recordings:
         require_compatible(recording, model, plan.dt_s)

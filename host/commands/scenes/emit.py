@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from springpot.codegen.errors import UsageError
-from springpot.host.console.options import PATH, accept_edited_option
+from springpot.host.console.options import PATH
 from springpot.host.console.output import json_option, print_result, progress_bar, say
 
 if TYPE_CHECKING:
@@ -134,20 +134,17 @@ def _stability(emission: Emission) -> str:
 
 @click.command()
 @click.argument("folder", type=PATH)
-@accept_edited_option
 @json_option
-def build(folder: Path, accept_edited: bool, as_json: bool) -> None:
+def build(folder: Path, as_json: bool) -> None:
     """Build an emitted FOLDER's shared library in the cache; print its path."""
-    from springpot.host.emission.checksums import require_as_emitted
+    from springpot.host.emission.checksums import edited_files
     from springpot.host.emission.emission import require_emission
     from springpot.host.native.scene_library import build_scene
 
     require_emission(folder)
-    edited = require_as_emitted(folder, accept_edited)
+    edited = edited_files(folder)
     library = build_scene(folder)
     if as_json:
         print_result({"library": str(library), "edited": list(edited)}, True, {})
     else:
-        if edited:
-            say(f"not as springpot emitted it: {', '.join(edited)}")
         click.echo(library)

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from springpot.codegen.errors import UsageError
-from springpot.host.console.options import PATH, POSITIVE, accept_edited_option
+from springpot.host.console.options import PATH, POSITIVE
 from springpot.host.console.output import json_option, print_result, progress_console
 from springpot.host.devices.device import RECONNECT_S
 
@@ -39,7 +39,6 @@ if TYPE_CHECKING:
     show_default=True,
     help="How long to wait for a device that was unplugged.",
 )
-@accept_edited_option
 @json_option
 def run(
     scene: Path,
@@ -50,7 +49,6 @@ def run(
     max_force_n: float | None,
     max_depth_mm: float | None,
     reconnect_s: float,
-    accept_edited: bool,
     as_json: bool,
 ) -> None:
     """Render a scene on a device.
@@ -80,7 +78,6 @@ def run(
             max_depth_m=None if max_depth_mm is None else max_depth_mm / 1e3,
             reconnect_s=reconnect_s,
             report=report,
-            accept_edited=accept_edited,
             place_m=parse_place(place) if place else None,
             alarm=_alarm,
         )

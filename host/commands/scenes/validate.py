@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from springpot.codegen.plurals import number_of
-from springpot.host.console.options import PATH, accept_edited_option, recordings_given
+from springpot.host.console.options import PATH, recordings_given
 from springpot.host.console.output import json_option, print_result, progress_bar
 
 if TYPE_CHECKING:
@@ -18,11 +18,8 @@ if TYPE_CHECKING:
 @click.command(name="validate")
 @click.argument("folder", type=PATH)
 @recordings_given("Recording or folder")
-@accept_edited_option
 @json_option
-def validate_(
-    folder: Path, recordings: tuple[str, ...], accept_edited: bool, as_json: bool
-) -> None:
+def validate_(folder: Path, recordings: tuple[str, ...], as_json: bool) -> None:
     """Replay recordings (files or folders) through the C of an emitted FOLDER."""
     from springpot.host.emission.emission import require_emission
     from springpot.host.validation.store import store_validation
@@ -32,7 +29,7 @@ def validate_(
     require_emission(folder)  # first: where both are given the wrong way round, it says so
     found = read_recordings(map(Path, recordings))
     with progress_bar(f"{number_of(len(found), 'recording')}"):
-        validation = validate(folder, found, accept_edited=accept_edited)
+        validation = validate(folder, found)
     if len(validation.felt) < len(
         found
     ):  # a log says nothing of the object: the page keeps what does
