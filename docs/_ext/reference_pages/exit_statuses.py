@@ -23,7 +23,7 @@ def statuses() -> dict[int, tuple[str, str]]:
 def exit_status_table() -> str:
     """Markdown: a table."""
     rows = [
-        f"| {status} | {meaning} | {{py:exc}}`~springpot.{name}` |" if name
+        f"| {status} | {meaning} | `springpot.codegen.errors.{name}` |" if name
         else f"| {status} | {meaning} | |"
         for status, (name, meaning) in statuses().items()
     ]  # fmt: skip

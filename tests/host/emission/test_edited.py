@@ -14,7 +14,6 @@ from springpot.host.emission.checksums import CHECKSUMS, edited_files
 from springpot.host.emission.emission import read_emission
 from springpot.trainer.recordings.recording_file import read_recording
 
-
 pytestmark = pytest.mark.filterwarnings("always::UserWarning")
 
 
