@@ -52,7 +52,7 @@ _THUMB = Costs(
     filled=3.1, rest=2,
 )  # fmt: skip
 _RISCV = Costs(
-    tick=164, coupling=85, tap=4.6, tap_row=110, pole=20, slow_pole=700, direct=8,
+    tick=150, coupling=85, tap=4.6, tap_row=110, pole=20, slow_pole=700, direct=8,
     weight=6.0, lane=12, lag=16, velocity_step=27, bin_step=15, bin_search=60, quantisation=36,
     tree=90, tree_round=38, center=13, passive=34, branch=27, curve=16,
     branch_depth=12, stop=54, flow=34, flow_branch=60, damage=32, surface=50, surface_piece=9,

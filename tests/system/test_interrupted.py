@@ -17,7 +17,6 @@ pytestmark = pytest.mark.slow
 COMMANDS = {
     "record --device sim://ecoflex-00-30 --protocol paper --out new": "new",
     "train training --model rf-fd --out new.spm": "new.spm",
-    "export training --to csv --out new": "new",
     "emit --scene scene.toml --out new": "new",
     "validate c --recording validation": "c/validation",
     "report c": "c/report.html",

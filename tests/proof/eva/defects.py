@@ -1,11 +1,12 @@
 """Planted defects: each makes the analysis of one scene fail, or the analysis proves nothing."""
 
+import json
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 
 from proof.eva.analysis import Analysis, Known
-from proof.eva.scene_analysis import analyse_scene
+from proof.eva.scene_analysis import analyse_scene, real_type
 from proof.eva.scenes import ProvedScene, emit_scene
 
 _PASSIVE = ProvedScene("hammerstein", "off", "float32")
@@ -128,9 +129,10 @@ def analyse_defect(defect: Defect, folder: Path, known: Known = MappingProxyType
     Raises ValueError where the C no longer has what it changes.
     """
     out = emit_scene(defect.scene, folder / defect.what.replace(" ", "-"))
-    changed = out / defect.file
-    text = changed.read_text()
-    if defect.right not in text:
-        raise ValueError(f"{defect.what}: {defect.file} has no {defect.right!r} any more")
-    changed.write_text(text.replace(defect.right, defect.wrong, 1))
+    changed = out / "sp.c"
+    text, number = changed.read_text(), real_type(json.loads((out / "manifest.json").read_text()))
+    right, wrong = (part.replace("sp_real", number) for part in (defect.right, defect.wrong))
+    if right not in text:
+        raise ValueError(f"{defect.what}: {changed} has no {right!r} any more")
+    changed.write_text(text.replace(right, wrong, 1))
     return analyse_scene(out, laws=defect.of_laws, known=known)

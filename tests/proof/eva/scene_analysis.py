@@ -2,8 +2,10 @@
 
 import json
 import re
+from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
+from typing import Any
 
 from proof.eva.analysis import Analysis, Known, Precision, Question, alarms_in, answer, unbounded_in
 
@@ -43,7 +45,8 @@ def analyse_scene(
 
     laws: of growth and of the latched fall too, which takes several times as long.
     """
-    limits = json.loads((folder / "manifest.json").read_text())["limits"]
+    manifest = json.loads((folder / "manifest.json").read_text())
+    limits = manifest["limits"]
     files = sorted(folder.glob("sp.[ch]"))
     text = "".join(path.read_text() for path in files)
     floats = [limits["min_n"], limits["max_n"], *_BOUNDS, *(-bound for bound in _BOUNDS)]
@@ -53,6 +56,7 @@ def analyse_scene(
         ("@WHOLE@", ", ".join(map(str, sorted(_last_places(text))))),
         ("@LAWS@", str(int(laws))),
         ("@PLACE@", _PLACE if "void sp_place(" in text else ""),
+        ("sp_real", real_type(manifest)),
     ):
         driver = driver.replace(mark, value)
     (folder / "prove.c").write_text(driver)
@@ -67,7 +71,12 @@ def analyse_scene(
     return answer(question, known, timeout_s)
 
 
+def real_type(manifest: Mapping[str, Any]) -> str:
+    """Return what an emitted scene writes for sp_real."""
+    return {"float32": "float", "float64": "double"}[manifest["number"]]
+
+
 def _last_places(text: str) -> set[int]:
     """Last indices of the arrays in the state: where a ring's place ends."""
-    sizes = re.findall(r"sp_real \w+\[(?:2 \* )?(\d+)\];", text)
+    sizes = re.findall(r"(?:float|double) \w+\[(?:2 \* )?(\d+)\];", text)
     return {int(size) - 1 for size in sizes} | {1}
