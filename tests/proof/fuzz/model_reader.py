@@ -12,7 +12,7 @@ from support.small import small_model
 
 from springpot.codegen.model.model_file import MODEL_MAGIC, MODEL_SCHEMA, model_bytes, read_model
 
-_SMALL = ("hammerstein", "springpot", "rbf-pv", "rbf-fd", "boosted-recursive")
+_SMALL = ("hammerstein", "springpot", "rbf-pv", "rbf-fd", "rf-fd-fast")
 
 
 def seeds() -> Iterator[tuple[str, bytes]]:
