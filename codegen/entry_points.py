@@ -21,7 +21,6 @@ from typing import Any, TypeVar
 from springpot.codegen.errors import SpringpotError
 
 Entry = TypeVar("Entry")
-_WINGS = "springpot.host"  # folders that an installation may leave out
 
 
 @cache

@@ -132,14 +132,8 @@ def ratio_rows(ratios: dict[str, Any]) -> dict[str, str]:
     }
 
 
-def just_noticeable_percent(force_n: Samples) -> Samples:
-    """Just noticeable difference, percent of the force: 10 % from 2 N on, 0.2 N below."""
-    percent: Samples = 100.0 * just_noticeable_n(force_n) / np.maximum(np.abs(force_n), 1e-12)
-    return percent
-
-
 def just_noticeable_n(force_n: Samples) -> Samples:
-    """The same in N."""
+    """Just noticeable difference, N: 10 % of the force from 2 N on, 0.2 N below."""
     noticeable: Samples = WEBER_FRACTION * np.maximum(np.abs(force_n), SCORED_ABOVE_N)
     return noticeable
 

@@ -19,10 +19,6 @@ COMMANDS = {
     "bench": LazyCommand(f"{_HERE}.bench.command:bench"),
     "report": LazyCommand(f"{_HERE}.report.commands:report"),
     "page": LazyCommand(f"{_HERE}.page.command:page"),
-    "reproduce": LazyCommand(
-        f"{_HERE}.evidence.commands.reproduce:reproduce",
-        "Repeat the paper's tables and figures, and say which of its claims hold here.",
-    ),
     "study": LazyCommand(
         f"{_HERE}.study.commands:study",
         "Does it feel like the object? Plan a study, run it with people, and report.",

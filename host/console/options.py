@@ -26,29 +26,10 @@ class FiniteRange(click.FloatRange):
         return "any" if self.min is None and self.max is None else super()._describe_range()
 
 
-class Percent(click.ParamType[float]):
-    """A share, written as a percentage: "1%" or "1"."""
-
-    name = "percent"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Return the share, 0.01 for "1%"; or fail with the option's name."""
-        if isinstance(value, float):
-            return value
-        try:
-            share = float(str(value).removesuffix("%")) / 100.0
-        except ValueError:
-            share = math.nan
-        if not 0.0 <= share <= 1.0:
-            self.fail(f"{value}: give a percentage from 0% to 100%, for example 1%", param, ctx)
-        return share
-
-
 PATH = click.Path(path_type=Path)
 SEED = click.IntRange(0, 2**32 - 1)
 POSITIVE = FiniteRange(0, min_open=True)
 NOT_NEGATIVE = FiniteRange(0)
-PERCENT = Percent()
 
 
 def recordings_given(help_text: str) -> Callable[[_Command], _Command]:

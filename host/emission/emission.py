@@ -217,8 +217,3 @@ def _unchecked(plan: Plan) -> list[str]:
             "their library is not counted"
         )
     return messages
-
-
-def by_hand(folder: Path) -> str:
-    """The build of an emission without Python."""
-    return f"make -C {folder.name} test    # its self-test, without Python"

@@ -9,12 +9,13 @@ from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import write_model
 from springpot.codegen.model.passive import Damage, Flow, Hammerstein
 from springpot.codegen.scene import Coupling, Runtime, Scene, Smoothing
-from springpot.trainer.features.fractional import fir_derivatives, gl_taps
+from springpot.trainer.features.fractional import gl_taps
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import Fit, FitOptions
 from springpot.trainer.models.motion import DepthMotion
 from springpot.trainer.models.passive.passive_force import model_along
 from springpot.trainer.recordings.recording import Recording, Zero
+from support.derivatives import fir_derivatives
 
 DT_S = 1e-3
 DEPTH_M = 0.012

@@ -87,11 +87,9 @@ def test_no_folder_is_crowded() -> None:
 FITTING = {
     "bench",
     "study",
-    "evidence",
     "estimators",
     "force_sensor",
     "report",
-    "smaller",
 }  # rooms of host
 
 

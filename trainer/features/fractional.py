@@ -39,16 +39,6 @@ def gl_taps(order: float, length: int, dt_s: float) -> Samples:
     return weights
 
 
-def fir_derivatives(position_m: Samples, taps: Samples) -> Samples:
-    """Filter positions with each column of `taps` (length, orders): shape (n, orders), m/s^r.
-
-    Before the first sample the object has rested at that sample.
-    """
-    held = np.concatenate([np.full(len(taps) - 1, position_m[0]), position_m])
-    columns = [np.convolve(held, column, mode="valid") for column in taps.T]
-    return np.stack(columns, axis=1)
-
-
 def recursive_bank(orders: tuple[float, ...], dt_s: float, longest_s: float) -> RecursiveBank:
     """Log-spaced poles, one bank for all orders, true to motion between longest_s/2 and two steps.
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from springpot.codegen.arrays import Reals
 from springpot.codegen.model.formulas import Place, curve_place, curve_values, flow_functions
-from springpot.codegen.stages.stage import SMALLEST, VECTOR_WIDTH, numbers
+from springpot.codegen.stages.stage import VECTOR_WIDTH, numbers
 
 if TYPE_CHECKING:
     from springpot.codegen.stages.passive.hammerstein import HammersteinStage
@@ -47,14 +47,6 @@ class PassiveMotion:
         """Return what branches hold, (branches,), N, and the play of stops, (stops,)."""
         real = self._stage.spring.dtype
         return np.concatenate([held.astype(real) for held in self._held]), self._play
-
-    def renew(self, share: Any) -> None:
-        """sp_drag_renew: of what each branch has relaxed, a share is as if it had not."""
-        for step, held in zip(self._stage.steps, self._held, strict=True):
-            g = self._before[step.first : step.first + step.count]
-            more = share * (g - held.astype(g.dtype))
-            fresh = (held + more.astype(held.dtype)).astype(held.dtype)
-            held[:] = np.where(np.abs(fresh) < held.dtype.type(SMALLEST), 0, fresh)
 
     def on(self, stage: "HammersteinStage") -> "PassiveMotion":
         """The same state in ticks of another length: the stage of the same model."""

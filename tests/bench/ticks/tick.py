@@ -14,12 +14,12 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from support.silicones import paper_presses, validation_signals
 from tick_peers import peer_rows
 from tick_rows import HERE, Row, Stepper, literal_row, scene_rows
 
 from springpot.codegen.model.features import FirBank
 from springpot.codegen.scene import Coupling, Smoothing
-from springpot.host.evidence.paper.reproduce import Work, simulated
 from springpot.host.native.compiler import compiler_version, find_compiler
 from springpot.host.native.machine import machine_metadata
 from springpot.trainer.kinds import fit_model
@@ -115,11 +115,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--json", type=Path)
     asked = parser.parse_args()
-    sets = simulated(OBJECT, "a", Work(signals=4))
-    position_m = np.concatenate([item.position_m for item in sets.validation[2:]])
+    signals = validation_signals(OBJECT, 4)
+    position_m = np.concatenate([item.position_m for item in signals[2:]])
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch)
-        rows, ensemble, features = rows_of(folder, sets.training, sets.validation[:2])
+        rows, ensemble, features = rows_of(folder, paper_presses(OBJECT), signals[:2])
         hot, paced = timed(rows, position_m)
         table = [
             {

@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.in_process import spring
+from support.silicones import paper_presses
 from support.small import (
     DEPTH_M,
     DT_S,
@@ -26,7 +27,6 @@ from springpot.codegen.model.model import Model
 from springpot.codegen.plan.make_plan import SERVED_HZ, make_plan
 from springpot.codegen.scene import Coupling, Device, Runtime, Scene
 from springpot.host.emission.emission import emit, read_emission
-from springpot.host.evidence.paper.reproduce import Work, simulated
 from springpot.host.native.trial_build import built
 from springpot.host.stability.check import Stability, stability
 from springpot.host.stability.closed_loop import Outcome
@@ -50,9 +50,8 @@ PLAIN = Scene(schema=1, name="x", model="x")
 
 @cache
 def simulated_model(name: str, kind: str, trees: int = TREES, past: bool = False) -> Model:
-    training = simulated(name, "a", Work(signals=1)).training
     options = FitOptions(trees=trees, past_positions=past)
-    return fit_model(kind, name, training, options).model
+    return fit_model(kind, name, paper_presses(name), options).model
 
 
 CASES = {

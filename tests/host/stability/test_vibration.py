@@ -7,6 +7,7 @@ from contextlib import ExitStack
 import numpy as np
 import pytest
 from support.c import golden_forces
+from support.silicones import paper_presses
 from support.small import scene
 
 from springpot import Model, Scene
@@ -15,7 +16,6 @@ from springpot.codegen.errors import UnsafeError
 from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.scene import Device
-from springpot.host.evidence.paper.reproduce import Work, simulated
 from springpot.host.native.trial_build import built, uncoupled
 from springpot.host.simulation.cases import HOLDS, NUDGE_N, NUDGE_S, cases, held_case
 from springpot.host.simulation.hand_loop import HandLoop
@@ -120,7 +120,7 @@ def test_a_loop_that_is_not_bounded_is_refused_by_name() -> None:
 @pytest.mark.slow
 def test_past_positions_vibrate_between_the_depths_that_were_looked_at_before() -> None:
     """A forest on past positions at 85 to 95 % of the depth, in the hand of a light holder."""
-    training = simulated("dragon-skin-10", "a", Work(signals=1)).training
+    training = paper_presses("dragon-skin-10")
     model: Model = fit_model(
         "rf-fd", "x", training, FitOptions(trees=20, past_positions=True)
     ).model

@@ -9,7 +9,7 @@ import pytest
 from support.in_process import spring
 from support.small import press, recording, training
 
-from springpot.host.metrics import accuracy, just_noticeable_percent, start_up_ramp
+from springpot.host.metrics import accuracy, just_noticeable_n, start_up_ramp
 from springpot.trainer.recordings.recording_file import write_recording
 
 
@@ -46,7 +46,7 @@ def test_the_start_up_ramp_is_counted_apart() -> None:
 
 
 def test_the_just_noticeable_difference_rises_below_two_newton() -> None:
-    np.testing.assert_allclose(just_noticeable_percent(np.array([0.5, 2.0, 9.0])), [40, 10, 10])
+    np.testing.assert_allclose(just_noticeable_n(np.array([0.5, 2.0, 9.0])), [0.2, 0.2, 0.9])
 
 
 def test_train_gives_both(tmp_path: Path) -> None:

@@ -3,8 +3,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from support.derivatives import fir_derivatives
 
-from springpot.trainer.features.fractional import fir_derivatives, gl_taps, gl_weights
+from springpot.trainer.features.fractional import gl_taps, gl_weights
 
 
 @pytest.mark.parametrize("order", [0.0, 0.05, 0.3, 0.5, 0.95, 1.0])

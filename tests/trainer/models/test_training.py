@@ -6,13 +6,13 @@ import tracemalloc
 import numpy as np
 import pytest
 from sklearn.ensemble import RandomForestRegressor
+from support.derivatives import fir_derivatives
 from support.small import DEPTH_M, DT_S, press, recording, small_fit, training
 
 from springpot import Recording
 from springpot.codegen.errors import DataError
 from springpot.codegen.forest.leaves import quantised_leaves
 from springpot.codegen.model.model_file import model_hash
-from springpot.trainer.features.fractional import fir_derivatives
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.contact import pulls
 from springpot.trainer.models.fit import FitOptions

@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from support.derivatives import fir_derivatives
 from support.small import soft_force
 
 from springpot import Recording, check_recordings
-from springpot.trainer.features.fractional import fir_derivatives, gl_taps
+from springpot.trainer.features.fractional import gl_taps
 from springpot.trainer.recordings.quality.snap import snap_findings
 
 DEPTH_M = 5e-3

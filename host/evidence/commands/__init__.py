@@ -1,1 +1,0 @@
-"""Commands that measure kinds of model against each other, and the paper."""

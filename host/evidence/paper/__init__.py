@@ -1,1 +1,0 @@
-"""The paper's protocol, tables, figures and claims."""
