@@ -8,6 +8,7 @@ from springpot.codegen.atomic_write import write_file
 from springpot.codegen.errors import DataError
 from springpot.host.emission.emission import read_emission, require_emission
 from springpot.host.metrics import JND_WORDS, SCORED_ABOVE_N, floor_words
+from springpot.host.native.compiler import CompilerError
 from springpot.host.native.footprint import measure_footprint
 from springpot.host.native.scene_library import scene_prefix
 from springpot.host.native.toolchain import missing_tools, toolchain
@@ -89,9 +90,12 @@ def _cost_rows(folder: Path, manifest: dict[str, Any], result: dict[str, Any]) -
     tools = toolchain(target)
     flash = f"not measured: {missing_tools(target)}"
     if tools is not None:
-        found = measure_footprint(folder, f"{scene_prefix(folder)}.c", tools)
-        stack = "" if found.stack_bytes is None else f", stack {found.stack_bytes} bytes"
-        flash = f"{found.flash_bytes} bytes ({target}){stack}"
+        try:
+            found = measure_footprint(folder, f"{scene_prefix(folder)}.c", tools)
+            stack = "" if found.stack_bytes is None else f", stack {found.stack_bytes} bytes"
+            flash = f"{found.flash_bytes} bytes ({target}){stack}"
+        except CompilerError as error:
+            flash = f"not measured: {error}"
     paced = ", ".join(
         f"{name} {plain(ticks[key] / 1e3)} µs"
         for name, key in (("median", "p50"), ("99 %", "p99"), ("99.9 %", "p999"), ("most", "max"))
