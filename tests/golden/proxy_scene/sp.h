@@ -1,4 +1,4 @@
-/* springpot 0.1.0 bbbf18dac13294332bd275ef44152ca90523008216ca36446ba38af2e99e8658 */
+/* springpot 0.1.0 63793833c75fa29fed271fcdd3a044a882c0bfbdb21371f84c1c46354287a0da */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:
