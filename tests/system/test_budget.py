@@ -27,8 +27,8 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
     [
         ("codegen/*.py", 7700),
         ("trainer/*.py", 11400),
-        ("host/*.py", 16000),
-        ("runtime_c/*.[ch]", 8800),
+        ("host/*.py", 14500),
+        ("runtime_c/*.[ch]", 7300),
         ("tests/*.py", 27000),
     ],
 )
@@ -37,7 +37,7 @@ def test_lines(what: str, most: int) -> None:
 
 
 def test_files_of_the_product() -> None:
-    assert len(tracked(*PYTHON)) <= 350
+    assert len(tracked(*PYTHON)) <= 328
 
 
 def test_documents() -> None:
@@ -48,10 +48,10 @@ def test_documents() -> None:
 
 def test_names_commands_and_kinds() -> None:
     assert len(dir(springpot)) <= 24
-    assert len(COMMANDS) <= 17
+    assert len(COMMANDS) <= 16
     assert len(kind_names()) <= 6  # five, and auto
 
 
 def test_types_are_written() -> None:
     lines = [line for text in tracked(*PYTHON) for line in text.splitlines()]
-    assert sum(bool(re.search(r"\bAny\b", line)) for line in lines) <= 500
+    assert sum(bool(re.search(r"\bAny\b", line)) for line in lines) <= 430
