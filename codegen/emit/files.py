@@ -18,12 +18,10 @@ from springpot.runtime_c.paths import flags
 _HASH = "@manifest-hash@"
 
 
-def emit_files(plan: Plan, facts: Mapping[str, Any] | None = None) -> dict[str, str]:
+def emit_files(plan: Plan) -> dict[str, str]:
     """Return file name -> text: NAME.c, NAME.h, an example main.c, its Makefile, the manifest.
 
     Generated files begin with the version and the manifest's hash, which covers every file here.
-    facts: for the manifest, of `force_facts`, a search of up to a second: a build that no user
-    keeps goes without.
     """
     prefix = plan.scene.runtime.prefix
     files = {
@@ -33,7 +31,7 @@ def emit_files(plan: Plan, facts: Mapping[str, Any] | None = None) -> dict[str, 
         "Makefile": rendered("Makefile.j2", prefix=prefix, flags=" ".join(flags("SP_CFLAGS"))),
     }
     files = {name: stamp(name) + text for name, text in files.items()}
-    files["manifest.json"] = manifest_text(plan, facts or {})
+    files["manifest.json"] = manifest_text(plan)
     return hashed(files)
 
 
@@ -45,12 +43,12 @@ def hashed(files: Mapping[str, str]) -> dict[str, str]:
     return {name: text.replace(_HASH, digest.hexdigest()) for name, text in files.items()}
 
 
-def manifest_text(plan: Plan, facts: Mapping[str, Any]) -> str:
+def manifest_text(plan: Plan) -> str:
     """Write manifest.json."""
-    return json.dumps(_manifest(plan, facts), indent=2, sort_keys=True) + "\n"
+    return json.dumps(_manifest(plan), indent=2, sort_keys=True) + "\n"
 
 
-def _manifest(plan: Plan, facts: Mapping[str, Any]) -> dict[str, Any]:
+def _manifest(plan: Plan) -> dict[str, Any]:
     """All metadata of the emission, for people and tools."""
     return {
         **_short_manifest(plan),
@@ -64,7 +62,6 @@ def _manifest(plan: Plan, facts: Mapping[str, Any]) -> dict[str, Any]:
         "accept_unsafe": plan.accept_unsafe,
         **_model_metadata(plan),
         **_places(plan),
-        **facts,
         "state_bytes": state_bytes(plan),
         **({"instructions": asdict(bound)} if (bound := instruction_bound(plan)) else {}),
         "limits": {

@@ -12,7 +12,6 @@ from springpot.codegen.emit.files import emit_files
 from springpot.codegen.errors import BudgetError, DataError, MismatchError
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import MODEL_SUFFIX, read_model
-from springpot.codegen.plan.force_facts import force_facts
 from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import state_bytes
@@ -119,7 +118,7 @@ def read_manifest(folder: Path) -> dict[str, Any]:
 def write_emission(plan: Plan, scene: Scene, model_file: Path, folder: Path) -> None:
     """Write a plan's files into a new folder, with what they were made from."""
     (folder / "from").mkdir(parents=True)
-    for name, text in emit_files(plan, force_facts(plan)).items():
+    for name, text in emit_files(plan).items():
         (folder / name).write_text(text)
     (folder / SCENE_COPY).write_text(scene_to_json(scene))
     shutil.copyfile(model_file, folder / MODEL_COPY)

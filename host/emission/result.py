@@ -13,7 +13,7 @@ from springpot.host.native.footprint import Footprint
 from springpot.host.stability.check import Check
 
 # Keys of `emit --json` that the manifest has too; instructions and forest of some scenes only.
-_OF_MANIFEST = ("instructions", "units", "left_out", "orders", "coupling", "forest", "outside",
+_OF_MANIFEST = ("instructions", "units", "left_out", "orders", "coupling", "outside",
                 "accept_unsafe")  # fmt: skip
 
 
