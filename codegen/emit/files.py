@@ -5,7 +5,6 @@ import json
 from collections.abc import Mapping
 from dataclasses import asdict
 from importlib.metadata import version
-from typing import Any
 
 from springpot.codegen.emit.header import header_text
 from springpot.codegen.emit.render import rendered
@@ -13,6 +12,7 @@ from springpot.codegen.emit.source import source_text
 from springpot.codegen.model.model_file import model_hash
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import instruction_bound, planned_headers, state_bytes
+from springpot.codegen.types import JsonObject
 from springpot.runtime_c.paths import flags
 
 _HASH = "@manifest-hash@"
@@ -48,7 +48,7 @@ def manifest_text(plan: Plan) -> str:
     return json.dumps(_manifest(plan), indent=2, sort_keys=True) + "\n"
 
 
-def _manifest(plan: Plan) -> dict[str, Any]:
+def _manifest(plan: Plan) -> JsonObject:
     """All metadata of the emission, for people and tools."""
     return {
         **_short_manifest(plan),
@@ -77,7 +77,7 @@ def _manifest(plan: Plan) -> dict[str, Any]:
     }
 
 
-def coupling_metadata(plan: Plan) -> dict[str, Any]:
+def coupling_metadata(plan: Plan) -> JsonObject:
     """Mode, gains, why, and what a hand will feel on the object's stiffest part."""
     choice = plan.coupling
     gains = asdict(choice.coupling) if plan.couple is not None else {"mode": "off"}
@@ -89,7 +89,7 @@ def coupling_metadata(plan: Plan) -> dict[str, Any]:
     }
 
 
-def _model_metadata(plan: Plan) -> dict[str, Any]:
+def _model_metadata(plan: Plan) -> JsonObject:
     features, regressor = plan.features, plan.regressor
     return {
         "orders": list(getattr(features, "orders", ())),
@@ -98,7 +98,7 @@ def _model_metadata(plan: Plan) -> dict[str, Any]:
     }
 
 
-def _places(plan: Plan) -> dict[str, Any]:
+def _places(plan: Plan) -> JsonObject:
     """Extent of the map, m, of a scene with places."""
     hammerstein = plan.model.hammerstein
     if hammerstein is None or (places := hammerstein.places) is None:
@@ -114,7 +114,7 @@ def _places(plan: Plan) -> dict[str, Any]:
     }
 
 
-def _short_manifest(plan: Plan) -> dict[str, Any]:
+def _short_manifest(plan: Plan) -> JsonObject:
     """Short manifest, which the image itself reports (sp_manifest)."""
     trained = plan.model.trained
     return {

@@ -5,7 +5,6 @@ import shutil
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from springpot.codegen.atomic_write import folder_written_aside
 from springpot.codegen.emit.files import emit_files
@@ -17,6 +16,7 @@ from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import state_bytes
 from springpot.codegen.scene import Scene
 from springpot.codegen.short_repr import short_repr
+from springpot.codegen.types import JsonObject
 from springpot.host.emission.checksums import (
     edited_files,
     edited_hash,
@@ -103,11 +103,11 @@ def read_emission(folder: Path) -> Emitted:
     return Emitted(plan, model, edited, edited_hash(str(metadata["hash"]), folder, edited))
 
 
-def read_manifest(folder: Path) -> dict[str, Any]:
+def read_manifest(folder: Path) -> JsonObject:
     """Read all metadata of an emitted folder. Raises DataError where manifest.json is none."""
     file = folder / "manifest.json"
     try:
-        metadata: dict[str, Any] = json.loads(file.read_text())
+        metadata: JsonObject = json.loads(file.read_text())
         if {"accept_unsafe", "hash"} <= metadata.keys():
             return metadata
     except (OSError, ValueError, AttributeError):

@@ -13,6 +13,7 @@ from typing import Any, Self
 
 from springpot.codegen.errors import DeviceError, SpringpotError
 from springpot.codegen.regular_file import given_path
+from springpot.codegen.types import JsonObject
 from springpot.host.devices.device import RECONNECT_S, requirements_of
 from springpot.host.emission.emission import read_emission
 from springpot.host.native.loop_library import Stop
@@ -87,7 +88,7 @@ class Session:
         self._file = None if log is None else given_path(log)
         self._log: SessionLog | None = None
         self._warnings = LiveWarnings(plan, alarm)
-        self._warned: list[dict[str, Any]] = []
+        self._warned: list[JsonObject] = []
         self._place_m = place_m
         steps = scene_step_functions(self._scene, place_m)
         self._open = partial(
@@ -161,7 +162,7 @@ class Session:
         """Forget the past, unlatch."""
         self.runner.reset()
 
-    def result(self) -> dict[str, Any]:
+    def result(self) -> JsonObject:
         """Keys of `springpot run --json`, after the end."""
         run = self.runner
         state, counts = run.state, run.counts

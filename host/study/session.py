@@ -5,12 +5,12 @@ import time
 from collections.abc import Sequence
 from itertools import count
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from springpot import Session
 from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.types import JsonObject
 from springpot.host.console.output import progress_console, say
 from springpot.host.emission.emission import read_emission
 from springpot.host.native.loop_library import COLUMN, LoopRows
@@ -56,7 +56,7 @@ class PressWatch:
             self._last_s = float(warned_s[-1])
 
 
-def run_session(plan: StudyPlan, participant: str, url: str) -> dict[str, Any]:
+def run_session(plan: StudyPlan, participant: str, url: str) -> JsonObject:
     """Go on with the first session that is not over; return what `study run --json` prints.
 
     Standard input has what the participant types. Raises UsageError where nothing is left or the
