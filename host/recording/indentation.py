@@ -154,7 +154,10 @@ class PressedDevice:
             sensed=self.sensed,
         )
         requirements = DeviceRequirements(RATE_HZ, _WATCHDOG_S, _HEADROOM * max_n, presses=True)
-        runner = SessionRunner(steps, self.url, requirements, settings, log=rows, reconnect_s=0.0)
+        runner = SessionRunner(
+            steps, self.url, requirements, settings, [rows.append], reconnect_s=0.0
+        )
+        runner.open()
         try:
             self.attach(runner)
             runner.start()

@@ -115,7 +115,7 @@ def _rated_trial(plan: StudyPlan, trial: Trial, url: str) -> tuple[object, ...]:
     say(f"session {trial.session}, trial {trial.trial}: place the objects, lift the tool. {_KEYS}")
     begin_s = time.monotonic()
     session = Session(
-        place, url, _free_name(plan.folder(trial.participant), trial), viewer=watch,
+        place, url, _free_name(plan.folder(trial.participant), trial), viewers=[watch.append],
         report=lambda line: say(line) if line != session.line else None,
     )  # fmt: skip
     with session:
@@ -135,8 +135,8 @@ def _ask(trial: Trial, session: Session) -> float | None:
     sides, felt = {"l": trial.left, "r": trial.right}, set[str]()
     while True:
         word = _typed()
-        state, rating = session.runner.state, _rating(word)
-        if session.runner.over:
+        state, rating = session.state, _rating(word)
+        if session.over:
             return None
         if word == "reset":
             session.reset()

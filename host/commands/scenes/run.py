@@ -99,7 +99,7 @@ def _hold(session: Session) -> None:
     try:
         with session:
             session.start()
-            watch(session.runner)
+            watch(session)
     except KeyboardInterrupt:
         if not session.line:  # it had not begun; else its line says that, and by whom
             raise
