@@ -56,6 +56,16 @@ class LinearLoop:
         radius: NDArray[np.float64] = np.abs(np.linalg.eigvals(matrices)).max(axis=1)
         return radius
 
+    def swing_radius(self, stiffness_npm: float | NDArray[np.float64]) -> NDArray[np.float64]:
+        """As `spectral_radius`, of what swings: without the positive eigenvalues below 1.
+
+        Those creep to their end, however slowly, and no hand feels them vibrate.
+        """
+        values = np.linalg.eigvals(self._tick(np.atleast_1d(np.asarray(stiffness_npm, np.float64))))
+        creeps = (values.imag == 0.0) & (values.real > 0.0) & (values.real < 1.0)
+        radius: NDArray[np.float64] = np.where(creeps, 0.0, np.abs(values)).max(axis=1)
+        return radius
+
     def max_stiffness_npm(self) -> float:
         """Stiffest object up to which the loop is stable with all softer ones, N/m.
 
