@@ -86,6 +86,3 @@ def test_one_bit_is_a_difference(dtype: type[np.float32] | type[np.float64]) -> 
     assert not bits_differ(one, one.copy()).any()
     assert bits_differ(one, np.nextafter(one, dtype(9.0))).all()
     assert bits_differ(one, np.array([-0.0, 1.0, 3.5], dtype=dtype)).sum() == 1
-        False,
-        False,
-    ]
