@@ -9,7 +9,7 @@ from springpot.codegen.scene import Scene
 from springpot.codegen.stages.stage import SceneTicks
 
 # Guard: a hand does not move faster than this, and never faster than 8 x what was trained; less
-# than a millimetre is an encoder's noise: at 8 kHz, five steps of 50 um once latched a resting hand.
+# than a millimetre is noise: at 8 kHz, five steps of an encoder of 50 um once latched a still hand.
 MIN_JUMP_MPS = 1.0
 MIN_JUMP_M = 1e-3
 JUMP_PER_TRAINED_SPEED = 8.0
