@@ -112,21 +112,21 @@ def _kind_of_places(kind: str, recordings: "Sequence[Recording]") -> str:
 def _default_smoothing(
     recordings: "Sequence[Recording]", options: "FitOptions"
 ) -> "tuple[FitOptions, list[str]]":
-    """Shorten the default smoothing where recordings are too short for it; say so.
+    """Shorten the default smoothing where it would take more than noise; say so.
 
     Another time is one that a person chose: `training_set` refuses it.
     """
-    from springpot.trainer.models.training_set import MAX_SMOOTHED
+    from springpot.trainer.recordings.smoothing import longest_smoothing_s
 
-    shortest = min(recordings, key=lambda recording: recording.duration_s, default=None)
-    if shortest is None or options.smooth_s != PAPER_SMOOTH_S:
+    if not recordings or options.smooth_s != PAPER_SMOOTH_S:
         return options, []
-    most_s = MAX_SMOOTHED * shortest.duration_s
+    most_s = longest_smoothing_s(recordings, PAPER_SMOOTH_S)
     if options.smooth_s <= most_s:
         return options, []
+    over = f"over {most_s:.3g} s" if most_s else "not at all"
     line = (
-        f"{shortest.name} lasts {shortest.duration_s:.3g} s: recordings are smoothed over "
-        f"{most_s:.3g} s, a quarter of that, and not over {PAPER_SMOOTH_S:g} s"
+        f"recordings are smoothed {over}: {PAPER_SMOOTH_S:g} s would be more than a quarter of the "
+        "shortest one, or flatten a peak of the force by more than 3 %"
     )
     return replace(options, smooth_s=most_s), [line]
 
