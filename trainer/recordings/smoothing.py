@@ -44,7 +44,7 @@ def longest_smoothing_s(recordings: Sequence[Recording], most_s: float) -> float
         if peak_n >= _STRONG * max(peaks_n)
     ]
     for halvings in range(_HALVINGS + 1):
-        smooth_s = longest_s / 2**halvings
+        smooth_s = longest_s * 0.5**halvings
         if all(
             np.abs(smoothed(each, smooth_s).force_n).max() >= (1.0 - _FLATTENED) * peak_n
             for each, peak_n in strong
