@@ -1,6 +1,6 @@
 """The table of model kinds, and how each is fitted. Nothing heavy loads before a fit."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from importlib import import_module
 from typing import TYPE_CHECKING
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from springpot.trainer.models.training_set import TrainingSet
     from springpot.trainer.recordings.recording import Recording
 
+_POOR = 0.15  # of the largest force, by cross-validation
 WINDOWS = 3  # a recording shorter than this many windows shows too little of what they remember
 
 
@@ -152,8 +153,23 @@ def fit_kind(
             fit = _loaded(_AUTO_FIT)(name, data, options, validation)
         else:
             fit = _fitted(kind, name, data, options, validation)
-    warnings = dict.fromkeys((*data.warnings, *fit.warnings, *_short_recordings(data, options)))
+    warnings = dict.fromkeys(
+        (*data.warnings, *fit.warnings, *_short_recordings(data, options), *_poor_fit(fit, data))
+    )
     return replace(fit, warnings=tuple(warnings))
+
+
+def _poor_fit(fit: "Fit", data: "TrainingSet") -> Iterator[str]:
+    """Warn of a passive model that misses presses that it was not fitted on."""
+    error_n = fit.metadata.get("cv_rmse_n")
+    peak_n = max(abs(data.trained.max_n), abs(data.trained.min_n))
+    if error_n is not None and error_n > _POOR * peak_n:
+        yield (
+            f"{fit.model.name}: presses that were held out are missed by "
+            f"{100.0 * error_n / peak_n:.0f} % of the largest force: the passive model cannot "
+            "follow this object, or the recordings are not of one: see `springpot check`, or try "
+            "--model rf-fd"
+        )
 
 
 def _fitted(

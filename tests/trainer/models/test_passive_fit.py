@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from support.c.passive_run import PassiveC
-from support.small import DT_S, press
+from support.small import DT_S, press, training
 
 from springpot import Recording
 from springpot.codegen.model.passive import Hammerstein
@@ -197,3 +197,13 @@ def test_short_presses_of_a_silicone_tell_of_long_ones(tmp_path: Path) -> None:
     forces_n = [predict_n(model, each) for each in longer[:4]]
     found = accuracy([each.force_n for each in longer[:4]], forces_n, [0] * 4)
     assert found.rmse_percent_of_peak < 0.3
+
+
+def test_an_object_that_the_model_cannot_follow_is_named() -> None:
+    """A force that follows no motion: such a model was once shipped without a word."""
+    rng = np.random.default_rng(0)
+    wild = [replace(item, force_n=item.force_n * rng.uniform(0.1, 1.9)) for item in training()]
+    fit = fit_model("hammerstein", "wild", wild, FitOptions())
+    assert any("cannot follow this object" in line for line in fit.warnings)
+    calm = fit_model("hammerstein", "calm", training(), FitOptions())
+    assert not any("cannot follow" in line for line in calm.warnings)
