@@ -25,9 +25,13 @@ from springpot.trainer.recordings.metadata import (
     metadata_of_json,
 )
 from springpot.trainer.recordings.notices import caution
-from springpot.trainer.recordings.recording import RECORDING_SUFFIX, Recording, Zero
+from springpot.trainer.recordings.recording import (
+    RECORDING_SUFFIX,
+    Recording,
+    Zero,
+    require_recording_name,
+)
 from springpot.trainer.recordings.recording_hdf5 import write_recording
-from springpot.trainer.recordings.recording_name import require_recording_name
 
 JOURNAL_SUFFIX = ".journal"
 MIN_SAMPLES = 2  # fewer are no recording

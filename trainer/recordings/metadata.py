@@ -10,8 +10,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
-from springpot.trainer.recordings.recording import Recording, Zero
-from springpot.trainer.recordings.recording_name import require_recording_name
+from springpot.trainer.recordings.recording import Recording, Zero, require_recording_name
 
 RECORDING_SCHEMA = 1
 _Seconds = Annotated[float, Gt(0)]

@@ -1,31 +1,69 @@
-"""From time-stamped samples to a recording: what is refused, and resampling on request."""
+"""From time-stamped samples to a recording: what is refused, and resampling on request.
 
-from dataclasses import replace
+Machines begin or end a test between two samples: a first row that alone is out of step is cut,
+and last rows that are out of step are interpolated onto the steps before them.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Samples
+from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.errors import DataError
 from springpot.codegen.plurals import number_of
-from springpot.trainer.recordings.formats.missing_samples import (
-    GAP_STEPS,
-    RUN,
-    at,
-    require_finite,
-    require_no_gaps,
-    rounding_s,
-)
-from springpot.trainer.recordings.formats.raw_channels import RawChannels, without_odd_first
-from springpot.trainer.recordings.formats.uneven_tail import last_even_sample, on_grid, tail_grid
+from springpot.trainer.recordings.formats.column_map import PLACE, split_unit
+from springpot.trainer.recordings.formats.units import factor_to_si
 from springpot.trainer.recordings.recording import Recording, Zero, zero_word
 
 MIN_ROWS = 3
+SAME_PLACE_M = 1e-4  # no printed grid and no stage is finer
 STEP_TOLERANCE = 0.01
 MAX_UPSAMPLING = 20  # beyond it nearly every sample would be invented
-# Mean steps over so many samples are compared too: a change of rate can hide in rounded stamps.
-_DRIFT_STEPS = 100
+_DRIFT_STEPS = 100  # a change of rate can hide in rounded stamps, but not in their mean
+_GAP_STEPS = 1.5  # a step longer than this many usual steps may be a gap
+_MISSING = 0.5  # of a step: three in a row that are longer by more lack a sample
+_RUN = 5  # steps: so many alike are a rate; so few may be filled by hand
+_MANY_STEPS = 30
+_EVEN_STEPS, _TAIL_SHARE = 20, 0.05  # steps before an uneven end, and its share of all
 _FEW = 0.1  # of the rows
+
+
+@dataclass(frozen=True, eq=False)
+class RawChannels:
+    """Time-stamped samples as a file has them, in SI units, unchecked.
+
+    time_s, position_m, force_n: shape (n,), float64. rows: of the file, from 1, shape (n,).
+    time_digit_s: one unit in the last printed digit of the time stamps; 0 if none was printed.
+    source: file, for messages and for the recording. place_m: x and y.
+    in_python: a refusal names arguments of `Recording.from_frame`, not options of a command.
+    """
+
+    time_s: Samples
+    position_m: Samples
+    force_n: Samples
+    rows: Indices
+    source: str
+    time_digit_s: float = 0.0
+    details: dict[str, Any] = field(default_factory=dict)
+    place_m: tuple[float, float] | None = None
+    in_python: bool = False
+
+    def part(self, which: slice) -> "RawChannels":
+        """Return some of the samples."""
+        parts = {q: getattr(self, q)[which] for q in ("time_s", "position_m", "force_n", "rows")}
+        return replace(self, **parts)
+
+    def rounding_s(self, digits: float = 1.0) -> float:
+        """Return what so many printed digits and the last bits of a double change of a step."""
+        bits_s = 4.0 * float(np.spacing(np.abs(self.time_s[[0, -1]]).max()))
+        return digits * (self.time_digit_s + bits_s) if digits else bits_s
+
+    def refusal(self, sample: int | np.intp, what: str) -> DataError:
+        return DataError(f"{self.source}, row {self.rows[sample]}: {what}")
 
 
 def to_recording(
@@ -33,129 +71,221 @@ def to_recording(
 ) -> Recording:
     """Check the samples, resample them if `resample_hz` is given, subtract the zero.
 
-    Raises DataError naming the row: not finite, time that stands still, goes back, has gaps or,
+    Raises DataError naming the row: not finite; time that stands still, goes back, has gaps or,
     without `resample_hz`, uneven steps before the file's end; too few rows; channels that are not
-    three arrays of one shape (n,). What was done is kept in `details`.
+    arrays of one shape (n,). `details` says what was done.
     """
-    _check_shapes(raw)
-    require_finite(raw)
-    _check_order(raw)
+    _require_samples(raw)
+    details = dict(raw.details)
     if resample_hz is None:
-        raw = without_odd_first(raw, _slack_s(raw, 1))
-    require_no_gaps(raw)
-    details = {**raw.details, "sampling": _sampling(raw)}
-    given = {"position_m": raw.position_m, "force_n": raw.force_n}
-    last_even = None if resample_hz else _last_even(raw)
-    if last_even is not None:
-        grid_s, details["sampling"]["tail"] = tail_grid(raw.time_s, last_even)
-        details["sampling"]["tail"]["from_row"] = raw.line_of(last_even + 1)
-        channels = {k: on_grid(raw.time_s, its, grid_s, last_even) for k, its in given.items()}
-        dt_s = float(grid_s[-1] - grid_s[0]) / (len(grid_s) - 1)
-    elif resample_hz is None:
-        _check_even(raw)
-        channels = given
-        dt_s = float(raw.time_s[-1] - raw.time_s[0]) / (len(raw.time_s) - 1)
-    else:
-        grid_s = _grid(raw, resample_hz)
-        channels = {k: np.interp(grid_s, raw.time_s, its) for k, its in given.items()}
-        dt_s = 1.0 / resample_hz
-        details |= {
-            "resampled_hz": resample_hz,
-            "resampled_by": "linear interpolation",
-            "source_rows": len(raw.time_s),
-            "source_median_step_s": float(np.median(np.diff(raw.time_s))),
-        }
-    position_m, force_n = channels.pop("position_m"), channels.pop("force_n")
-    zero = zero_word(zero)
-    if zero != "none":
-        pick = np.min if zero == "min" else lambda samples: samples[0]
-        details |= {
-            "zero_position_m": float(pick(position_m)),
-            "zero_force_n": float(pick(force_n)),
-        }
-        position_m, force_n = position_m - pick(position_m), force_n - pick(force_n)
-    place_x_m, place_y_m = raw.place_m or (None, None)
-    return Recording(
-        name, position_m, force_n, dt_s, zero, source=raw.source, details=details,
-        channels=channels, place_x_m=place_x_m, place_y_m=place_y_m,
-    )  # fmt: skip
-
-
-def _sampling(raw: RawChannels) -> dict[str, Any]:
-    """Metadata about the time stamps that uniform samples no longer show."""
+        steps_s = np.diff(raw.time_s)
+        off = _off(raw, steps_s)
+        if len(steps_s) > _EVEN_STEPS and off[0] and not off[1:].any():
+            details["first_row_cut"] = (
+                f"row {raw.rows[0]} comes {steps_s[0]:.4g} s before the next one, where steps are "
+                f"{np.median(steps_s):.4g} s: cut"
+            )
+            raw = raw.part(slice(1, None))
+    _require_no_gaps(raw)
     steps_s = np.diff(raw.time_s)
-    usual_s = float(np.median(steps_s))
-    return {
-        "median_step_s": usual_s,
-        "shortest_step_s": float(steps_s.min()),
+    sampling: dict[str, Any] = {
         "longest_step_s": float(steps_s.max()),
+        "shortest_step_s": float(steps_s.min()),
         "jitter_rms_s": float(np.sqrt(np.mean((steps_s - steps_s.mean()) ** 2))),
         "stamp_digit_s": raw.time_digit_s,
     }
+    details["sampling"] = sampling
+    if resample_hz is None:
+        grid_s, even = _even_grid(raw)
+        dt_s = float(grid_s[-1] - grid_s[0]) / (len(grid_s) - 1)
+        if even < len(raw.time_s):
+            sampling["tail"] = {
+                "rows": len(raw.time_s) - even,
+                "from_row": int(raw.rows[even]),
+                "left_out_s": max(0.0, float(raw.time_s[-1]) - float(grid_s[-1])),
+            }
+    else:
+        grid_s, even, dt_s = _grid(raw, resample_hz), 0, 1.0 / resample_hz
+        details["resampled_hz"] = resample_hz
+    position_m, force_n = (
+        np.append(samples[:even], np.interp(grid_s[even:], raw.time_s, samples))
+        for samples in (raw.position_m, raw.force_n)
+    )
+    zero = zero_word(zero)
+    if zero != "none":
+        pick = np.min if zero == "min" else lambda samples: samples[0]
+        zero_m, zero_n = float(pick(position_m)), float(pick(force_n))
+        details |= {"zero_position_m": zero_m, "zero_force_n": zero_n}
+        position_m, force_n = position_m - zero_m, force_n - zero_n
+    place_x_m, place_y_m = raw.place_m or (None, None)
+    return Recording(
+        name, position_m, force_n, dt_s, zero, source=raw.source, details=details,
+        place_x_m=place_x_m, place_y_m=place_y_m,
+    )  # fmt: skip
 
 
-def _last_even(raw: RawChannels) -> int | None:
-    last_even = last_even_sample(raw.time_s, _slack_s(raw, 1), raw.time_digit_s + rounding_s(raw))
-    if last_even is not None:
-        channels = (raw.time_s, raw.position_m, raw.force_n)
-        time_s, position_m, force_n = (samples[: last_even + 1] for samples in channels)
-        _check_even(replace(raw, time_s=time_s, position_m=position_m, force_n=force_n))
-    return last_even
+def sampling_notes(recording: Recording) -> list[str]:
+    """Return a line about a first row that was cut, and one about an uneven end."""
+    notes = [recording.details[key] for key in ("first_row_cut",) if key in recording.details]
+    if tail := recording.details["sampling"].get("tail"):
+        notes.append(
+            f"the end, {number_of(tail['rows'], 'row')} from row {tail['from_row']} on, is not in "
+            f"step with the rows before: interpolated onto their {recording.rate_hz:.6g} Hz, and "
+            f"the last {tail['left_out_s']:.3g} s left out"
+        )
+    return notes
 
 
-def _slack_s(raw: RawChannels, span: int) -> float:
-    usual_s = float(np.median(np.diff(raw.time_s)))
-    return STEP_TOLERANCE * usual_s + (raw.time_digit_s + rounding_s(raw)) / span
+def place_m(
+    where: str,
+    header: Sequence[str],
+    read: Callable[[int], Samples],
+    names: tuple[str, str] = PLACE,
+    below: Sequence[str] = (),
+) -> tuple[float, float] | None:
+    """Return x and y of the place that two columns state, m; None without them.
+
+    read: the numbers of a column, (n,). below: the row of units. A stage that trembles stays.
+    Raises DataError for one column alone, and if the tool moves along the surface.
+    """
+    labels = [split_unit(cell, "position") for cell in header]
+    found_m = []
+    for name in names:
+        for k, (label, own) in enumerate(labels):
+            if name.casefold() in (label.casefold(), header[k].casefold()):
+                unit = own or "".join(below[k : k + 1]).strip("()[]{} ")
+                factor = factor_to_si(unit, "position", f"{where}, column {header[k]!r}")
+                found_m.append(read(k) * factor)
+    if not found_m:
+        return None
+    if len(found_m) != 2:
+        raise DataError(f"{where}: {' and '.join(names)} belong together: give one column of each")
+    if np.ptp(found_m, axis=1).max() > SAME_PLACE_M:
+        raise DataError(
+            f"{where}: the tool moves along the surface, and a model is of presses of one place "
+            "each: cut it into one file a place"
+        )
+    x_m, y_m = np.median(found_m, axis=1).tolist()
+    return x_m, y_m
 
 
-def _check_shapes(raw: RawChannels) -> None:
+def _require_samples(raw: RawChannels) -> None:
+    """Refuse what is no array of numbers in the order of time."""
     channels = {"time": raw.time_s, "position": raw.position_m, "force": raw.force_n}
     shapes = {name: np.shape(found) for name, found in channels.items()}
-    arrays = all(isinstance(found, np.ndarray) for found in channels.values())
-    if not arrays or raw.time_s.ndim != 1 or len(set(shapes.values())) > 1:
-        told = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
-        raise DataError(f"{raw.source}: {told}: give three 1-D numpy arrays of one length")
-
-
-def _check_order(raw: RawChannels) -> None:
+    if raw.time_s.ndim != 1 or len(set(shapes.values())) > 1:
+        found = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
+        raise DataError(f"{raw.source}: {found}: give three 1-D arrays of one length")
+    for channel, samples in channels.items():
+        finite = np.isfinite(samples)
+        if not finite.all():
+            steps = np.diff(np.flatnonzero(finite))
+            remedy = "cut those rows in the source"
+            if not finite.any():
+                remedy = "no row has a number there: choose another column"
+            elif len(steps) and steps.min() < steps.max():  # neither an end nor a slower channel
+                remedy = _mend(int(steps.max()))
+            bad = np.flatnonzero(~finite)
+            what = f"is empty or not a finite number ({number_of(len(bad), 'such row')})"
+            raise raw.refusal(bad[0], f"{channel} {what}: {remedy}")
     if len(raw.time_s) < MIN_ROWS:
         raise DataError(
             f"{raw.source}: {len(raw.time_s)} rows of numbers: a recording needs {MIN_ROWS} or more"
         )
-    bad = np.flatnonzero(np.diff(raw.time_s) <= 0.0)
+    steps_s = np.diff(raw.time_s)
+    bad = np.flatnonzero(steps_s <= 0.0)
     if len(bad):
-        usual_s = float(np.median(np.diff(raw.time_s)))
         # Of rows in disorder, or stamps that stand, the usual step says nothing.
         few = len(bad) < _FEW * len(raw.time_s)
-        hz = _round_hz(1.0 / usual_s) if few else "RATE"
-        rate = f"time='{hz}Hz'" if raw.in_python else f"--map time={hz}Hz"
+        hz = f"{_round_hz(1.0 / float(np.median(steps_s))) if few else 'RATE'}Hz"
         before_s, here_s = raw.time_s[bad[0]], raw.time_s[bad[0] + 1]
         what = "stands still at" if here_s == before_s else f"goes back from {before_s:.9g} s to"
-        raise DataError(
-            f"{at(raw, bad[0] + 1)}: time {what} {here_s:.9g} s "
-            f"({number_of(len(bad), 'such row')}): correct the time stamps in the source, cut "
-            f"it there or, where every row is one step, state the rate in place of the "
-            f"column: {rate}"
+        raise raw.refusal(
+            bad[0] + 1,
+            f"time {what} {here_s:.9g} s ({number_of(len(bad), 'such row')}): correct the stamps "
+            "in the source, cut it there or, if every row is one step, state the rate in place of "
+            f"the column: {f'time={hz!r}' if raw.in_python else f'--map time={hz}'}",
         )
 
 
-def _check_even(raw: RawChannels) -> None:
-    median_s = float(np.median(np.diff(raw.time_s)))
+def _mend(steps: int) -> str:
+    """Remedy for samples that are missing over so many steps."""
+    cut = "cut the recording there and import the parts"
+    fill = "fill what is missing in the source from the rows beside it"
+    return f"{fill}, as pandas' interpolate() does, or {cut}" if steps <= _RUN else cut
+
+
+def _require_no_gaps(raw: RawChannels) -> None:
+    steps_s = np.diff(raw.time_s)
+    median_s = usual_s = float(np.median(steps_s))
+    # Stamps rounded to about one step (70 Hz as 0.01, 0.03, 0.04, 0.06 s) have double steps all
+    # along: of many, the mean is the better measure of what is usual.
+    if len(steps_s) >= _MANY_STEPS:
+        usual_s = max(usual_s, float(np.mean(steps_s)))
+    # A logger that slows down, as for a relaxation, has long steps; no step is much longer than the
+    # one before, or the rate changes and each of the next ones is as long.
+    before_s = np.append(usual_s, steps_s[:-1])
+    after_s = sliding_window_view(np.append(steps_s[1:], np.zeros(_RUN)), _RUN).min(axis=1)
+    known_s = np.maximum(usual_s, np.maximum(before_s, after_s))
+    # A stamp that is late makes one step long and the next one short: no sample is missing.
+    three_s = np.convolve(np.pad(steps_s, 1, constant_values=usual_s), np.ones(3), "valid")
+    missing = three_s > (3.0 + _MISSING) * usual_s
+    bad = np.flatnonzero((steps_s > _GAP_STEPS * known_s + raw.rounding_s(0.0)) & missing)
+    if len(bad):
+        longest = round(float(steps_s[bad].max()) / median_s)
+        raise raw.refusal(
+            bad[0] + 1,
+            f"gap of {steps_s[bad[0]]:.6g} s where steps are {median_s:.6g} s "
+            f"({number_of(len(bad), 'gap')}): {_mend(longest)}",
+        )
+
+
+def _off(
+    raw: RawChannels, steps_s: Samples, usual_s: float = 0.0, span: int = 1
+) -> NDArray[np.bool_]:
+    """Whether each step, or mean of `span` steps, is not the usual one (0: their median)."""
+    usual_s = usual_s or float(np.median(steps_s))
+    return np.abs(steps_s - usual_s) > STEP_TOLERANCE * usual_s + raw.rounding_s(1.0 / span)
+
+
+def _even_grid(raw: RawChannels) -> tuple[Samples, int]:
+    """Stamps in step to the file's end, and how many of the file's are.
+
+    Raises DataError where more than the end is out of step.
+    """
+    time_s = raw.time_s
+    steps_s = np.diff(time_s)
+    off, off_s = _off(raw, steps_s), np.abs(steps_s - np.median(steps_s))
+    # If the other rows are regular to the last printed digit, the first one out of step is found
+    # exactly.
+    for flags in (off | (off_s > 1.5 * raw.rounding_s()), off) if off.any() else ():
+        last = int(np.argmax(flags))
+        if last >= _EVEN_STEPS and len(steps_s) - last <= max(1.0, _TAIL_SHARE * len(steps_s)):
+            _require_even(raw.part(slice(last + 1)))
+            begin_s = float(time_s[0])
+            step_s = (float(time_s[last]) - begin_s) / last
+            count = int((float(time_s[-1]) - begin_s) / step_s + 1e-6) + 1
+            return begin_s + step_s * np.arange(count, dtype=np.float64), last + 1
+    _require_even(raw)
+    return time_s, len(time_s)
+
+
+def _require_even(raw: RawChannels) -> None:
     mean_hz, fine_hz = _rates_hz(raw)
-    hz = fine_hz if fine_hz > GAP_STEPS * mean_hz else mean_hz  # of a logger that slows down
-    remedy = f"nothing is resampled unasked, pass {_option(raw, _round_hz(hz))}"
+    hz = fine_hz if fine_hz > _GAP_STEPS * mean_hz else mean_hz  # of a logger that slows down
     for span in (1, _DRIFT_STEPS):
         if span >= len(raw.time_s):
             continue
         steps_s = (raw.time_s[span:] - raw.time_s[:-span]) / span
-        usual_s = median_s if span == 1 else float(np.mean(np.diff(raw.time_s)))
-        slack_s = STEP_TOLERANCE * usual_s + (raw.time_digit_s + rounding_s(raw)) / span
-        bad = np.flatnonzero(np.abs(steps_s - usual_s) > slack_s)
+        usual_s = float(np.median(steps_s)) if span == 1 else 1.0 / mean_hz
+        bad = np.flatnonzero(_off(raw, steps_s, usual_s, span))
         if len(bad):
             what = "the time step" if span == 1 else f"the mean of the last {span} time steps"
-            raise DataError(
-                f"{at(raw, bad[0] + span)}: {what} is {steps_s[bad[0]]:.6g} s where "
-                f"{usual_s:.6g} s is usual ({number_of(len(bad), 'such row')}): {remedy}"
+            raise raw.refusal(
+                bad[0] + span,
+                f"{what} is {steps_s[bad[0]]:.6g} s where {usual_s:.6g} s is usual "
+                f"({number_of(len(bad), 'such row')}): nothing is resampled unasked, pass "
+                f"{_option(raw, _round_hz(hz))}",
             )
 
 
@@ -164,29 +294,24 @@ def _rates_hz(raw: RawChannels) -> tuple[float, float]:
 
     A stamp that is late makes one step long and the next one short.
     """
-    few = min(RUN, len(raw.time_s) - 1)
+    few = min(_RUN, len(raw.time_s) - 1)
     steps_s = (raw.time_s[few:] - raw.time_s[:-few]) / few
-    mean_s = float(np.mean(np.diff(raw.time_s)))
-    return 1.0 / mean_s, 1.0 / float(np.quantile(steps_s, 0.1))
+    return 1.0 / float(np.mean(np.diff(raw.time_s))), 1.0 / float(np.quantile(steps_s, 0.1))
 
 
 def _grid(raw: RawChannels, rate_hz: float) -> Samples:
-    span_s = float(raw.time_s[-1] - raw.time_s[0])
-    source_hz = max(_rates_hz(raw))
-    if rate_hz > MAX_UPSAMPLING * source_hz:
+    """Time stamps at a rate."""
+    span_s, source_hz = float(raw.time_s[-1] - raw.time_s[0]), max(_rates_hz(raw))
+    # 1e-6 of a step: rounding may put the last sample a hair before the grid's.
+    count = int(span_s * rate_hz + 1e-6) + 1
+    if rate_hz > MAX_UPSAMPLING * source_hz or count < MIN_ROWS:
+        wanted = "higher" if count < MIN_ROWS else "lower"
         raise DataError(
             f"{raw.source}: {rate_hz:g} Hz is more than {MAX_UPSAMPLING} times its own "
-            f"{source_hz:.6g} Hz: give a lower {_option(raw)}"
+            f"{source_hz:.6g} Hz, or leaves fewer than {MIN_ROWS} samples: give a {wanted} "
+            f"{_option(raw)}"
         )
-    # 1e-6 of a step: the last sample is kept when rounding puts it a hair before the grid's.
-    count = int(span_s * rate_hz + 1e-6) + 1
-    if count < MIN_ROWS:
-        raise DataError(
-            f"{raw.source}: {span_s:.6g} s at {rate_hz:g} Hz leave {number_of(count, 'sample')}: "
-            f"give a higher {_option(raw)}"
-        )
-    grid_s: Samples = raw.time_s[0] + np.arange(count) / rate_hz
-    return grid_s
+    return np.asarray(raw.time_s[0] + np.arange(count) / rate_hz)
 
 
 def _round_hz(rate_hz: float) -> str:
