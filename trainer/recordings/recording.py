@@ -166,10 +166,11 @@ class Recording:
         time_s = self.dt_s * np.arange(len(self.force_n))
         columns = {"time_s": time_s, "position_m": self.position_m, "force_n": self.force_n}
         if self.place_m is not None:
-            place = np.broadcast_to(self.place_m, (len(time_s), 2)).T
-            columns |= {"place_x_m": place[0], "place_y_m": place[1]}
-        further = {name: its for name, its in self.channels.items() if name not in columns}
-        return DataFrame({**columns, **further})
+            names = ("place_x_m", "place_y_m")
+            columns |= {
+                n: np.full(len(time_s), at) for n, at in zip(names, self.place_m, strict=True)
+            }
+        return DataFrame({**self.channels, **columns})
 
     def plot(self, ax: "Axes | None" = None) -> "Axes":
         """Draw force against position on matplotlib's axes, on new ones if none are given.

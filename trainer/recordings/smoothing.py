@@ -1,37 +1,31 @@
 """Offline smoothing of recordings: the paper's zero-phase moving average (section III-C)."""
 
-import dataclasses
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Samples
 from springpot.trainer.recordings.recording import Recording
-
-_MIN_SAMPLES = 3
 
 
 def smoothing_samples(smooth_s: float, dt_s: float) -> int:
-    """Odd number of samples nearest to `smooth_s`; 1 (no smoothing) where that is under three."""
-    samples = 2 * round((smooth_s / dt_s - 1) / 2) + 1
-    return samples if samples >= _MIN_SAMPLES else 1
+    """Return the odd number of samples nearest to `smooth_s`; 1 (no smoothing) if under three."""
+    return max(1, 2 * round((smooth_s / dt_s - 1) / 2) + 1)
 
 
 def smoothed(recording: Recording, smooth_s: float) -> Recording:
-    """Centred moving average of both channels over `smooth_s`; ends repeat the end samples."""
+    """Return the centred moving average over `smooth_s`; ends repeat the end samples."""
     samples = smoothing_samples(smooth_s, recording.dt_s)
+
+    def average(values: Samples) -> Samples:
+        """Running sum, as scipy.ndimage.uniform_filter1d: what replays recordings has no scipy."""
+        padded = np.pad(values, samples // 2, mode="edge")
+        first = np.add.accumulate(padded[:samples])[-1]
+        changes = padded[samples:] - padded[:-samples]
+        return np.asarray(np.add.accumulate(np.append(first, changes)) / samples)
+
     if samples == 1:
         return recording
-    return dataclasses.replace(
-        recording,
-        position_m=_average(recording.position_m, samples),
-        force_n=_average(recording.force_n, samples),
+    return replace(
+        recording, position_m=average(recording.position_m), force_n=average(recording.force_n)
     )
-
-
-def _average(values: NDArray[np.float64], samples: int) -> NDArray[np.float64]:
-    """Running sum, as scipy.ndimage.uniform_filter1d: what replays recordings has no scipy."""
-    padded = np.pad(values, samples // 2, mode="edge")
-    first = np.add.accumulate(padded[:samples])[-1]
-    changes = padded[samples:] - padded[:-samples]
-    averaged: NDArray[np.float64] = np.add.accumulate(np.append(first, changes)) / samples
-    return averaged
