@@ -9,10 +9,10 @@ import os
 import resource
 import subprocess
 import sys
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
@@ -33,13 +33,17 @@ _MAX_COLUMNS = 32
 _MAX_RATIO = 256  # a recording of nothing but zeros shrinks by 230
 _MAX_BYTES, _LEAST_BYTES = 8 << 30, 1 << 30  # of the process, libraries included
 _MAX_CPU_S, _LEAST_CPU_S, _TIMEOUT_S = 120, 4, 150.0
-_SCALED = ("scale_factor", "add_offset", "conversion", "offset", "_FillValue", "missing_value")
+_SCALES = {"scale_factor": 1.0, "conversion": 1.0, "add_offset": 0.0, "offset": 0.0}
+Found = tuple[str, str, str, object]  # as `_Array`
+_FILLS = ("_FillValue", "missing_value")
 
 
-@dataclass(frozen=True, eq=False)
-class _Array:
+class _Array(NamedTuple):
+    """A vector; other: the attribute that says that its numbers are not the values, or ""."""
+
     name: str
     unit: str
+    other: str
     values: Samples
 
     @property
@@ -95,29 +99,32 @@ def _choose(
     path: Path, arrays: Sequence[_Array], quantity: Quantity, request: FileRequest
 ) -> _Array:
     column = request.columns.get(quantity)
-    shown = ", ".join(repr(a.name) for a in arrays[:_MAX_SHOWN]) + ", ..." * (
-        len(arrays) > _MAX_SHOWN
-    )
+    what = "has no array"
     if column is None:
         found = [arrays[k] for k in guess_column([array.label for array in arrays], quantity)]
-    elif isinstance(column.header_or_number, int):
-        found = list(arrays[column.header_or_number - 1 : column.header_or_number])
     else:
-        stated = column.header_or_number.strip("/")
-        found = [array for array in arrays if array.name == stated]
+        stated = str(column.header_or_number).strip("/")
+        found = [a for k, a in enumerate(arrays, 1) if stated in (a.name, str(k))]
+        what += f" {stated!r}"
+    if len(found) == 1 and found[0].other:
+        raise DataError(
+            f"{path}, array {found[0].name!r}: its {found[0].other} is not applied here: read it "
+            "in Python and pass the values to springpot.Recording.from_frame"
+        )
     if len(found) == 1:
         return found[0]
-    what = "has no array" if column is None else f"has no array {column.header_or_number!r}"
     if found:
         what = "may be " + ", ".join(repr(array.name) for array in found)
+    shown = ", ".join(repr(array.name) for array in arrays[:_MAX_SHOWN])
     raise DataError(f"{path}: {quantity} {what}; it holds {shown}: pass --map {MAP_EXAMPLE}")
 
 
 def _load(path: Path, kind: str) -> list[_Array]:
     with np.load(io.BytesIO(_npz_apart(path, kind)), allow_pickle=False) as stored:
-        columns = zip(stored["names"], stored["units"], strict=True)
-        arrays = [_Array(str(name), str(unit), stored[f"a{k}"])
-                  for k, (name, unit) in enumerate(columns)]  # fmt: skip
+        arrays = [
+            _Array(name, unit, other, stored[f"a{k}"])
+            for k, (name, unit, other) in enumerate(stored["texts"].reshape(-1, 3).tolist())
+        ]
     if not arrays:
         raise DataError(
             f"{path}: holds no vectors of numbers (tables and objects of MATLAB cannot be read): "
@@ -147,65 +154,71 @@ def _npz_apart(path: Path, kind: str) -> bytes:
 
 
 def arrays_as_npz(path: Path, kind: str) -> bytes:
-    """Return names, units and values of the vectors in a file; raises whatever its library does."""
-    found: list[tuple[str, str, object]] = []
+    """Return the vectors of a file as an NPZ; raises whatever the file's library does."""
     if kind == "mat":
         from scipy.io import loadmat
 
-        _nested("", loadmat(path, simplify_cells=True), found)
+        found = list(_nested("", loadmat(path, simplify_cells=True)))
     else:
-        import h5py
-
-        def visit(name: str, node: object) -> None:
-            if not isinstance(node, h5py.Dataset) or name.startswith("#"):
-                return
-            if scaled := [each for each in _SCALED if each in node.attrs]:
-                raise ValueError(
-                    f"{name} has the attribute {scaled[0]}, which is not applied: read it in "
-                    "Python and pass the arrays to springpot.Recording.from_frame"
-                )
-            unit = next((node.attrs[a] for a in ("unit", "units", "Unit", "Units")
-                         if a in node.attrs), "")  # fmt: skip
-            unit = unit.decode("utf-8", "replace") if isinstance(unit, bytes) else str(unit)
-            if node.dtype.names:
-                found.extend((f"{name}.{f}", "", node[f]) for f in node.dtype.names)
-            elif node.dtype.kind in "fiu" and node.ndim <= 2:
-                found.append((name, unit, node[()]))
-
-        with h5py.File(path, "r") as file:
-            file.visititems(visit)
-    columns: list[tuple[str, str, Samples]] = []
-    for name, unit, value in found:
-        array = np.asarray(value)
-        if array.dtype.kind not in "fiu":
+        found = _of_hdf5(path)
+    texts: list[tuple[str, str, str]] = []
+    stored: dict[str, Samples] = {}
+    for name, unit, other, value in found:
+        if np.asarray(value).dtype.kind not in "fiu":
             continue
-        array = np.squeeze(array).astype(np.float64)
+        array = np.squeeze(np.asarray(value)).astype(np.float64)
+        columns = {}
         if array.ndim == 1 and len(array) > 1:
-            columns.append((name, unit, array))
+            columns[name] = array
         elif array.ndim == 2 and min(array.shape) <= _MAX_COLUMNS:
             across = array.T if array.shape[0] >= array.shape[1] else array  # time is longer
-            columns += [(f"{name}[{k}]", unit, its) for k, its in enumerate(across, 1)]
-    if sum(its.nbytes for *_, its in columns) > max_unpacked_bytes(path.stat().st_size, _MAX_RATIO):
+            columns = {f"{name}[{k}]": its for k, its in enumerate(across, 1)}
+        for label, values in columns.items():
+            stored[f"a{len(texts)}"] = values
+            texts.append((label, unit, other))
+    unpacked_bytes = sum(its.nbytes for its in stored.values())
+    if unpacked_bytes > max_unpacked_bytes(path.stat().st_size, _MAX_RATIO):
         raise ValueError("more numbers than a file of its size can hold")
     memory = io.BytesIO()
-    stored = {f"a{k}": np.asarray(its) for k, (*_, its) in enumerate(columns)}
-    stored["names"] = np.array([name for name, *_ in columns], dtype=str)
-    stored["units"] = np.array([unit for _, unit, _ in columns], dtype=str)
-    np.savez(memory, allow_pickle=False, **stored)
+    np.savez(memory, allow_pickle=False, texts=np.array(texts, dtype=str), **stored)
     return memory.getvalue()
 
 
-def _nested(name: str, value: object, found: list[tuple[str, str, object]]) -> None:
-    """Collect the arrays of structures and cells."""
+def _nested(name: str, value: object) -> Iterator[Found]:
+    """Yield the arrays of structures and cells."""
     if isinstance(value, Mapping):
         for key, inner in value.items():
             if not key.startswith("__"):
-                _nested(f"{name}.{key}" if name else key, inner, found)
+                yield from _nested(f"{name}.{key}" if name else key, inner)
     elif isinstance(value, list) or (isinstance(value, np.ndarray) and value.dtype == object):
-        for k, inner in enumerate(np.ravel(value) if isinstance(value, np.ndarray) else value, 1):
-            _nested(f"{name}({k})", inner, found)
+        for k, inner in enumerate(value.flat if isinstance(value, np.ndarray) else value, 1):
+            yield from _nested(f"{name}({k})", inner)
     else:
-        found.append((name, "", value))
+        yield name, "", "", value
+
+
+def _of_hdf5(path: Path) -> list[Found]:
+    import h5py
+
+    found: list[Found] = []
+
+    def visit(name: str, node: object) -> None:
+        if not isinstance(node, h5py.Dataset) or name.startswith("#"):
+            return
+        texts = [node.attrs[a] for a in ("unit", "units", "Unit", "Units") if a in node.attrs]
+        unit = texts[0] if texts else ""
+        unit = unit.decode("utf-8", "replace") if isinstance(unit, bytes) else str(unit)
+        if node.dtype.names:
+            found.extend((f"{name}.{f}", "", "", node[f]) for f in node.dtype.names)
+        elif node.dtype.kind in "fiu" and node.ndim <= 2:
+            value, attributes = node[()], dict(node.attrs)
+            others = [a for a, its in _SCALES.items() if np.any(attributes.get(a, its) != its)]
+            others += [a for a in _FILLS if a in attributes and np.any(value == attributes[a])]
+            found.append((name, unit, "".join(others[:1]), value))
+
+    with h5py.File(path, "r") as file:
+        file.visititems(visit)
+    return found
 
 
 def limit_reader(path: Path) -> None:

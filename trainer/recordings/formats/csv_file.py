@@ -4,6 +4,7 @@ import csv
 import io
 import warnings
 from collections.abc import Sequence
+from contextlib import suppress
 from decimal import Decimal, InvalidOperation
 from pathlib import Path
 
@@ -59,7 +60,7 @@ def read_csv(path: Path, request: FileRequest) -> tuple[RawChannels, str]:
         force_n=scaled["force"],
         rows=table.rows,
         source=str(path),
-        time_digit_s=table.printed_digit_s(),
+        time_digit_s=table.printed_digit_s() if "time" in layout.columns else 0.0,
         details={"columns": guess, "units": units},
         place_m=place_m(str(path), layout.header, table.column, request.place, layout.below),
     ), guess
@@ -105,6 +106,7 @@ class _Table:
     def __init__(self, path: Path, lines: Sequence[str], layout: Layout) -> None:
         self.path, self.lines, self.layout, self.left_out = path, lines, layout, ""
         self._cells: list[Cells] | None = None
+        self._mark = COMMA_TO_POINT if layout.decimal == "comma" else {}
         self._numbers = self._in_bulk()
         rows = [k for k, line in enumerate(lines[layout.first :], layout.first + 1) if line.strip()]
         if self._numbers.shape != (len(rows), layout.width):
@@ -118,23 +120,19 @@ class _Table:
         """
         if self._cells is None:
             return self._numbers[:, index]
-        comma = self.layout.decimal == "comma"
         found = [row[index].strip() for row in self._cells]
         for row, cell in zip(self.rows, found, strict=True):
             if cell and not is_number(cell, self.layout.decimal):
                 raise DataError(
                     f"{self.path}, row {row}, column {index + 1}: {cell!r} is not a number with a "
-                    f"decimal {'comma' if comma else 'point'}, as the others are, and without "
-                    "separators of thousands: correct it in the source"
+                    f"decimal {self.layout.decimal}, as the others are, and without separators of "
+                    "thousands: correct it in the source"
                 )
-        plain = (cell.translate(COMMA_TO_POINT) if comma else cell for cell in found)
-        return np.array([float(cell or "nan") for cell in plain])
+        return np.array([float(cell.translate(self._mark) or "nan") for cell in found])
 
     def _in_bulk(self) -> Samples:
         """All columns, (rows, columns), (0, 0) if a cell holds no number."""
-        lines: Sequence[str] = self.lines[self.layout.first :]
-        if self.layout.decimal == "comma":
-            lines = [line.translate(COMMA_TO_POINT) for line in lines]
+        lines = [line.translate(self._mark) for line in self.lines[self.layout.first :]]
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # a file without rows is refused with short ones
@@ -201,20 +199,14 @@ class _Table:
 
     def printed_digit_s(self) -> float:
         """Return one unit in the last printed digit of the time column, s; 0 without one."""
-        if "time" not in self.layout.columns:
-            return 0.0
         exponents = []
         for line in self.lines[self.layout.first :][-_LAST_LINES:]:
-            cell = "".join(cells(line, self.layout.delimiter)[self.layout.columns["time"] :][:1])
-            if self.layout.decimal == "comma":
-                cell = cell.translate(COMMA_TO_POINT)
-            try:
-                exponent = Decimal(cell if is_number(cell) else "nan").as_tuple().exponent
-            except InvalidOperation:  # farther from 0 than even decimals go
-                continue
-            if isinstance(exponent, int):
-                exponents.append(exponent)
-        digit = 10.0 ** min(_MAX_EXPONENT, *exponents) if exponents else 0.0
+            row = cells(line, self.layout.delimiter)
+            for cell in row[self.layout.columns["time"] :][:1]:
+                with suppress(InvalidOperation):  # no number
+                    exponents.append(Decimal(cell.translate(self._mark)).as_tuple().exponent)
+        printed = [each for each in exponents if isinstance(each, int)]
+        digit = 10.0 ** min(_MAX_EXPONENT, *printed) if printed else 0.0
         return digit * abs(self.layout.units["time"].to_si)
 
 
@@ -231,21 +223,18 @@ def _is_text(row: Cells, layout: Layout) -> bool:
 
 
 def _beside(table: _Table, rate_hz: float) -> str:
-    """Compare the column of time that is not read with the stated rate."""
-    found = guess_column(table.layout.header, "time")
-    if len(found) != 1:
-        return ", its header names no column of time"
-    label = table.layout.header[found[0]]
-    note, unit = f", not read from column {found[0] + 1} {label!r}", split_unit(label, "time")[1]
-    try:
-        time_s = table.column(found[0]) * (factor_to_si(unit, "time", "") if unit else 1.0)
-    except DataError:
-        return f"{note}, which holds more than numbers"
-    counted_s, time_s = np.arange(len(time_s)) / rate_hz, time_s - time_s[:1]
-    off = np.flatnonzero(np.abs(time_s - counted_s) > 0.5 / rate_hz)
-    if not len(off):
-        return f"{note}, which agrees"
-    return (
-        f"{note}, which differs in {number_of(len(off), 'row')} from row {table.rows[off[0]]} on: "
-        f"there it says {time_s[off[0]]:g} s after the first row, the count {counted_s[off[0]]:g} s"
-    )
+    """Compare a column of time that is not read with the stated rate; a note if it differs."""
+    for index in guess_column(table.layout.header, "time")[:1]:
+        with suppress(DataError):  # it holds more than numbers
+            unit = split_unit(table.layout.header[index], "time")[1]
+            time_s = table.column(index) * (factor_to_si(unit, "time", "") if unit else 1.0)
+            counted_s = np.arange(len(time_s)) / rate_hz
+            off = np.flatnonzero(np.abs(time_s - time_s[:1] - counted_s) > 0.5 / rate_hz)
+            if len(off):
+                first, rows = off[0], number_of(len(off), "row")
+                return (
+                    f", not read from column {index + 1}, which differs in {rows} from row "
+                    f"{table.rows[first]} on: there it says {time_s[first] - time_s[0]:g} s after "
+                    f"the first row, the count {counted_s[first]:g} s"
+                )
+    return ""

@@ -1,6 +1,5 @@
 """Files from outside -> recordings: chooses the reader by what is in the file."""
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -19,12 +18,13 @@ from springpot.trainer.recordings.formats.sampling import (
     sampling_notes,
     to_recording,
 )
-from springpot.trainer.recordings.formats.units import factor_to_si
+from springpot.trainer.recordings.formats.units import factor_to_si, parts_of
 from springpot.trainer.recordings.journal import JOURNAL_SUFFIX
 from springpot.trainer.recordings.recording import Recording, Zero, safe_recording_name, zero_word
 from springpot.trainer.recordings.recording_file import read_recording
 from springpot.trainer.recordings.recording_hdf5 import is_recording
 
+_BEGINS = "+-.0123456789"  # a number
 _START_BYTES = 520  # a user block of HDF5 is 512 of them
 _HDF5, _MAT5, _MAT73 = b"\x89HDF\r\n\x1a\n", b"MATLAB 5.0 MAT-file", b"MATLAB 7.3 MAT-file"
 _OTHERS = {  # how files begin that are neither arrays nor a table as text: docs/how-to/import.md
@@ -36,9 +36,6 @@ _OTHERS = {  # how files begin that are neither arrays nor a table as text: docs
     b"{\\rtf": "formatted text (RTF)",
     b"%PDF": "a PDF",
 }
-_NUMBER = r"\s*([+-]?(?:\d+\.?\d*|\.\d+))\s*"
-_PLACE = re.compile(rf"{_NUMBER}([a-z]*)\s*,{_NUMBER}([a-z]+)\s*")
-_HEADERS = re.compile(r"\s*([^\W\d][^,]*?)\s*,\s*([^\W\d][^,]*?)\s*")
 
 
 @dataclass(frozen=True)
@@ -137,23 +134,21 @@ def _read(path: Path, request: FileRequest) -> tuple[RawChannels, str]:
 
 def place_or_columns(text: str) -> tuple[float, float] | tuple[str, str]:
     """Read the text of `--place`: a place as `parse_place`, or two headers, such as x_mm,y_mm."""
-    headers = _HEADERS.fullmatch(text)
-    return (headers[1], headers[2]) if headers else parse_place(text)
+    x, _, y = (part.strip() for part in text.partition(","))
+    headers = x[:1].isalpha() and y[:1].isalpha() and "," not in y
+    return (x, y) if headers else parse_place(text)
 
 
 def parse_place(text: str) -> tuple[float, float]:
-    """Read x and y, m, from a text such as 5,10mm or 5mm,1cm.
-
-    Raises UsageError for anything else.
-    """
-    found = _PLACE.fullmatch(text)
-    if found is None:
+    """Read x and y, m, from a text such as 5,10mm or 5mm,1cm; UsageError for anything else."""
+    x, _, y = text.partition(",")
+    (x_size, x_unit), (y_size, unit) = parts_of(x), parts_of(y)
+    if not (x.strip()[:1] in _BEGINS and y.strip()[:1] in _BEGINS and x.strip() and y.strip()):
         raise UsageError(f"--place {text}: give x and y with a unit, such as 5,10mm")
-    x, x_unit, y, unit = found.groups()
     try:
         return (
-            float(x) * factor_to_si(x_unit or unit, "position", f"--place {text}"),
-            float(y) * factor_to_si(unit, "position", f"--place {text}"),
+            x_size * factor_to_si(x_unit or unit, "position", f"--place {text}"),
+            y_size * factor_to_si(unit, "position", f"--place {text}"),
         )
     except DataError as error:
         raise UsageError(str(error)) from None

@@ -26,10 +26,9 @@ MAX_UPSAMPLING = 20  # beyond it nearly every sample would be invented
 _DRIFT_STEPS = 100  # a change of rate can hide in rounded stamps, but not in their mean
 _GAP_STEPS = 1.5  # a step longer than this many usual steps may be a gap
 _MISSING = 0.5  # of a step: three in a row that are longer by more lack a sample
-_RUN = 5  # steps: so many alike are a rate; so few may be filled by hand
+_RUN = 5  # steps: so many alike are a rate
 _MANY_STEPS = 30
 _EVEN_STEPS, _TAIL_SHARE = 20, 0.05  # steps before an uneven end, and its share of all
-_FEW = 0.1  # of the rows
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,13 +56,26 @@ class RawChannels:
         parts = {q: getattr(self, q)[which] for q in ("time_s", "position_m", "force_n", "rows")}
         return replace(self, **parts)
 
-    def rounding_s(self, digits: float = 1.0) -> float:
-        """Return what so many printed digits and the last bits of a double change of a step."""
-        bits_s = 4.0 * float(np.spacing(np.abs(self.time_s[[0, -1]]).max()))
-        return digits * (self.time_digit_s + bits_s) if digits else bits_s
+    def bits_s(self) -> float:
+        """Return what the last bits of a double can change of a step."""
+        return 4.0 * float(np.spacing(np.abs(self.time_s[[0, -1]]).max()))
 
-    def refusal(self, sample: int | np.intp, what: str) -> DataError:
-        return DataError(f"{self.source}, row {self.rows[sample]}: {what}")
+    def is_off(self, steps_s: Samples, usual_s: float = 0.0, span: int = 1) -> NDArray[np.bool_]:
+        """Return which steps, means of `span` steps, are not the usual one (0: their median)."""
+        usual_s = usual_s or float(np.median(steps_s))
+        slack_s = STEP_TOLERANCE * usual_s + (self.time_digit_s + self.bits_s()) / span
+        return np.asarray(np.abs(steps_s - usual_s) > slack_s)
+
+    def refusal(self, bad: Indices, first: int, what: str, remedy: str) -> DataError:
+        """Return an error that names the first of the bad samples, or the one so many behind."""
+        where, many = f"{self.source}, row {self.rows[bad[0] + first]}", number_of(len(bad), "row")
+        return DataError(f"{where}: {what} ({many} in all): {remedy}")
+
+    def option(self, name: str, value: str) -> str:
+        """Return an option as it is typed: resample_hz=100, --resample-hz 100."""
+        if self.in_python:
+            return f"{name}={value}"
+        return f"--{name.replace('_', '-')} {value}"
 
 
 def to_recording(
@@ -76,18 +88,15 @@ def to_recording(
     arrays of one shape (n,). `details` says what was done.
     """
     _require_samples(raw)
-    details = dict(raw.details)
-    if resample_hz is None:
-        steps_s = np.diff(raw.time_s)
-        off = _off(raw, steps_s)
-        if len(steps_s) > _EVEN_STEPS and off[0] and not off[1:].any():
-            details["first_row_cut"] = (
-                f"row {raw.rows[0]} comes {steps_s[0]:.4g} s before the next one, where steps are "
-                f"{np.median(steps_s):.4g} s: cut"
-            )
-            raw = raw.part(slice(1, None))
-    _require_no_gaps(raw)
-    steps_s = np.diff(raw.time_s)
+    details, steps_s = dict(raw.details), np.diff(raw.time_s)
+    off = raw.is_off(steps_s)
+    if resample_hz is None and len(steps_s) > _EVEN_STEPS and off[0] and not off[1:].any():
+        details["first_row_cut"] = (
+            f"row {raw.rows[0]} comes {steps_s[0]:.4g} s before the next one, where steps are "
+            f"{np.median(steps_s):.4g} s: cut"
+        )
+        raw, steps_s = raw.part(slice(1, None)), steps_s[1:]
+    _require_no_gaps(raw, steps_s)
     sampling: dict[str, Any] = {
         "longest_step_s": float(steps_s.max()),
         "shortest_step_s": float(steps_s.min()),
@@ -96,7 +105,7 @@ def to_recording(
     }
     details["sampling"] = sampling
     if resample_hz is None:
-        grid_s, even = _even_grid(raw)
+        grid_s, even = _even_grid(raw, steps_s)
         dt_s = float(grid_s[-1] - grid_s[0]) / (len(grid_s) - 1)
         if even < len(raw.time_s):
             sampling["tail"] = {
@@ -177,46 +186,29 @@ def _require_samples(raw: RawChannels) -> None:
         found = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
         raise DataError(f"{raw.source}: {found}: give three 1-D arrays of one length")
     for channel, samples in channels.items():
-        finite = np.isfinite(samples)
-        if not finite.all():
-            steps = np.diff(np.flatnonzero(finite))
-            remedy = "cut those rows in the source"
-            if not finite.any():
+        bad = np.flatnonzero(~np.isfinite(samples))
+        if len(bad):
+            remedy = "cut those rows in the source; in the middle, import the parts"
+            if len(bad) == len(samples):
                 remedy = "no row has a number there: choose another column"
-            elif len(steps) and steps.min() < steps.max():  # neither an end nor a slower channel
-                remedy = _mend(int(steps.max()))
-            bad = np.flatnonzero(~finite)
-            what = f"is empty or not a finite number ({number_of(len(bad), 'such row')})"
-            raise raw.refusal(bad[0], f"{channel} {what}: {remedy}")
+            raise raw.refusal(bad, 0, f"{channel} is empty or not a finite number", remedy)
     if len(raw.time_s) < MIN_ROWS:
         raise DataError(
             f"{raw.source}: {len(raw.time_s)} rows of numbers: a recording needs {MIN_ROWS} or more"
         )
-    steps_s = np.diff(raw.time_s)
-    bad = np.flatnonzero(steps_s <= 0.0)
+    bad = np.flatnonzero(np.diff(raw.time_s) <= 0.0)
     if len(bad):
-        # Of rows in disorder, or stamps that stand, the usual step says nothing.
-        few = len(bad) < _FEW * len(raw.time_s)
-        hz = f"{_round_hz(1.0 / float(np.median(steps_s))) if few else 'RATE'}Hz"
         before_s, here_s = raw.time_s[bad[0]], raw.time_s[bad[0] + 1]
         what = "stands still at" if here_s == before_s else f"goes back from {before_s:.9g} s to"
-        raise raw.refusal(
-            bad[0] + 1,
-            f"time {what} {here_s:.9g} s ({number_of(len(bad), 'such row')}): correct the stamps "
-            "in the source, cut it there or, if every row is one step, state the rate in place of "
-            f"the column: {f'time={hz!r}' if raw.in_python else f'--map time={hz}'}",
+        rate = "time='RATEHz'" if raw.in_python else "--map time=RATEHz"
+        remedy = (
+            "correct the stamps in the source, cut it there or, if every row is one step, state "
+            f"the rate in place of the column: {rate}"
         )
+        raise raw.refusal(bad, 1, f"time {what} {here_s:.9g} s", remedy)
 
 
-def _mend(steps: int) -> str:
-    """Remedy for samples that are missing over so many steps."""
-    cut = "cut the recording there and import the parts"
-    fill = "fill what is missing in the source from the rows beside it"
-    return f"{fill}, as pandas' interpolate() does, or {cut}" if steps <= _RUN else cut
-
-
-def _require_no_gaps(raw: RawChannels) -> None:
-    steps_s = np.diff(raw.time_s)
+def _require_no_gaps(raw: RawChannels, steps_s: Samples) -> None:
     median_s = usual_s = float(np.median(steps_s))
     # Stamps rounded to about one step (70 Hz as 0.01, 0.03, 0.04, 0.06 s) have double steps all
     # along: of many, the mean is the better measure of what is usual.
@@ -230,35 +222,23 @@ def _require_no_gaps(raw: RawChannels) -> None:
     # A stamp that is late makes one step long and the next one short: no sample is missing.
     three_s = np.convolve(np.pad(steps_s, 1, constant_values=usual_s), np.ones(3), "valid")
     missing = three_s > (3.0 + _MISSING) * usual_s
-    bad = np.flatnonzero((steps_s > _GAP_STEPS * known_s + raw.rounding_s(0.0)) & missing)
+    bad = np.flatnonzero((steps_s > _GAP_STEPS * known_s + raw.bits_s()) & missing)
     if len(bad):
-        longest = round(float(steps_s[bad].max()) / median_s)
-        raise raw.refusal(
-            bad[0] + 1,
-            f"gap of {steps_s[bad[0]]:.6g} s where steps are {median_s:.6g} s "
-            f"({number_of(len(bad), 'gap')}): {_mend(longest)}",
-        )
+        what = f"gap of {steps_s[bad[0]]:.6g} s where steps are {median_s:.6g} s"
+        raise raw.refusal(bad, 1, what, "cut the recording there and import the parts")
 
 
-def _off(
-    raw: RawChannels, steps_s: Samples, usual_s: float = 0.0, span: int = 1
-) -> NDArray[np.bool_]:
-    """Whether each step, or mean of `span` steps, is not the usual one (0: their median)."""
-    usual_s = usual_s or float(np.median(steps_s))
-    return np.abs(steps_s - usual_s) > STEP_TOLERANCE * usual_s + raw.rounding_s(1.0 / span)
-
-
-def _even_grid(raw: RawChannels) -> tuple[Samples, int]:
+def _even_grid(raw: RawChannels, steps_s: Samples) -> tuple[Samples, int]:
     """Stamps in step to the file's end, and how many of the file's are.
 
-    Raises DataError where more than the end is out of step.
+    Raises DataError if more than the end is out of step.
     """
-    time_s = raw.time_s
-    steps_s = np.diff(time_s)
-    off, off_s = _off(raw, steps_s), np.abs(steps_s - np.median(steps_s))
+    time_s, off = raw.time_s, raw.is_off(steps_s)
     # If the other rows are regular to the last printed digit, the first one out of step is found
     # exactly.
-    for flags in (off | (off_s > 1.5 * raw.rounding_s()), off) if off.any() else ():
+    digits_s = 1.5 * (raw.time_digit_s + raw.bits_s())
+    exactly = off | (np.abs(steps_s - np.median(steps_s)) > digits_s)
+    for flags in (exactly, off) if off.any() else ():
         last = int(np.argmax(flags))
         if last >= _EVEN_STEPS and len(steps_s) - last <= max(1.0, _TAIL_SHARE * len(steps_s)):
             _require_even(raw.part(slice(last + 1)))
@@ -273,20 +253,18 @@ def _even_grid(raw: RawChannels) -> tuple[Samples, int]:
 def _require_even(raw: RawChannels) -> None:
     mean_hz, fine_hz = _rates_hz(raw)
     hz = fine_hz if fine_hz > _GAP_STEPS * mean_hz else mean_hz  # of a logger that slows down
-    for span in (1, _DRIFT_STEPS):
-        if span >= len(raw.time_s):
-            continue
+    for span in (1, _DRIFT_STEPS) if len(raw.time_s) > _DRIFT_STEPS else (1,):
         steps_s = (raw.time_s[span:] - raw.time_s[:-span]) / span
         usual_s = float(np.median(steps_s)) if span == 1 else 1.0 / mean_hz
-        bad = np.flatnonzero(_off(raw, steps_s, usual_s, span))
+        bad = np.flatnonzero(raw.is_off(steps_s, usual_s, span))
         if len(bad):
             what = "the time step" if span == 1 else f"the mean of the last {span} time steps"
+            # A rate as a person states it: steps that vary have no more digits.
+            option = raw.option("resample_hz", f"{hz:.0f}" if hz >= 100.0 else f"{hz:.3g}")
             raise raw.refusal(
-                bad[0] + span,
-                f"{what} is {steps_s[bad[0]]:.6g} s where {usual_s:.6g} s is usual "
-                f"({number_of(len(bad), 'such row')}): nothing is resampled unasked, pass "
-                f"{_option(raw, _round_hz(hz))}",
-            )
+                bad, span, f"{what} is {steps_s[bad[0]]:.6g} s where {usual_s:.6g} s is usual",
+                f"nothing is resampled unasked, pass {option}",
+            )  # fmt: skip
 
 
 def _rates_hz(raw: RawChannels) -> tuple[float, float]:
@@ -305,21 +283,10 @@ def _grid(raw: RawChannels, rate_hz: float) -> Samples:
     # 1e-6 of a step: rounding may put the last sample a hair before the grid's.
     count = int(span_s * rate_hz + 1e-6) + 1
     if rate_hz > MAX_UPSAMPLING * source_hz or count < MIN_ROWS:
-        wanted = "higher" if count < MIN_ROWS else "lower"
+        wanted = "a higher" if count < MIN_ROWS else "a lower"
         raise DataError(
             f"{raw.source}: {rate_hz:g} Hz is more than {MAX_UPSAMPLING} times its own "
-            f"{source_hz:.6g} Hz, or leaves fewer than {MIN_ROWS} samples: give a {wanted} "
-            f"{_option(raw)}"
+            f"{source_hz:.6g} Hz, or leaves fewer than {MIN_ROWS} samples: give {wanted} rate, "
+            f"{raw.option('resample_hz', 'RATE')}"
         )
     return np.asarray(raw.time_s[0] + np.arange(count) / rate_hz)
-
-
-def _round_hz(rate_hz: float) -> str:
-    """A rate as a person states it: steps that vary have no more digits."""
-    return f"{rate_hz:.0f}" if rate_hz >= 100.0 else f"{rate_hz:.3g}"
-
-
-def _option(raw: RawChannels, rate_hz: str = "") -> str:
-    """How the rate to resample at is given."""
-    name, equals = ("resample_hz", "=") if raw.in_python else ("--resample-hz", " ")
-    return f"{name}{equals}{rate_hz}" if rate_hz else name
