@@ -76,10 +76,9 @@ def find_contact(
     own_n = [its for its in levels_n if len(its) >= _OWN_AIR]
     deviation_n = _deviation_n(own_n or [free_n])
     bases_n = [float(np.median(its)) if len(its) >= _OWN_AIR else base_n for its in levels_n]
-    peak_n = float(force_n.max()) - base_n
     level_n = threshold_n
     if level_n is None:
-        least_n = _MIN_SHARE_OF_PEAK * peak_n
+        least_n = _MIN_SHARE_OF_PEAK * (float(force_n.max()) - base_n)
         level_n = max(_NOISES * deviation_n, least_n, _COUNTS * _resolution_n(force_n))
     if not (force_n > base_n + level_n).any():
         raise DataError(
@@ -89,22 +88,8 @@ def find_contact(
     starts_n = bases_n or [base_n] * len(ways)
     presses = [_passes(*way, its_n, level_n) for way, its_n in zip(ways, starts_n, strict=True)]
     presses = [press for press in presses if press.passes_m]
-    met = _meets_first(presses) if presses else None
-    if (
-        met is None
-        or _slope_npm(position_m, force_n, air_m) > _LEVEL * peak_n / travel_m
-        or _rise_midway(presses, level_n) > _RISES
-        or min(met.before_m, *(press.passes_m[0] for press in presses)) - low_m
-        < _MIN_FREE_SHARE * travel_m
-    ):
-        other = "position 0 means nothing, import with --zero first or min"
-        if base_n < 0.0:
-            other = "force was zeroed under load, with --tare=-PRELOAD_N, the force taken off"
-        raise DataError(
-            f"{recording.name}: never leaves the object (force is {base_n:.4g} N at its lowest "
-            "position), so the surface cannot be found: record from above the object, or, if "
-            f"{other}"
-        )
+    _require_air(recording, presses, base_n, level_n)
+    met = _meets_first(presses)
     # Half a usual step; where the tool met the surface by steps that are longer, half of that one.
     doubt_m = max(float(np.median(np.abs(np.diff(position_m)))), met.step_m) / 2
     surface_m = met.passes_m[0]
@@ -115,6 +100,32 @@ def find_contact(
         back_m, open_m = _way_back_m(lawful.passes_m, _BOUND * deviation_n / level_n)
         surface_m, doubt_m = surface_m - back_m, max(doubt_m, open_m)
     return ContactPoint(surface_m, doubt_m, base_n, level_n)
+
+
+def _require_air(
+    recording: Recording, presses: list[_Press], base_n: float, level_n: float
+) -> None:
+    """Raise DataError if force is not level before the presses: the tool is on the object."""
+    position_m, force_n = recording.position_m, recording.force_n
+    low_m, travel_m = float(position_m.min()), float(np.ptp(position_m))
+    begins_m = [p.passes_m[0] for p in presses] + [
+        _meets_first(presses).before_m for _ in presses[:1]
+    ]
+    slope_npm = _slope_npm(position_m, force_n, low_m + _LOW_SHARE * travel_m)
+    if (
+        not presses
+        or slope_npm > _LEVEL * (float(force_n.max()) - base_n) / travel_m
+        or _rise_midway(presses, level_n) > _RISES
+        or min(*begins_m, _meets_first(presses).before_m) - low_m < _MIN_FREE_SHARE * travel_m
+    ):
+        other = "position 0 means nothing, import with --zero first or min"
+        if base_n < 0.0:
+            other = "force was zeroed under load, with --tare=-PRELOAD_N, the force taken off"
+        raise DataError(
+            f"{recording.name}: never leaves the object (force is {base_n:.4g} N at its lowest "
+            "position), so the surface cannot be found: record from above the object, or, if "
+            f"{other}"
+        )
 
 
 def _deviation_n(levels_n: list[Samples]) -> float:

@@ -84,35 +84,30 @@ class Recording:
         object.__setattr__(self, "dt_s", _seconds(self.dt_s, self.name))
         for channel in ("position_m", "force_n"):
             object.__setattr__(self, channel, kept_numbers(getattr(self, channel), channel))
-        if self.position_m.ndim != 1 or self.position_m.shape != self.force_n.shape:
-            raise DataError(
-                f"{self.name}: position has {self.position_m.shape} samples and force "
-                f"{self.force_n.shape}: give two 1-D channels of one length"
-            )
-        for channel, samples in self.channels.items():
-            if samples.shape != self.position_m.shape:
+        channels = {"position": self.position_m, "force": self.force_n, **self.channels}
+        for channel, samples in channels.items():
+            if samples.ndim != 1 or samples.shape != self.position_m.shape:
                 raise DataError(
                     f"{self.name}: {channel} has {samples.shape} samples and position "
                     f"{self.position_m.shape}: give 1-D channels of one length"
                 )
         if len(self.position_m) < 2:
             raise DataError(f"{self.name}: {len(self.position_m)} rows: a recording needs two")
-        places = (self.place_x_m, self.place_y_m)
-        if places != (None, None) and not all(at is not None and abs(at) <= 1.0 for at in places):
+        place = (self.place_x_m, self.place_y_m)
+        if place != (None, None) and not all(at is not None and abs(at) <= 1.0 for at in place):
             raise DataError(
-                f"{self.name}: place_x_m, place_y_m = {places[0]}, {places[1]}: give both, from "
-                "-1 to 1 m, or neither"
+                f"{self.name}: place_x_m, place_y_m = {place[0]}, {place[1]}: give both, from -1 "
+                "to 1 m, or neither"
             )
-        for channel, samples in (("position", self.position_m), ("force", self.force_n)):
-            bad = np.flatnonzero(~np.isfinite(samples))
+        for channel in ("position", "force"):
+            bad = np.flatnonzero(~np.isfinite(channels[channel]))
             if len(bad):
                 raise DataError(
                     f"{self.name}: {channel} is not finite at row {bad[0]} "
                     f"({number_of(len(bad), 'row')} in all): cut or repair those rows in the source"
                 )
         # Without the outermost hundredths: a spike is held, not refused.
-        low_m, high_m = np.quantile(self.position_m, (0.01, 0.99), method="nearest").tolist()
-        travel_m = high_m - low_m
+        travel_m = np.ptp(np.quantile(self.position_m, (0.01, 0.99), method="nearest"))
         if travel_m > _MOST_M and self.source in ("", FRAME_SOURCE):
             raise DataError(
                 f"{self.name}: position_m spans {travel_m:.4g} m: are these mm? give positions in "
@@ -203,22 +198,6 @@ class Recording:
     def duration_s(self) -> float:
         """Time from the first sample to one step after the last."""
         return len(self.position_m) * self.dt_s
-
-    def metadata(self) -> dict[str, Any]:
-        """All but the samples, as JSON values."""
-        place = {"place_x_m": self.place_x_m, "place_y_m": self.place_y_m} if self.place_m else {}
-        return {
-            "name": self.name,
-            "dt_s": self.dt_s,
-            "zero": self.zero,
-            "position_delay_s": self.position_delay_s,
-            "force_delay_s": self.force_delay_s,
-            "source": self.source,
-            "details": dict(self.details),
-            "session": self.session,
-            "start_s": self.start_s,
-            **place,
-        }
 
     @property
     def content_hash(self) -> str:

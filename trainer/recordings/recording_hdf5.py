@@ -61,10 +61,11 @@ def write_recording(path: Path, recording: Recording, *, overwrite: bool = True)
     """
     with written_aside(path, overwrite=overwrite, durable=True) as aside:
         with h5py.File(aside, "w", track_order=True, userblock_size=_USER_BLOCK) as file:
-            metadata = {"schema": RECORDING_SCHEMA, "sign_rule": SIGN_RULE, **recording.metadata()}
+            metadata = {name: getattr(recording, name) for name in _Metadata.model_fields}
             # HDF5 holds UTF-8: of a path that is none, the bytes as \xff, for people.
             metadata["source"] = recording.source.encode("utf-8", "backslashreplace").decode()
-            metadata["details"] = json.dumps(metadata["details"], sort_keys=True)
+            metadata["details"] = json.dumps(dict(recording.details), sort_keys=True)
+            metadata |= {"schema": RECORDING_SCHEMA, "sign_rule": SIGN_RULE}
             for key, value in metadata.items():
                 if value is not None:
                     file.attrs[key] = value

@@ -76,6 +76,8 @@ def test_map() -> None:
         "position": Column("Engineering Strain", "33mm"),
         "force": Column(3, "18N"),
     }
+    for text, rate_hz in (("10Hz", 10.0), ("1 kHz", 1000.0), ("2.5e3Hz", 2500.0)):
+        assert parse_map(f"time={text}")["time"].rate_hz == rate_hz
     assert parse_map("force=Engineering Stress (MPa)") == {
         "force": Column("Engineering Stress (MPa)")
     }
