@@ -155,7 +155,7 @@ class _Table:
                 # A delimiter at the end of each row begins no cell.
                 ended = len(found) == layout.width + 1 and not found[-1].strip()
                 row = found[:-1] if ended else found
-                if not row or (len(row) == 1 and not row[0].strip()):
+                if len(row) != layout.width and not any(map(str.strip, row)):
                     continue
                 if _is_text(row, layout):
                     self._leave_out(line)

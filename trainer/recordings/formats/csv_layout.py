@@ -16,6 +16,7 @@ from springpot.trainer.recordings.formats.column_map import (
     guess_column,
 )
 from springpot.trainer.recordings.formats.units import (
+    QUANTITIES,
     Quantity,
     Unit,
     is_of_specimen,
@@ -83,25 +84,15 @@ def find_layout(path: Path, lines: Sequence[str], request: FileRequest) -> Layou
     Raises DataError if a column or a unit is missing, unknown or ambiguous: NoRecordingError if
     the header has neither a position nor a force.
     """
-    head = lines[:_HEAD_LINES]
-    wanted, columns = request.wanted, request.columns
-    numbers = {
-        q: int(columns[q].header_or_number) - 1
-        for q in wanted
-        if q in columns and isinstance(columns[q].header_or_number, int)
-    }
+    head, wanted, columns = lines[:_HEAD_LINES], request.wanted, request.columns
+    stated = [columns[q].header_or_number for q in wanted if q in columns]
+    numbers = [each - 1 for each in stated if isinstance(each, int)]
+    if len(numbers) == len(wanted):
+        return _layout_by_numbers(path, head, dict(zip(wanted, numbers, strict=True)), request)
     hidden = [name.casefold() for name in request.place]
     best: Found = ({}, 0, [])
     for index in range(len(head)):
         for delimiter, row in _split(head, index):
-            if len(numbers) == len(wanted):
-                if len(row) > max(numbers.values()) and all(
-                    is_value(row[i]) for i in numbers.values()
-                ):
-                    above = next((k for k in reversed(range(index)) if head[k].strip()), -1)
-                    header = cells(_unmarked(head[above]), delimiter) if above >= 0 else []
-                    return _layout(path, head, delimiter, header, above + 1, numbers, request)
-                continue
             names = ["" if cell.casefold() in hidden else cell for cell in row]
             found = {q: its for q in wanted if (its := _candidates(names, q, columns.get(q)))}
             if len(found) == len(wanted) <= len(row):
@@ -119,6 +110,26 @@ def find_layout(path: Path, lines: Sequence[str], request: FileRequest) -> Layou
             if len(found) > len(best[0]):
                 best = (found, index, row)
     raise _missing(path, head, best, request)
+
+
+def _layout_by_numbers(
+    path: Path, head: Sequence[str], chosen: Mapping[Quantity, int], request: FileRequest
+) -> Layout:
+    """Find the first row with numbers in all columns; the row above it is the header."""
+    header_index = -1
+    for index in range(len(head)):
+        for delimiter, row in _split(head, index):
+            if len(row) > max(chosen.values()) and all(is_value(row[i]) for i in chosen.values()):
+                header = cells(_unmarked(head[header_index]), delimiter) * (header_index >= 0)
+                values = [i for i in chosen.values() if i < len(header) and is_value(header[i])]
+                if 2 * len(values) > len(chosen):
+                    raise DataError(
+                        f"{path}, row {header_index + 1}: numbers in some of the columns only: "
+                        "correct or cut that row in the source"
+                    )
+                return _layout(path, head, delimiter, header, header_index + 1, chosen, request)
+        header_index = index if head[index].strip() else header_index
+    raise _missing(path, head, ({}, 0, []), request)
 
 
 def _candidates(row: Cells, quantity: Quantity, column: Column | None) -> list[int]:
@@ -151,7 +162,9 @@ def _layout(
     width = len(header) if max(chosen.values()) < len(header) else len(below)
     units = {q: "".join(below[i : i + 1]).strip("()[]{} ") for q, i in chosen.items()}
     known = [is_unit(unit, q) or is_of_specimen(unit, q) for q, unit in units.items()]
-    if any(known) and not any(map(is_value, units.values())):
+    other = [is_unit(unit, o) and not is_unit(unit, q) for q, unit in units.items()
+             for o in QUANTITIES]  # fmt: skip
+    if any(known) and not any(other) and not any(map(is_value, units.values())):
         rows = rows[1:] or [len(head)]
     else:
         units, below = {}, []
