@@ -110,6 +110,7 @@ def test_a_choice_is_quiet_with_an_encoder_and_can_be_stated(
 ) -> None:
     stiffness_npm, rate_hz, device, choice = case
     assert not is_unit_error(choice.coupling)
+    assert holds(stiffness_npm, rate_hz, device, choice.coupling)
     for hand in HAND_MODELS:
         for more in (0, 1):
             speed_mps = held_speed_mps(
