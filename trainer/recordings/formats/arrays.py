@@ -25,8 +25,9 @@ from springpot.trainer.recordings.formats.column_map import (
     guess_column,
     split_unit,
 )
-from springpot.trainer.recordings.formats.sampling import RawChannels, place_m
+from springpot.trainer.recordings.formats.sampling import RawChannels
 from springpot.trainer.recordings.formats.units import Quantity, choose_unit
+from springpot.trainer.recordings.places import place_m
 
 _MAX_SHOWN = 12
 _MAX_COLUMNS = 32

@@ -28,8 +28,9 @@ from springpot.trainer.recordings.formats.csv_layout import (
     is_number,
     is_value,
 )
-from springpot.trainer.recordings.formats.sampling import MIN_ROWS, RawChannels, place_m
+from springpot.trainer.recordings.formats.sampling import MIN_ROWS, RawChannels
 from springpot.trainer.recordings.formats.units import factor_to_si
+from springpot.trainer.recordings.places import place_m
 
 _LAST_LINES = 2000  # with a fixed number of significant digits, the last stamps have the fewest
 _MAX_EXPONENT = 300

@@ -4,7 +4,6 @@ Machines begin or end a test between two samples: a first row that alone is out 
 and last rows that are out of step are interpolated onto the steps before them.
 """
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -15,12 +14,9 @@ from numpy.typing import NDArray
 from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.errors import DataError
 from springpot.codegen.plurals import number_of
-from springpot.trainer.recordings.formats.column_map import PLACE, split_unit
-from springpot.trainer.recordings.formats.units import factor_to_si
 from springpot.trainer.recordings.recording import Recording, Zero, zero_word
 
 MIN_ROWS = 3
-SAME_PLACE_M = 1e-4  # no printed grid and no stage is finer
 STEP_TOLERANCE = 0.01
 MAX_UPSAMPLING = 20  # beyond it nearly every sample would be invented
 _DRIFT_STEPS = 100  # a change of rate can hide in rounded stamps, but not in their mean
@@ -143,39 +139,6 @@ def sampling_notes(recording: Recording) -> list[str]:
             f"the last {tail['left_out_s']:.3g} s left out"
         )
     return notes
-
-
-def place_m(
-    where: str,
-    header: Sequence[str],
-    read: Callable[[int], Samples],
-    names: tuple[str, str] = PLACE,
-    below: Sequence[str] = (),
-) -> tuple[float, float] | None:
-    """Return x and y of the place that two columns state, m; None without them.
-
-    read: the numbers of a column, (n,). below: the row of units. A stage that trembles stays.
-    Raises DataError for one column alone, and if the tool moves along the surface.
-    """
-    labels = [split_unit(cell, "position") for cell in header]
-    found_m = []
-    for name in names:
-        for k, (label, own) in enumerate(labels):
-            if name.casefold() in (label.casefold(), header[k].casefold()):
-                unit = own or "".join(below[k : k + 1]).strip("()[]{} ")
-                factor = factor_to_si(unit, "position", f"{where}, column {header[k]!r}")
-                found_m.append(read(k) * factor)
-    if not found_m:
-        return None
-    if len(found_m) != 2:
-        raise DataError(f"{where}: {' and '.join(names)} belong together: give one column of each")
-    if np.ptp(found_m, axis=1).max() > SAME_PLACE_M:
-        raise DataError(
-            f"{where}: the tool moves along the surface, and a model is of presses of one place "
-            "each: cut it into one file a place"
-        )
-    x_m, y_m = np.median(found_m, axis=1).tolist()
-    return x_m, y_m
 
 
 def _require_samples(raw: RawChannels) -> None:

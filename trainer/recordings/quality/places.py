@@ -5,7 +5,7 @@ from itertools import combinations
 from math import dist
 
 from springpot.codegen.plurals import number_of
-from springpot.trainer.recordings.formats.sampling import SAME_PLACE_M
+from springpot.trainer.recordings.places import SAME_PLACE_M
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
 from springpot.trainer.recordings.quality.repeats import Repeats
 from springpot.trainer.recordings.recording import Recording
