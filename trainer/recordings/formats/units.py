@@ -104,11 +104,11 @@ def factor_to_si(text: str, quantity: Quantity, where: str) -> float:
         raise DataError(f"{where}: no unit of {quantity}: give one of {known}")
     symbol = _symbol(unit, quantity)
     if symbol is None:
-        size = "area" if quantity == "force" else "height"
-        of_specimen = f", put the specimen's {size} before a unit" * is_of_specimen(unit, quantity)
+        remedy = "with a factor if needed (33mm)"
+        if is_of_specimen(unit, quantity):
+            remedy = "with the specimen's height and area before the units of position and force"
         raise DataError(
-            f"{where}: {unit!r} is not a unit of {quantity}{of_specimen}: give one of {known}, "
-            "with a factor if needed (33mm)"
+            f"{where}: {unit!r} is not a unit of {quantity}: give one of {known}, {remedy}"
         )
     if factor == 0.0:
         raise DataError(f"{where}: a factor of 0 in {text!r} leaves nothing: give another")
