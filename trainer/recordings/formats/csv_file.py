@@ -133,7 +133,9 @@ class _Table:
 
     def _in_bulk(self) -> Samples:
         """All columns, (rows, columns), (0, 0) if a cell holds no number."""
-        lines = [line.translate(self._mark) for line in self.lines[self.layout.first :]]
+        lines = self.lines[self.layout.first :]
+        if self._mark:
+            lines = [line.translate(self._mark) for line in lines]
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # a file without rows is refused with short ones
