@@ -1,5 +1,6 @@
 """Files from Python: recordings, models and scenes; paths are strings or Paths."""
 
+from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -62,13 +63,16 @@ def write_recordings(path: File, recordings: Recordings) -> list[Path]:
 
 
 def import_recordings(
-    path: File,
+    paths: File | Sequence[File],
     columns: str = "",
     zero: Zero | None = "none",
     resample_hz: float | None = None,
     options: ImportOptions | None = None,
+    rest_s: float | None = None,
 ) -> list[Recording]:
-    """Read a CSV, MAT or HDF5 file, or a journal, in SI units.
+    """Read CSV, MAT and HDF5 files, journals, or folders of them, in SI units: one object's.
+
+    Give all of them in one call, as to `springpot import`: their surface is found together.
 
     columns: such as "time=COL:s,position=COL:mm,force=COL:N", COL a header or a number from 1;
     where empty, guessed from the headers. How it was understood is logged.
@@ -76,6 +80,7 @@ def import_recordings(
     lower, so that what is left is higher by 3 to 4 times its standard deviation.
     resample_hz: rate, Hz, to interpolate at.
     options: delays, mass, tare, contact force.
+    rest_s: the files are presses of one object in this order, so long apart, s.
     Raises DataError naming file and row, UsageError for columns and options that do not fit it.
 
     >>> import_recordings("press.csv", "time=t:s,position=x:mm,force=f:N")[0].name
@@ -83,20 +88,20 @@ def import_recordings(
     """
     from springpot.host.console.in_python import errors_in_python
     from springpot.host.console.quality import warn_of_quality
-    from springpot.trainer.recordings.conditioning import on_one_surface
     from springpot.trainer.recordings.formats.column_map import parse_map
-    from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
+    from springpot.trainer.recordings.formats.import_set import import_set
 
-    _require_file(path, "call it for each")
+    files = paths if isinstance(paths, list | tuple) else [paths]
+    for file in files:
+        _require_file(file, "or a list of files, and columns by springpot.Recording.from_frame")
     with errors_in_python():
         mapping = parse_map(columns) if columns else None
-        found = import_file(given_path(path), mapping, zero, resample_hz, options)
-    recordings, surface = on_one_surface(
-        found.recordings, (options or ImportOptions()).conditioning
-    )
-    notice("\n".join(line for line in (found.guess, surface) if line))
-    warn_of_quality(recordings)
-    return recordings
+        found = import_set(
+            [given_path(file) for file in files], mapping, zero, resample_hz, options, rest_s
+        )
+    notice("\n".join([*found.guesses.values(), *found.notes]))
+    warn_of_quality(found.recordings)
+    return found.recordings
 
 
 def read_model(path: File) -> Model:

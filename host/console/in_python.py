@@ -19,7 +19,6 @@ _SETTINGS = {
     "ImportOptions": ("decimal", "place_m"),
 }
 _OWNERS = {argument: owner for owner, its in _SETTINGS.items() for argument in its}
-_OF_THE_COMMAND = ("rest-s",)  # it takes several files, import_recordings takes one
 _FLAGS = ("align", "accept-signs")
 _NUMBER_OR_NAME, _WORD = (
     r"-?[\d.]+(?:e[+-]?\d+)?\b|[A-Z][A-Z0-9,]*\b",
@@ -53,8 +52,6 @@ def errors_in_python() -> Iterator[None]:
 
 def _argument(found: re.Match[str]) -> str:
     name = found["name"]
-    if name in _OF_THE_COMMAND:
-        return f"{found[0]} of the command `springpot import`"
     argument = _ARGUMENTS.get(name, name.replace("-", "_"))
     plain = found["plain"] or ("True" if name in _FLAGS else "")
     if "," in plain:

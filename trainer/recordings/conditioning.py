@@ -13,6 +13,7 @@ from springpot.trainer.recordings.recording import Recording
 
 _SMOOTH_S = 0.02  # over which acceleration is taken from positions
 _MIN_WINDOW = 7
+_MAX_DOUBT = 0.25  # of the deepest press: a bound of its surface
 
 
 @dataclass(frozen=True)
@@ -165,13 +166,25 @@ def on_one_surface(
     A rig keeps its zero from press to press, and each press shows the surface within bounds of its
     own. If they have nothing in common each recording keeps its zero: so it was found, or the
     object had not recovered. At another place the surface may be another: those keep theirs too.
+    Raises DataError if a bound is too wide for how deep the object was pressed.
     """
     details = [recording.details for recording in recordings]
     found = all("contact_position_m" in its for its in details) and options.contact_force == "auto"
-    if not found or any(each.place_m for each in recordings) or len(recordings) < 2:
+    if not found:
         return list(recordings), ""
-    surfaces_m = np.array([its["contact_position_m"] for its in details])
-    doubts_m = np.array([its["contact_uncertainty_m"] for its in details])
+    shared, note = list(recordings), ""
+    if len(recordings) > 1 and not any(each.place_m for each in recordings):
+        shared, note = _shared_surface(recordings)
+    _require_known_surface(shared)
+    return shared, note
+
+
+def _shared_surface(recordings: Sequence[Recording]) -> tuple[list[Recording], str]:
+    """The recordings on the surface that all of their bounds allow, if there is one; a note."""
+    surfaces_m, doubts_m = (
+        np.array([recording.details[name] for recording in recordings])
+        for name in ("contact_position_m", "contact_uncertainty_m")
+    )
     low_m, high_m = float((surfaces_m - doubts_m).max()), float((surfaces_m + doubts_m).min())
     if low_m > high_m:
         return list(recordings), (
@@ -193,3 +206,20 @@ def on_one_surface(
         f"one surface for all {len(recordings)}, where their bounds meet: "
         f"{1e3 * surface_m:.4g} +- {1e3 * doubt_m:.2g} mm"
     )
+
+
+def _require_known_surface(recordings: Sequence[Recording]) -> None:
+    """Raise DataError where the surface is known less well than a share of the deepest press.
+
+    A load cell that drifted by 0.6 N a minute once put it "at 9.5 +- 240 mm", in silence.
+    """
+    deepest_m = max(float(recording.position_m.max()) for recording in recordings)
+    for recording in recordings:
+        doubt_m = recording.details["contact_uncertainty_m"]
+        if doubt_m > _MAX_DOUBT * deepest_m:
+            raise DataError(
+                f"{recording.name}: its surface is known to +- {1e3 * doubt_m:.2g} mm alone, of "
+                f"{1e3 * deepest_m:.3g} mm that the object is pressed: force without contact "
+                "drifts or is noisy: state the force that marks the surface, --contact-force N, "
+                "well above that, or record a longer way from above the object"
+            )

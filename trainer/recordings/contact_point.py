@@ -12,7 +12,7 @@ from springpot.trainer.recordings.recording import Recording
 
 _LOW_SHARE = 0.05  # of the travel, taken as free of contact if its force is level
 _MIN_FREE_SHARE = 0.02
-_OWN_AIR = 20  # samples in it
+_OWN_AIR = 5  # samples in it: their median errs by less than the noise
 _SAME = 1e-9  # of the range: the same value, converted twice
 _LEVEL = 0.2  # of the mean slope: more at the lowest positions is no level without contact
 _RESTS, _MIDWAY = 0.02, (1 / 3, 2 / 3)  # of the way to the threshold
@@ -97,7 +97,8 @@ def find_contact(
         # A press too light for all levels, as the first of growing ones, does not show the law.
         most = max(len(press.passes_m) for press in presses)
         lawful = _meets_first([press for press in presses if len(press.passes_m) == most])
-        back_m, open_m = _way_back_m(lawful.passes_m, _BOUND * deviation_n / level_n)
+        noise = _BOUND * deviation_n / level_n
+        back_m, open_m = _way_back_m(lawful.passes_m, noise, low_m)
         surface_m, doubt_m = surface_m - back_m, max(doubt_m, open_m)
     return ContactPoint(surface_m, doubt_m, base_n, level_n)
 
@@ -148,18 +149,19 @@ def _meets_first(presses: list[_Press]) -> _Press:
     return min(may_be, key=lambda press: (press.step_m, press.passes_m[0]))
 
 
-def _way_back_m(passes_m: list[float], noise: float) -> tuple[float, float]:
+def _way_back_m(passes_m: list[float], noise: float, low_m: float) -> tuple[float, float]:
     """How far above the threshold's position the surface is, m, and what that leaves open, m.
 
     passes_m: where force passes the threshold, three and nine times it. Under F ~ (x - x_0)^n the
     ways between them are in the ratio r = 3^(1/n), and x_0 is the first way over r - 1 above the
     threshold's position (Aitken). Open is the difference from the line through the first two,
     r = 3, with what noise, a share of the threshold, moves that by. A law that is nearly
-    exponential, r = 1, has no surface that could be told.
+    exponential, r = 1, has no surface that could be told. Force that passes the threshold alone
+    shows none either: it is anywhere up to low_m, the highest position above the object.
     """
     ways_m = np.maximum(np.diff(passes_m), 0.0)
     if not len(ways_m):
-        return 0.0, 0.0
+        return 0.0, passes_m[0] - low_m
     line_m = float(ways_m[0]) / (_HIGHER - 1.0)
     if line_m == 0.0 or len(ways_m) == 1:
         return line_m, line_m * (1.0 + noise)

@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence, Set
-from functools import partial
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from springpot.codegen.errors import UsageError
-from springpot.codegen.progress import counted
 from springpot.host.console.options import NOT_NEGATIVE, PATH, FiniteRange
 from springpot.host.console.output import json_option, print_json, progress_bar, say
 from springpot.trainer.recordings.formats.column_map import MAP_EXAMPLE, DecimalMark, parse_map
 
 if TYPE_CHECKING:
-    from springpot.trainer.recordings.formats.importing import ImportResult
     from springpot.trainer.recordings.quality.report import QualityReport
     from springpot.trainer.recordings.recording import Zero
 
@@ -100,13 +97,12 @@ def import_(
     One HDF5 file each. Headers such as time_s,position_m,force_N need no --map. Where one file is
     refused, nothing is written.
     """
-    from springpot.host.commands.recordings.import_files import listed, write_all
+    from springpot.host.commands.recordings.import_files import write_all
     from springpot.host.console.quality import report_quality
-    from springpot.trainer.recordings.conditioning import Conditioning, on_one_surface
+    from springpot.trainer.recordings.conditioning import Conditioning
+    from springpot.trainer.recordings.formats.import_set import import_set
     from springpot.trainer.recordings.formats.importing import (
         ImportOptions,
-        import_file,
-        one_session,
         place_or_columns,
     )
 
@@ -116,58 +112,32 @@ def import_(
     )
     if out.exists() and not out.is_dir():
         raise UsageError(f"--out {out}: is a file: give a folder to write recordings into")
-    sources = listed(files)
-    read = partial(
-        import_file, mapping=mapping, zero=zero, resample_hz=resample_hz, options=options
-    )
     with progress_bar("import"):
-        results = _read(sources, set(files), read)
-    recordings = [recording for result in results.values() for recording in result.recordings]
-    recordings, surface = on_one_surface(recordings, options.conditioning)
-    if rest_s is not None:
-        recordings = one_session(recordings, rest_s)
-    guesses = [result.guess for result in results.values()]
-    _say_guesses(list(results), guesses)
-    if surface:
-        say(surface)
+        found = import_set(files, mapping, zero, resample_hz, options, rest_s)
+    _say_guesses(found.guesses)
+    for note in found.notes:
+        say(note)
+    recordings = found.recordings
     report = report_quality(recordings)
     rows = _rows(write_all(out, recordings), report)
     if not as_json:
         _show(rows)
         return
     findings = [finding.metadata() for finding in report.findings]
-    print_json({"out": out, "recordings": rows, "guess": "\n".join(guesses), "findings": findings})
+    print_json(
+        {
+            "out": out,
+            "recordings": rows,
+            "guess": "\n".join(found.guesses.values()),
+            "findings": findings,
+        }
+    )
 
 
-def _read(
-    files: Sequence[Path], named: Set[Path], read: Callable[[Path], ImportResult]
-) -> dict[Path, ImportResult]:
-    """What each file gave; a table beside recordings, in a folder, that is none is left out.
-
-    named: files that a person has given one by one: each is a recording, or refused.
-    """
-    from springpot.trainer.recordings.formats.csv_layout import NoRecordingError
-
-    results: dict[Path, ImportResult] = {}
-    others: list[NoRecordingError] = []
-    for file in counted(files, "reading"):
-        try:
-            results[file] = read(file)
-        except NoRecordingError as error:
-            if file in named:
-                raise
-            others.append(error)
-    if others and not results:
-        raise others[0]
-    for other in others:
-        say(f"left out, no recording: {other}")
-    return results
-
-
-def _say_guesses(files: Sequence[Path], guesses: Sequence[str]) -> None:
+def _say_guesses(guesses: Mapping[Path, str]) -> None:
     """Say how the files were understood: once for all that were understood alike."""
     alike: dict[str, list[Path]] = {}
-    for file, guess in zip(files, guesses, strict=True):
+    for file, guess in guesses.items():
         alike.setdefault(guess.removeprefix(f"{file}: "), []).append(file)
     for guess, (first, *others) in alike.items():
         say(f"{first}{f' and {len(others)} more' if others else ''}: {guess}")

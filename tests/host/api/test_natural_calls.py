@@ -76,12 +76,12 @@ def test_predict_asks_for_one_press_at_a_time(position_m):
         springpot.predict(passive_model(), position_m)
 
 
-@pytest.mark.parametrize("several", [["a.csv", "b.csv"], ("a.csv",), None])
-def test_import_recordings_takes_one_file(several):
+@pytest.mark.parametrize("wrong", [None, 3, [ITEM]])
+def test_what_is_no_file_is_not_read(wrong):
     with pytest.raises(UsageError, match=r"read_recordings\(\*paths\)"):
-        springpot.read_recordings(several)
-    with pytest.raises(UsageError, match="call it for each"):
-        springpot.import_recordings(several)
+        springpot.read_recordings(wrong)
+    with pytest.raises(UsageError, match="or a list of files"):
+        springpot.import_recordings(wrong)
 
 
 TURNED = {"force": (1.0, -1.0), "position": (-1.0, 1.0)}
