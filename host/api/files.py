@@ -95,8 +95,7 @@ def import_recordings(
         found.recordings, (options or ImportOptions()).conditioning
     )
     notice("\n".join(line for line in (found.guess, surface) if line))
-    warn_of_quality(recordings)
-    return recordings
+    return warn_of_quality(recordings).checked
 
 
 def read_model(path: File) -> Model:

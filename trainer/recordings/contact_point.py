@@ -7,7 +7,7 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
-from springpot.trainer.recordings.quality.sign_evidence import noise_n
+from springpot.trainer.recordings.quality.sensor import noise_n
 from springpot.trainer.recordings.recording import Recording
 
 _LOW_SHARE = 0.05  # of the travel, taken as free of contact if its force is level

@@ -1,11 +1,17 @@
 """The place on the surface that a recording pressed: one each, since a model is of presses."""
 
+from collections.abc import Sequence
+from math import dist
+
 import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
+from springpot.trainer.recordings.recording import Recording
 
 SAME_PLACE_M = 1e-4  # what no printed grid and no stage tells apart
+
+Site = tuple[float, float]  # x and y, m
 
 
 def require_one_place(name: str, path_m: Samples) -> tuple[float, float]:
@@ -25,3 +31,22 @@ def require_one_place(name: str, path_m: Samples) -> tuple[float, float]:
         )
     x_m, y_m = np.median(path_m, axis=0).tolist()
     return x_m, y_m
+
+
+def sites_of(recordings: Sequence[Recording]) -> dict[Site, list[int]]:
+    """Numbers of the recordings of each site, in the order of recording.
+
+    Recordings without a place are of no site.
+    """
+    sites: dict[Site, list[int]] = {}
+    for number, recording in enumerate(recordings):
+        if recording.place_m is not None:
+            here = recording.place_m
+            known = next((site for site in sites if dist(site, here) < SAME_PLACE_M), here)
+            sites.setdefault(known, []).append(number)
+    return sites
+
+
+def site_words(site: Site) -> str:
+    """Write a site as messages show it, in mm."""
+    return f"({1e3 * site[0]:.4g}, {1e3 * site[1]:.4g}) mm"

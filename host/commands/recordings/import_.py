@@ -132,7 +132,7 @@ def import_(
     if surface:
         say(surface)
     report = report_quality(recordings)
-    rows = _rows(write_all(out, recordings), report)
+    rows = _rows(write_all(out, report.checked), report)
     if not as_json:
         _show(rows)
         return
@@ -176,14 +176,14 @@ def _say_guesses(files: Sequence[Path], guesses: Sequence[str]) -> None:
 
 def _rows(files: Sequence[Path], report: QualityReport) -> list[dict[str, Any]]:
     """Figures of each recording, with the file that it is in."""
-    from springpot.trainer.recordings.quality.plausible import glance
+    from springpot.trainer.recordings.quality.units import glance, unusual
 
     pairs = zip(files, report.recordings, report.checked, strict=True)
     return [
         {
             "file": str(file),
             **{key: figures[key] for key in _OF_REPORT},
-            "glance": glance(recording).words,
+            "glance": ": ".join(filter(None, (glance(recording).words, unusual(recording)))),
         }
         for file, figures, recording in pairs
     ]

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from springpot import Recording, check_recordings
+from springpot import Recording
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.column_map import parse_map
 from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
@@ -286,7 +286,6 @@ def test_rows_at_an_end_out_of_step_are_counted_in_words(tmp_path: Path, many: i
     found = load(tmp_path, rows(time_s))
     counted = f"{many} row{'s' * (many > 1)} from row {402 - many} on"
     assert counted in tail_note(found)
-    assert any(counted in finding.text for finding in check_recordings(found).findings)
 
 
 @pytest.mark.parametrize("seed", range(6))

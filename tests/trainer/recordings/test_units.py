@@ -10,7 +10,7 @@ from springpot import Recording
 from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.recordings.formats.column_map import Column, parse_map
 from springpot.trainer.recordings.formats.units import Quantity, factor_to_si
-from springpot.trainer.recordings.quality.plausible import glance
+from springpot.trainer.recordings.quality.units import glance, unusual
 
 
 @pytest.mark.parametrize(
@@ -114,13 +114,11 @@ PRESS_N = 38.6 * (PRESS_M / 5e-3) ** 1.6
 def test_a_unit_that_makes_an_unusual_object_is_said_at_a_glance(
     force: float, position: float, time: float, says: str
 ) -> None:
-    seen = glance(Recording("a", PRESS_M * position, PRESS_N * force, 5e-3 * time))
-    assert says in seen.doubt
-    assert bool(says) == bool(seen.doubt)
-    assert seen.words.startswith("stroke ")
-    assert seen.words.endswith(seen.doubt)
-    assert seen.stroke_m == pytest.approx(5e-3 * position)
-    assert seen.peak_n == pytest.approx(38.6 * force)
+    recording = Recording("a", PRESS_M * position, PRESS_N * force, 5e-3 * time)
+    assert says in unusual(recording)
+    assert bool(says) == bool(unusual(recording))
+    assert glance(recording).stroke_m == pytest.approx(5e-3 * position)
+    assert glance(recording).peak_n == pytest.approx(38.6 * force)
 
 
 def test_a_recording_that_stands_still_has_a_glance() -> None:

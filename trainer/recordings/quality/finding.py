@@ -2,17 +2,16 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Literal
-
-Severity = Literal["refusal", "warning"]
 
 
 @dataclass(frozen=True)
 class Finding:
     """kind: short name for programs. A refusal means that no model can be made of this."""
 
+    severity: Literal["refusal", "warning"]
     kind: str
-    severity: Severity
     where: str
     what: str
     so_what: str
@@ -31,14 +30,8 @@ class Finding:
         return asdict(self) | {"line": self.line}
 
 
-def refusal(kind: str, where: str, what: str, so_what: str, to_do: str) -> Finding:
-    """Return a finding that ends with exit status 3."""
-    return Finding(kind, "refusal", where, what, so_what, to_do)
-
-
-def warning(kind: str, where: str, what: str, so_what: str, to_do: str) -> Finding:
-    """Return a finding that is reported and refuses nothing."""
-    return Finding(kind, "warning", where, what, so_what, to_do)
+refusal = partial(Finding, "refusal")
+warning = partial(Finding, "warning")
 
 
 def three_digits(value: float, unit: str) -> str:
