@@ -176,14 +176,14 @@ def _say_guesses(files: Sequence[Path], guesses: Sequence[str]) -> None:
 
 def _rows(files: Sequence[Path], report: QualityReport) -> list[dict[str, Any]]:
     """Figures of each recording, with the file that it is in."""
-    from springpot.trainer.recordings.quality.units import glance, unusual
+    from springpot.trainer.recordings.quality.units import glance
 
     pairs = zip(files, report.recordings, report.checked, strict=True)
     return [
         {
             "file": str(file),
             **{key: figures[key] for key in _OF_REPORT},
-            "glance": ": ".join(filter(None, (glance(recording).words, unusual(recording)))),
+            "glance": glance(recording).words,
         }
         for file, figures, recording in pairs
     ]

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from springpot.codegen.arrays import Samples
 from springpot.codegen.plurals import number_of
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
-from springpot.trainer.recordings.quality.sensor import noise_n, quantisation_step
 from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.sensor import noise_n, quantisation_step
 
 _CLIPPED_RUN = 5  # samples in a row exactly at the extreme
 _CLIPPED_MOVE = 0.05  # of the other channel's range, meanwhile
@@ -19,7 +19,6 @@ _HELD_S = 0.02
 _STILL = 1e-9  # of the travel: a step that is none
 _COARSE = 0.01  # quantisation step over the signal's range
 _LONG, _USUAL_STEPS = 0.4, 4.0  # of the range; times the usual step: a jump
-_CHATTER = 8  # samples: jumps nearer than that are of a channel that rests at the end of its range
 _BESIDE = 5  # samples, over which a channel moves against its jump
 _MOST_JUMPS = 0.8  # of the jumps
 _GOES_ON = 0.2  # of the other channel's range, meanwhile
@@ -40,9 +39,9 @@ def channel_findings(recording: Recording) -> Iterator[Finding]:
         )  # fmt: skip
     if constant:
         return
-    yield from _clipping_findings(recording)
-    steps = {}
+    grains = []
     for channel, samples, other, scale, unit in channels:
+        yield from _clipping_findings(recording, channel, samples, other)
         if wraps := _wraps(samples, other):
             yield refusal(
                 "wrap", recording.name,
@@ -50,10 +49,18 @@ def channel_findings(recording: Recording) -> Iterator[Finding]:
                 f"{unit} against its own motion, first at {wraps[0] * recording.dt_s:.3f} s",
                 "a counter or a converter wraps there", "unwrap it in the source (numpy.unwrap)",
             )  # fmt: skip
-        steps[channel] = quantisation_step(samples)
-    least = max(3, round(_HELD_S / recording.dt_s))
-    filled = _filled_runs(recording.position_m, recording.force_n, least)
-    if filled and not any(steps.values()):  # coarse channels repeat values, with no sample lost
+        if step := quantisation_step(samples):
+            grains.append(step)
+            if (share := step / float(np.ptp(samples))) > _COARSE:
+                yield warning(
+                    "quantisation", recording.name,
+                    f"{channel} has steps of {scale * step:.3g} {unit}, {100 * share:.2g} % of "
+                    "its range",
+                    f"no model can be better than about {scale * step / np.sqrt(12):.2g} {unit}",
+                    "use a finer sensor or range, or more amplitude",
+                )  # fmt: skip
+    filled = _filled_runs(recording) if not grains else []  # coarse channels repeat values
+    if filled:
         begin, end = max(filled, key=lambda run: run[1] - run[0])
         yield warning(
             "gap", recording.name,
@@ -62,37 +69,26 @@ def channel_findings(recording: Recording) -> Iterator[Finding]:
             "lost samples were filled by the last one",
             "cut there, or record again with less load on the computer",
         )  # fmt: skip
-    for channel, samples, _, scale, unit in channels:
-        step = steps[channel]
-        if step and (share := step / float(np.ptp(samples))) > _COARSE:
-            yield warning(
-                "quantisation", recording.name,
-                f"{channel} has steps of {scale * step:.3g} {unit}, {100 * share:.2g} % of range",
-                f"no model can be better than about {scale * step / np.sqrt(12):.2g} {unit}",
-                "use a finer sensor or range, or more amplitude",
-            )  # fmt: skip
 
 
-def _clipping_findings(recording: Recording) -> Iterator[Finding]:
+def _clipping_findings(
+    recording: Recording, channel: str, samples: Samples, other: Samples
+) -> Iterator[Finding]:
     """Find a flat extreme of one channel while the other goes on."""
-    position_m, force_n = recording.position_m, recording.force_n
-    for channel, samples, other, scale, unit in (
-        ("force", force_n, position_m, 1.0, "N"), ("position", position_m, force_n, 1e3, "mm"),
-    ):  # fmt: skip
-        for extreme, side in ((samples.max(), "maximum"), (samples.min(), "minimum")):
-            runs = [run for run in _runs(samples == extreme) if run[1] - run[0] >= _CLIPPED_RUN]
-            if not runs or (side == "minimum" and extreme >= 0.0):
-                continue  # out of contact, or at rest
-            moved = max(_excursion(other[begin:end], channel) for begin, end in runs)
-            longest_s = max(end - begin for begin, end in runs) * recording.dt_s
-            if moved > _CLIPPED_MOVE * np.ptp(other):
-                yield warning(
-                    "clipping", recording.name,
-                    f"{channel} stays at its {side} value, {scale * extreme:.6g} {unit}, for up to "
-                    f"{longest_s:.3g} s while the other channel moves on",
-                    "the sensor's limit is recorded in place of the object",
-                    "record again with less amplitude or a larger sensor",
-                )  # fmt: skip
+    for extreme, side in ((samples.max(), "maximum"), (samples.min(), "minimum")):
+        runs = [run for run in _runs(samples == extreme) if run[1] - run[0] >= _CLIPPED_RUN]
+        if not runs or (side == "minimum" and extreme >= 0.0):
+            continue  # out of contact, or at rest
+        moved = max(_excursion(other[begin:end], channel) for begin, end in runs)
+        longest_s = max(end - begin for begin, end in runs) * recording.dt_s
+        if moved > _CLIPPED_MOVE * np.ptp(other):
+            yield warning(
+                "clipping", recording.name,
+                f"{channel} stays at its {side} for up to {longest_s:.3g} s while the other "
+                "channel moves on",
+                "the sensor's limit is recorded in place of the object",
+                "record again with less amplitude or a larger sensor",
+            )  # fmt: skip
 
 
 def _excursion(other: Samples, channel: str) -> float:
@@ -111,15 +107,16 @@ def _excursion(other: Samples, channel: str) -> float:
     return float(beyond) - by_noise
 
 
-def _filled_runs(position_m: Samples, force_n: Samples, least: int) -> list[tuple[int, int]]:
+def _filled_runs(recording: Recording) -> list[tuple[int, int]]:
     """Runs of rows in which both channels stand still, after which the position catches up."""
-    steps_m, found = np.abs(np.diff(position_m)), []
-    for begin, end in _runs((steps_m == 0.0) & (np.diff(force_n) == 0.0)):
+    steps_m, found = np.abs(np.diff(recording.position_m)), []
+    least = max(3, round(_HELD_S / recording.dt_s))
+    for begin, end in _runs((steps_m == 0.0) & (np.diff(recording.force_n) == 0.0)):
         around = np.concatenate((steps_m[max(0, begin - 20) : begin], steps_m[end + 1 : end + 21]))
         if end - begin >= least and begin > 0 and end < len(steps_m):
             usual_m = float(np.median(around))
-            moves = usual_m > _STILL * float(np.ptp(position_m))
-            if moves and float(steps_m[end]) > 0.5 * (end - begin + 1) * usual_m:
+            catches_up = float(steps_m[end]) > 0.5 * (end - begin + 1) * usual_m
+            if catches_up and usual_m > _STILL * float(np.ptp(recording.position_m)):
                 found.append((begin, end))
     return found
 
@@ -135,9 +132,6 @@ def _wraps(samples: Samples, other: Samples) -> list[int]:
     # In a hold alone, noise jumps over much of the range and back: it does so all the time.
     least = max(_LONG * spans[0], _USUAL_STEPS * float(np.quantile(usual, 0.95)))
     jumps = np.flatnonzero((np.abs(steps) > least) & (np.abs(np.diff(other)) < _GOES_ON * spans[1]))
-    apart = np.diff(jumps, prepend=-_CHATTER) >= _CHATTER
-    apart &= np.diff(jumps, append=len(samples) + _CHATTER) >= _CHATTER
-    jumps = jumps[apart]
     wraps = [
         at
         for at in jumps.tolist()

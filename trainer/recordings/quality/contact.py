@@ -7,7 +7,7 @@ import numpy as np
 
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.contact_point import ContactPoint, find_contact
-from springpot.trainer.recordings.quality.finding import Finding, span, warning
+from springpot.trainer.recordings.quality.finding import Finding, warning
 from springpot.trainer.recordings.recording import Recording
 
 _SURFACE_OFF = 0.05  # of the travel
@@ -44,15 +44,17 @@ def _surface_findings(met: Sequence[Met]) -> Iterator[Finding]:
         return
     off = [item for item in met if _is_off(*item, bounds=0.0)]  # one that is sure is enough
     first = min(met, key=lambda item: item[1].position_m)
-    begins = f"force begins at {span([1e3 * contact.position_m for _, contact in off])} mm"
+    where = off[0][0].name if len(off) == 1 else f"{len(off)} recordings"
+    usual_m = float(np.median([contact.position_m for _, contact in off]))
+    begins = f"force begins at {1e3 * usual_m:.3g} mm"
     if first in off:
         yield warning(
-            "contact", _where(off), f"{begins}, not at 0", "the surface is not where position is 0",
+            "contact", where, f"{begins}, not at 0", "the surface is not where position is 0",
             "import with --contact-force auto",
         )  # fmt: skip
     else:
         yield warning(
-            "contact", _where(off), f"{begins}, in {first[0].name} at 0",
+            "contact", where, f"{begins}, in {first[0].name} at 0",
             "the object had not recovered there, or its zero was another",
             "import with --rest-s if one object was pressed in this order, with --contact-force "
             "auto if each recording has a zero of its own",
@@ -62,7 +64,3 @@ def _surface_findings(met: Sequence[Met]) -> Iterator[Finding]:
 def _is_off(recording: Recording, contact: ContactPoint, bounds: float) -> bool:
     allowed_m = _SURFACE_OFF * float(np.ptp(recording.position_m)) + bounds * contact.uncertainty_m
     return abs(contact.position_m) > allowed_m
-
-
-def _where(items: Sequence[Met]) -> str:
-    return items[0][0].name if len(items) == 1 else f"{len(items)} recordings"

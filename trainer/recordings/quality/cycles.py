@@ -1,20 +1,33 @@
-"""Cycles of a motion: frequency, stiffness, loss angle."""
+"""Cycles of a motion: frequency, stiffness, loss angle; and the delay of force behind position.
 
+Energy lost a cycle mixes the material's loss and the channels' skew. They part by frequency: the
+loss angle of soft solids changes slowly, about linearly with the logarithm of frequency; skew takes
+off an angle proportional to frequency. With fewer than five cyclic recordings, or less than a
+factor of four in frequency, the two look alike and nothing is estimated.
+"""
+
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.trainer.recordings.motion import turning_points
+from springpot.trainer.recordings.quality.finding import Finding, warning
 from springpot.trainer.recordings.recording import Recording
 
 _EVEN_STROKES = (0.1, 0.02)  # of the whole travel: what counts as a stroke, large ones first
-_SAME_WAY, _SAME_TIME = 0.1, 0.3
-_FEWEST = 3
+_FEWEST, _SAME_WAY, _SAME_TIME = 3, 0.1, 0.3  # cycles; of a stroke's way and time
 _CUT = 0.15  # of a cycle: turns are found a little inside the first and the last one
 _ONE_TONE = 0.5  # of the position's variance that one tone must explain
 _MAX_SAMPLES = 200_000
+_MIN_POINTS, _MIN_SPAN = 5, 4.0  # frequencies, and the highest over the lowest
+_AMPLITUDES = 0.2  # of their logarithm: beyond that the loss may change with amplitude
+# 97.5 % quantile of Student's t, a series in 1 / freedom: `check` runs without scipy.
+_STUDENT = (0.733, 1.59, 2.556, 2.8225, 2.3723, 1.95996)
+_CURVATURE = 0.02  # rad, of the loss angle over the logarithm of frequency: as much is allowed for
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,7 +49,7 @@ class Cycles:
     def count(self) -> int:
         return len(self.starts) - 1
 
-    def metadata(self) -> dict[str, float]:
+    def metadata(self) -> dict[str, Any]:
         """JSON values."""
         keys = ("frequency_hz", "count", "amplitude_m", "stiffness_npm")
         return {key: getattr(self, key) for key in keys}
@@ -91,3 +104,57 @@ def _starts(position_m: Samples) -> Samples:
         count = int((float(strokes[-1]) - start) / period + _CUT)
         return start + period * np.arange(count + 1.0)
     return np.empty(0)
+
+
+@dataclass(frozen=True)
+class Skew:
+    """Delay of force behind position, s: estimate, and half the width of its 95 % interval."""
+
+    delay_s: float
+    uncertainty_s: float
+
+    def loss(self, recording: Recording, cycles: Cycles) -> dict[str, float]:
+        """Loss angle without the delay that is stated, and what the estimated one leaves open."""
+        rate = 2.0 * np.pi * cycles.frequency_hz
+        stated_s = recording.force_delay_s - recording.position_delay_s
+        doubt_s = abs(self.delay_s - stated_s) + self.uncertainty_s
+        angle_rad = cycles.lead_rad + rate * stated_s
+        return {"angle_rad": angle_rad, "angle_uncertainty_rad": rate * doubt_s}
+
+
+def estimate_skew(cycles: Sequence[Cycles]) -> Skew | None:
+    """Estimate by a loss angle linear in the logarithm of frequency; None where they look alike."""
+    frequencies = np.array([c.frequency_hz for c in cycles])
+    if len(cycles) < _MIN_POINTS or frequencies.max() < _MIN_SPAN * frequencies.min():
+        return None
+    logs = np.log(frequencies / np.median(frequencies))
+    columns = [np.ones(len(cycles)), logs, -2.0 * np.pi * frequencies]
+    amplitudes = np.log([c.amplitude_m for c in cycles])
+    if np.ptp(amplitudes) > _AMPLITUDES:
+        columns.append(amplitudes)
+    design = np.stack(columns, axis=1)
+    lead = np.array([c.lead_rad for c in cycles])
+    freedom = len(cycles) - design.shape[1]
+    if np.linalg.matrix_rank(design) < design.shape[1]:
+        return None
+    found = np.linalg.lstsq(design, lead, rcond=None)[0]
+    variance = float(np.sum((lead - design @ found) ** 2)) / freedom
+    covariance = variance * np.linalg.inv(design.T @ design)
+    statistical_s = float(np.polyval(_STUDENT, 1.0 / freedom) * np.sqrt(covariance[2, 2]))
+    # The delay that a loss angle with that much curvature looks like.
+    model_s = _CURVATURE * abs(float(np.linalg.lstsq(design, logs**2, rcond=None)[0][2]))
+    return Skew(float(found[2]), float(np.hypot(statistical_s, model_s)))
+
+
+def skew_findings(recordings: Sequence[Recording], skew: Skew | None) -> Iterator[Finding]:
+    """Yield a finding where force is later than stated by more than the estimate's uncertainty."""
+    stated_s = float(np.mean([r.force_delay_s - r.position_delay_s for r in recordings]))
+    if skew and min(abs(skew.delay_s), abs(skew.delay_s - stated_s)) > skew.uncertainty_s:
+        whole_s = skew.delay_s + np.mean([r.details.get("aligned_s", 0.0) for r in recordings])
+        delay = f"{skew.delay_s * 1e3:.2g} +- {skew.uncertainty_s * 1e3:.2g} ms"
+        yield warning(
+            "alignment", f"all {len(recordings)} recordings",
+            f"force seems to come {delay} after position",
+            "loss, and with it stability, would be learned wrong",
+            f"import with --force-delay-s {whole_s:.2g} --align",
+        )  # fmt: skip

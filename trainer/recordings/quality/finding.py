@@ -1,6 +1,5 @@
 """A finding: one line that says what, where, so what, and what to do."""
 
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass
 from functools import partial
 from typing import Literal
@@ -45,13 +44,3 @@ def three_digits(value: float, unit: str) -> str:
         if abs(rounded) >= scale:
             return f"{rounded / scale:.3g} {prefix}{unit}"
     return f"{rounded:.3g} {unit}"
-
-
-def span(values: Sequence[float]) -> str:
-    """Write the least and the greatest value, or the one that all are, in three digits.
-
-    >>> span([1.2491, 1.2488]), span([0.5, -2.0])
-    ('1.25', '-2 to 0.5')
-    """
-    low, high = f"{min(values):.3g}", f"{max(values):.3g}"
-    return low if low == high else f"{low} to {high}"

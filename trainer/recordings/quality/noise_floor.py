@@ -11,12 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.trainer.recordings.quality.cycles import Cycles, find_cycles
-from springpot.trainer.recordings.quality.finding import span
-from springpot.trainer.recordings.quality.sensor import sensor_noise_n
 from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.sensor import sensor_noise_n
 
-_SAME_PRESS = 0.02  # of the range of position or of force: rms difference of repeats
-_SAME_RATE = 1e-3
+_SAME_PRESS, _SAME_RATE = 0.02, 1e-3  # rms difference, of the range of a channel; of rates
 _MAX_PAIRED = 200  # recordings
 _CURVE = 7  # degree: tissue stiffens tenfold within a tenth of its depth
 _NO_NOISE = 1e-5  # of the peak force: what rounding and a press's own curvature leave
@@ -46,7 +44,7 @@ def find_noise_floor(
     force's noise. By what repeats of one session differ is no noise: the object remembers.
     """
     if repeats := [group for group in find_repeats(recordings) if not _one_session(group)]:
-        number = span([len(group) for group in repeats])
+        number = " or ".join(map(str, sorted({len(group) for group in repeats})))
         presses = "one press" if len(repeats) == 1 else f"each of {len(repeats)} presses"
         words = f"from {number} repeats of {presses}"
         return NoiseFloor(_rms([_repeat_noise_n(group) for group in repeats]), "repeats", words)
@@ -75,16 +73,16 @@ def find_repeats(recordings: Sequence[Recording]) -> list[list[Recording]]:
 
 def _same_press(one: Recording, other: Recording) -> bool:
     """Whether one path was driven twice, or one force, at one place."""
-    if one.place_m != other.place_m or len(one.force_n) != len(other.force_n):
+    same = one.place_m == other.place_m and abs(one.dt_s / other.dt_s - 1) < _SAME_RATE
+    if not same or len(one.force_n) != len(other.force_n):
         return False
     pairs = ((one.position_m, other.position_m), (one.force_n, other.force_n))
-    same_rate = abs(one.dt_s / other.dt_s - 1) < _SAME_RATE
-    return same_rate and any(_alike(np.stack(pair)) for pair in pairs)
+    return any(_alike(np.stack(pair)) for pair in pairs)
 
 
 def _one_session(group: Sequence[Recording]) -> bool:
-    sessions = {each.session if each.start_s is not None else "" for each in group}
-    return len(sessions) == 1 and "" not in sessions
+    timed = all(each.session and each.start_s is not None for each in group)
+    return timed and len({each.session for each in group}) == 1
 
 
 def _repeat_noise_n(group: Sequence[Recording]) -> float:

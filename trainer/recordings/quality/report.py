@@ -2,27 +2,23 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from springpot.codegen.errors import DataError
 from springpot.codegen.progress import counted
-from springpot.trainer.recordings.quality.alignment import (
-    Skew,
-    estimate_skew,
-    loss_angle,
-    skew_findings,
-)
 from springpot.trainer.recordings.quality.channels import channel_findings
 from springpot.trainer.recordings.quality.contact import contact_findings
-from springpot.trainer.recordings.quality.cycles import Cycles, find_cycles
+from springpot.trainer.recordings.quality.cycles import (
+    Cycles,
+    Skew,
+    estimate_skew,
+    find_cycles,
+    skew_findings,
+)
 from springpot.trainer.recordings.quality.finding import Finding
 from springpot.trainer.recordings.quality.noise_floor import find_noise_floor, find_repeats
-from springpot.trainer.recordings.quality.signs import (
-    Signs,
-    find_signs,
-    sign_findings,
-    signs_of_all,
-)
+from springpot.trainer.recordings.quality.signs import Signs, find_signs, sign_findings
 from springpot.trainer.recordings.quality.spikes import hold_spikes
 from springpot.trainer.recordings.quality.units import glance, unit_findings
 from springpot.trainer.recordings.recording import Recording
@@ -49,13 +45,13 @@ class QualityReport:
         kinds = ", ".join(dict.fromkeys(finding.kind for finding in self.findings)) or "none"
         return f"QualityReport({len(self.checked)} recordings, findings: {kinds})"
 
-    @property
+    @cached_property
     def recordings(self) -> list[dict[str, Any]]:
         """Figures of each recording."""
         each = zip(self.checked, self.cycles, self.signs, strict=True)
         return [_figures(*own, self.skew) for own in each]
 
-    @property
+    @cached_property
     def figures(self) -> dict[str, Any]:
         """Figures of the set."""
         floor = find_noise_floor(self.checked, self.cycles)
@@ -72,7 +68,7 @@ class QualityReport:
     @property
     def sign_words(self) -> str:
         """Which way the channels point, in one line."""
-        return signs_of_all(self.signs).words
+        return Signs.of_all(self.signs).words
 
     @property
     def refused(self) -> bool:
@@ -82,8 +78,8 @@ class QualityReport:
     def as_dict(self) -> dict[str, Any]:
         """Keys of `check --json`."""
         findings = [finding.metadata() for finding in self.findings]
-        own = {"refused": self.refused, "findings": findings, "recordings": self.recordings}
-        return own | self.figures
+        lists = {"findings": findings, "recordings": self.recordings}
+        return {"refused": self.refused, **lists, **self.figures}
 
     def refuse(self) -> None:
         """Raise DataError for the first refusal, if any, counting the others."""
@@ -136,6 +132,5 @@ def _figures(
         "max_speed_mps": glance(recording).speed_mps,
         "zero": recording.zero,
         "signs": signs.metadata(),
-        "cycles": cycles
-        and {**cycles.metadata(), "loss": skew and loss_angle(recording, cycles, skew)},
+        "cycles": cycles and cycles.metadata() | {"loss": skew and skew.loss(recording, cycles)},
     }

@@ -7,15 +7,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
-from springpot.trainer.recordings.quality.sensor import noise_n
+from springpot.trainer.recordings.sensor import noise_n
 
-_END = 0.05  # of the travel: the force at an end is the median there
-_LEVEL = 0.05  # of the travel: at the greatest force all along
-_MIN_SAMPLES = 8  # of a slope
-_ONE_SIDED = 0.05  # of the larger end's force: a smaller one of the other sign is noise
+_END = 0.05  # of the travel: an end, where the median is taken
+MIN_SAMPLES = 8  # of a slope
 _NOTHING = 0.05  # of the greatest force
-_FIRST = 5  # samples, while the tool has not gone farther than
-_SET_OFF = 0.01  # of the travel
+_FIRST, _SET_OFF = 5, 0.01  # samples, while the tool has not gone farther, of the travel
 _CLEAR, _STRONG = 1.25, 2.0  # ratio of the ends: some evidence, and twice as much
 _NOISES, _SURE = 3.0, 10.0  # standard deviations
 _DELAY = 0.5  # of a sample: channels that are read one after the other
@@ -29,8 +26,7 @@ def failure_row(x: Samples, f: Samples) -> int | None:
     There force is less than 0.4 of it, in a twentieth of the way that the tool goes through as
     fast as before: an object that flows loses its force where the tool slows down.
     """
-    rise = np.abs(f - first_n(x, f))
-    peak = int(np.argmax(rise))
+    rise, peak = np.abs(f - first_n(x, f)), peak_row(x, f)
     if x[peak] == x[0] or rise[peak] < _SURE * noise_n(f):
         return None
     way = np.sign(x[peak] - x[0]) * x
@@ -47,15 +43,12 @@ def failure_row(x: Samples, f: Samples) -> int | None:
 
 def correlation(x: Samples, f: Samples) -> float:
     """Correlation of position and force, (n,) both; 0 if one is constant."""
-    if min(np.ptp(x), np.ptp(f)) == 0.0:
-        return 0.0
-    return float(np.corrcoef(x, f)[0, 1])
+    return float(np.corrcoef(x, f)[0, 1]) if min(np.ptp(x), np.ptp(f)) else 0.0
 
 
-def correlation_to_peak(x: Samples, f: Samples) -> float:
-    """Correlation on the way in alone: a hold creeps and relaxes against its sign."""
-    way_in = slice(max(_MIN_SAMPLES, int(np.argmax(np.abs(f - first_n(x, f)))) + 1))
-    return correlation(x[way_in], f[way_in])
+def peak_row(x: Samples, f: Samples) -> int:
+    """Row at which force is farthest from that with which the recording begins."""
+    return int(np.argmax(np.abs(f - first_n(x, f))))
 
 
 def deeper_by_force(x: Samples, f: Samples) -> int:
@@ -63,10 +56,9 @@ def deeper_by_force(x: Samples, f: Samples) -> int:
     width = _END * float(np.ptp(x))
     low = abs(float(np.median(f[x <= x.min() + width])))
     high = abs(float(np.median(f[x >= x.max() - width])))
-    least, most = float(f.min()), float(f.max())
-    if min(abs(least), abs(most)) > _ONE_SIDED * max(abs(least), abs(most)) and least * most < 0:
-        return 0
-    return _vote(high, low)
+    less, more = sorted((abs(float(f.min())), abs(float(f.max()))))
+    two_sided = f.min() < 0.0 < f.max() and less > _NOTHING * more
+    return 0 if two_sided else _vote(high, low)
 
 
 def deeper_from_zero(x: Samples, f: Samples) -> int:
@@ -96,7 +88,7 @@ def deeper_by_slope(x: Samples, f: Samples) -> int:
     A level that a sensor's limit or free air makes is no slope of the object.
     """
     level = f == f.max()
-    if np.ptp(x[level]) > _LEVEL * np.ptp(x):
+    if np.ptp(x[level]) > _END * np.ptp(x):
         x, f = x[~level], f[~level]
     if not len(x):
         return 0
@@ -117,7 +109,7 @@ def _vote(high: float, low: float) -> int:
 def _slope(x: Samples, f: Samples, part: NDArray[np.bool_]) -> float | None:
     off = x[part] - x[part].mean()
     spread = float(off @ off)
-    if len(off) < _MIN_SAMPLES or spread == 0.0:
+    if len(off) < MIN_SAMPLES or spread == 0.0:
         return None
     return float(off @ f[part]) / spread
 
@@ -141,7 +133,7 @@ def dissipation(x: Samples, f: Samples) -> Dissipation:
     low_m, span, best = float(x.min()), float(np.ptp(x)), np.empty(0, dtype=np.intp)
     for level_m in (low_m + level * span for level in _LEVELS):
         rises = np.flatnonzero((x[:-1] < level_m) & (x[1:] >= level_m))
-        rises = rises[np.diff(rises, prepend=-len(x)) > _MIN_SAMPLES]
+        rises = rises[np.diff(rises, prepend=-len(x)) > MIN_SAMPLES]
         best = rises if len(rises) > max(len(best), 1) else best
     if len(best):
         return _work(x, f, int(best[0]), int(best[-1]) + 1, len(best) - 1)
@@ -158,10 +150,9 @@ def dissipation(x: Samples, f: Samples) -> Dissipation:
 def _work(x: Samples, f: Samples, begin: int, end: int, loops: int) -> Dissipation:
     """Work along the path, force counted from its first value.
 
-    So the small gap that is left at the end of a loop hardly matters. Drift g that grows evenly
-    adds the integral of g t/T dx = g (x(T) - mean of x), where more than one loop shows it; a delay
-    d adds d times the integral of x' f' dt; noise of deviation s in each sample adds s times the
-    root of the summed squares of the way that a sample stands for.
+    Drift g that grows evenly adds the integral of g t/T dx = g (x(T) - mean of x), where more than
+    one loop shows it; a delay d adds d times the integral of x' f' dt; noise of deviation s in each
+    sample adds s times the root of the summed squares of the way that a sample stands for.
     """
     size_j = loops * float(np.ptp(x)) * float(np.ptp(f))
     x, f = x[begin : end + 1], f[begin : end + 1]
@@ -171,7 +162,6 @@ def _work(x: Samples, f: Samples, begin: int, end: int, loops: int) -> Dissipati
     noise_j = _NOISES * noise_n(f) * float(np.sqrt(ways @ ways))
     drift_j = abs(float((f[-1] - f[0]) * (x[-1] - x.mean()))) if loops > 1 else 0.0
     delay_j = _DELAY * abs(float(steps @ np.diff(f)))
-    doubt_j = noise_j + drift_j + delay_j
-    return Dissipation(
-        energy_j, loops, *((j / size_j if size_j else 0.0) for j in (energy_j, doubt_j))
-    )
+    share = 1.0 / size_j if size_j else 0.0
+    doubt = share * (noise_j + drift_j + delay_j)
+    return Dissipation(energy_j, loops, share * energy_j, doubt)

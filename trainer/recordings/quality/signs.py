@@ -13,14 +13,15 @@ from typing import Any
 from springpot.trainer.recordings.formats.units import parts_of
 from springpot.trainer.recordings.quality.finding import Finding, refusal, three_digits, warning
 from springpot.trainer.recordings.quality.sign_evidence import (
+    MIN_SAMPLES,
     Dissipation,
     correlation,
-    correlation_to_peak,
     deeper_by_force,
     deeper_by_slope,
     deeper_from_zero,
     dissipation,
     failure_row,
+    peak_row,
 )
 from springpot.trainer.recordings.quality.spikes import hold_spikes
 from springpot.trainer.recordings.recording import Recording
@@ -60,18 +61,16 @@ class Signs:
     def metadata(self) -> dict[str, Any]:
         """JSON values; signs are those to multiply by."""
         keys = ("position_sign", "force_sign", "evidence", "words")
-        joules = self.lost.energy_j if self.lost.loops else None
-        own = {key: getattr(self, key) for key in keys}
-        return own | {"dissipated_j": joules, "loops": self.lost.loops}
+        energy_j = self.lost.energy_j if self.lost.loops else None
+        loops = {"dissipated_j": energy_j, "loops": self.lost.loops}
+        return {key: getattr(self, key) for key in keys} | loops
 
-
-def signs_of_all(signs: Sequence[Signs]) -> Signs:
-    """Signs of the recording with the strongest evidence, with the loops of all."""
-    energy_j, loops = (
-        sum(getattr(own.lost, key) for own in signs) for key in ("energy_j", "loops")
-    )
-    surest = max(signs, key=lambda own: own.evidence)
-    return replace(surest, lost=Dissipation(energy_j, loops))
+    @staticmethod
+    def of_all(signs: Sequence["Signs"]) -> "Signs":
+        """Signs of the recording with the strongest evidence, with the loops of all."""
+        energies_j = sum(own.lost.energy_j for own in signs)
+        lost = Dissipation(energies_j, sum(own.lost.loops for own in signs))
+        return replace(max(signs, key=lambda own: own.evidence), lost=lost)
 
 
 def find_signs(recording: Recording) -> Signs:
@@ -81,7 +80,9 @@ def find_signs(recording: Recording) -> Signs:
     if (failed := failure_row(x, raw_n)) is not None:
         x, raw_n = x[: failed + 1], raw_n[: failed + 1]
     lost = dissipation(x, raw_n)
-    together = correlation(x, raw_n) if lost.loops else correlation_to_peak(x, raw_n)
+    # After one way in, a hold relaxes and creeps against its sign.
+    rows = len(x) if lost.loops else max(MIN_SAMPLES, peak_row(x, raw_n) + 1)
+    together = correlation(x[:rows], raw_n[:rows])
     # A lead of more than a quarter turn is no material's: one of the signs is wrong.
     relative = -1 if together < 0.0 else 1
     force_vote, shape_vote = deeper_by_force(x, raw_n), deeper_by_slope(x, raw_n)
@@ -101,12 +102,11 @@ def find_signs(recording: Recording) -> Signs:
 
 def sign_findings(recording: Recording, signs: Signs) -> Iterator[Finding]:
     """Yield what has to be turned round, or is no object; a warning where it was accepted."""
-    found = _sign_finding(recording, signs)
-    if found and found.severity == "refusal" and recording.signs_accepted:
-        yield replace(found, severity="warning", to_do="accepted on import (--accept-signs)")
-    elif found and found.severity == "refusal":
-        yield replace(found, so_what=f"{found.so_what} (--accept-signs takes it so)")
-    elif found:
+    if found := _sign_finding(recording, signs):
+        if found.severity == "refusal" and recording.signs_accepted:
+            found = replace(found, severity="warning", to_do="accepted by --accept-signs")
+        elif found.severity == "refusal":
+            found = replace(found, so_what=f"{found.so_what} (--accept-signs takes it so)")
         yield found
     if signs.failure_row is not None:
         peak_n, at_s = recording.force_n[signs.failure_row], signs.failure_row * recording.dt_s
@@ -141,12 +141,9 @@ def _sign_finding(recording: Recording, signs: Signs) -> Finding | None:
 
 def sign_doubts(recordings: Sequence[Recording]) -> list[str]:
     """Lines on recordings with signs that no object has, where they are compared with a model."""
-    return [
-        finding.text
-        for recording in recordings
-        for finding in sign_findings(recording, find_signs(hold_spikes(recording)[0]))
-        if finding.severity == "refusal"
-    ]
+    held = [hold_spikes(recording)[0] for recording in recordings]
+    found = [finding for each in held for finding in sign_findings(each, find_signs(each))]
+    return [finding.text for finding in found if finding.severity == "refusal"]
 
 
 def _loss(lost: Dissipation) -> str:

@@ -10,7 +10,7 @@ from springpot.trainer.recordings.quality.finding import Finding, refusal, warni
 from springpot.trainer.recordings.recording import Recording
 
 HELD = "outliers"  # of a recording's details: what was found in each channel
-_LONGEST_M, _LONGEST_N = 5, 2  # samples of position and of force: a longer run may be an impact
+_LONGEST_M, _LONGEST_N = 5, 2  # samples of position, of force: a longer run may be an impact
 _SHARE_M, _SHARE_N = 0.25, 0.02  # of the channel's range: a spike is as far off at least
 _NOISES, _STEPS = 8.0, 5.5  # of the noise, and of the largest step around: it is farther off
 _REACH = 5  # samples to each side that are compared
@@ -22,8 +22,7 @@ def hold_spikes(recording: Recording) -> tuple[Recording, list[Finding]]:
     """Return the recording without spikes, and a finding for each channel that has any.
 
     One spike would stretch the trained range, the scale of all that is fitted, and the limit of
-    force. Where more than 5 % of the samples are spikes, the finding is a refusal. The recording
-    remembers its findings: it is judged once.
+    force. More than 5 % of the samples are refused. The recording keeps what was found in it.
 
     >>> position_m = 1e-3 * (1 - np.cos(np.linspace(0, 6.28, 200)))
     >>> force_n = 500 * position_m
@@ -32,8 +31,13 @@ def hold_spikes(recording: Recording) -> tuple[Recording, list[Finding]]:
     >>> finding.what
     '1 of 200 samples of force jump away, the first at 0.05 s to 900 N'
     """
-    if HELD in recording.details:
-        return recording, [_finding(recording.name, what) for what in recording.details[HELD]]
+    name = recording.name
+    if known := recording.details.get(HELD):
+        replaced = (
+            "replaced from the samples beside",
+            "if the tool did so, record at a higher rate",
+        )
+        return recording, [warning("outlier", name, what, *replaced) for what in known]
     position_m, force_n = recording.position_m, recording.force_n
     at_m = _position_spikes(position_m, force_n)
     held_m = _interpolated(position_m, at_m)
@@ -48,23 +52,11 @@ def hold_spikes(recording: Recording) -> tuple[Recording, list[Finding]]:
     if not found:
         return recording, []
     if max(len(at_m), len(at_n)) > _MOST * len(force_n):
-        return recording, [
-            refusal("outlier", recording.name, what, "too many to be replaced",
-                    "mend the sensor or its cable, and record again")
-            for what in found
-        ]  # fmt: skip
-    held = replace(
-        recording,
-        position_m=held_m,
-        force_n=_interpolated(force_n, at_n),
-        details={**recording.details, HELD: found},
-    )
-    return held, [_finding(recording.name, what) for what in found]
-
-
-def _finding(name: str, what: str) -> Finding:
-    return warning("outlier", name, what, "replaced from the samples beside them",
-                   "if the tool did so, record at a higher rate")  # fmt: skip
+        spoiled = ("too many to be replaced", "mend the sensor or its cable, and record again")
+        return recording, [refusal("outlier", name, what, *spoiled) for what in found]
+    details, held_n = {**recording.details, HELD: found}, _interpolated(force_n, at_n)
+    held = replace(recording, position_m=held_m, force_n=held_n, details=details)
+    return hold_spikes(held)
 
 
 def _position_spikes(position_m: Samples, force_n: Samples) -> Indices:

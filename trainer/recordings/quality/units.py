@@ -5,12 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from springpot.trainer.recordings.formats.units import (
-    CLOCK,
-    FRAME_NAME,
-    Quantity,
-    factor_to_si,
-)
+from springpot.trainer.recordings.formats.units import CLOCK, FRAME_NAME
 from springpot.trainer.recordings.quality.finding import Finding, refusal, three_digits, warning
 from springpot.trainer.recordings.recording import Recording
 
@@ -23,12 +18,13 @@ _QUASI_STATIC_MPS = 1e-3  # such tests are logged slowly; an arm is faster
 _MOVES = 0.05  # of the largest step between samples: smaller ones are rests
 # Stiffness under a tip of a finger's size, 2 a E / (1 - nu^2) for a = 5 mm, from soft gels (1 kPa)
 # to rubber of Shore A 80 (10 MPa); Johnson, Contact Mechanics, 1985, section 3.4.
-_FINGERTIP_NPM, _LIKELY_NPM = (10.0, 1e5), (100.0, 3e4)
+_FINGERTIP_NPM = (10.0, 1e5)
 _ARM_N, _HAND_MPS = 500.0, 0.3  # an arm pushes with less; a hand presses more slowly
-_PLAIN: dict[Quantity, str] = {"force": "N", "position": "mm"}
-# Which units may be meant, the likeliest first, where it is too stiff and where it is too soft.
-_STIFF: dict[Quantity, list[str]] = {"force": ["gf", "mN"], "position": ["in", "cm", "m"]}
-_SOFT: dict[Quantity, list[str]] = {"force": ["lbf", "kgf", "kN"], "position": ["um"]}
+_STIFF = (
+    "stiffer than rubber under a fingertip, unless force is in gf, force is in mN, position is in "
+    "in, position is in cm, position is in m, or it is a strain"
+)
+_SOFT = "softer than a gel under a fingertip, unless force is in kN or position is in um"
 
 
 @dataclass(frozen=True)
@@ -42,20 +38,27 @@ class Glance:
 
     @property
     def words(self) -> str:
-        """One line for people."""
-        return (
+        """One line for people: the figures, and why they are none of a hand's."""
+        text = (
             f"stroke {three_digits(self.stroke_m, 'm')}, peak {three_digits(self.peak_n, 'N')}, "
             f"up to {three_digits(self.speed_mps, 'm/s')}, "
             f"{three_digits(self.stiffness_npm, 'N/m')} in the mean"
         )
+        if self.speed_mps > _HAND_MPS:
+            return f"{text}: faster than a hand presses, unless time or position has another unit"
+        if self.stiffness_npm > _FINGERTIP_NPM[1]:
+            return f"{text}: {_STIFF}"
+        if self.peak_n > _ARM_N and self.speed_mps > _QUASI_STATIC_MPS:
+            return f"{text}: harder than an arm pushes, unless force is in gf or force is in mN"
+        return f"{text}: {_SOFT}" if 0.0 < self.stiffness_npm < _FINGERTIP_NPM[0] else text
 
 
 def glance(recording: Recording) -> Glance:
     """Figures of a recording; of the steps of a moving tool, one in a hundred is noise.
 
     >>> position_m = 5e-3 * np.linspace(0, 1, 1000)
-    >>> glance(Recording("a", position_m, 8e5 * position_m, 1e-3)).words
-    'stroke 5 mm, peak 4 kN, up to 5.01 mm/s, 800 kN/m in the mean'
+    >>> glance(Recording("a", position_m, 8e3 * position_m, 1e-3)).words
+    'stroke 5 mm, peak 40 N, up to 5.01 mm/s, 8 kN/m in the mean'
     """
     stroke_m = float(np.ptp(recording.position_m))
     steps_m = np.abs(np.diff(recording.position_m))
@@ -63,32 +66,6 @@ def glance(recording: Recording) -> Glance:
     stiffness_npm = float(np.ptp(recording.force_n)) / stroke_m if stroke_m else 0.0
     peak_n = float(np.abs(recording.force_n).max())
     return Glance(stroke_m, peak_n, fastest_m / recording.dt_s, stiffness_npm)
-
-
-def unusual(recording: Recording) -> str:
-    """Say why a recording is none of a hand's, and with which unit it were; "" if it is."""
-    found = glance(recording)
-    if found.speed_mps > _HAND_MPS:
-        return "faster than a hand presses, if time and position have their right units"
-    stiff, hard = found.stiffness_npm > _FINGERTIP_NPM[1], found.peak_n > _ARM_N
-    if stiff:
-        what, may_be = "stiffer than rubber under a fingertip, as bone and thin layers are", _STIFF
-    elif hard and found.speed_mps > _QUASI_STATIC_MPS:
-        what, may_be = "harder than an arm pushes, as a machine does", {"force": _STIFF["force"]}
-    elif 0.0 < found.stiffness_npm < _FINGERTIP_NPM[0]:
-        what, may_be = "softer than a gel under a fingertip, as foam is", _SOFT
-    else:
-        return ""
-    stored, meant = recording.details.get("units", {}), [what]
-    for channel, unit in ((channel, unit) for channel, units in may_be.items() for unit in units):
-        to_si = stored.get(channel, {}).get("to_si") or factor_to_si(_PLAIN[channel], channel, "")
-        times = factor_to_si(unit, channel, "") / abs(to_si)
-        other_npm = found.stiffness_npm * (times if channel == "force" else 1.0 / times)
-        if _LIKELY_NPM[0] <= other_npm <= _LIKELY_NPM[1]:
-            meant.append(f"if {channel} is in {unit}, it is {three_digits(other_npm, 'N/m')}")
-    if stiff and found.stroke_m <= abs(stored.get("position", {}).get("to_si", 0.0)):
-        meant.append("if position is a strain, give the height, --map position=COL:33mm")
-    return "; ".join(meant)
 
 
 def unit_findings(recording: Recording) -> Iterator[Finding]:
@@ -111,21 +88,14 @@ def unit_findings(recording: Recording) -> Iterator[Finding]:
     possible = all(low <= value <= high for value, (low, high), _, _ in singles)
     for value, (low, high), what, channels in ratios if possible else singles:
         if not low <= value <= high:
-            origin = stored.get(channels, {})
+            doubt, origin = f"the unit of {channels} looks wrong", stored.get(channels, {})
             make, to_do = warning, "check it against the rig, and state it on import (--map)"
             if not possible and origin.get("from", "device") not in ("map", "device"):
-                smaller = (value > high) != (channels == "time")  # more of a unit a second
-                unit, form = origin["unit"], "--map {}=COL:{}"
-                form = "{}='COL:{}'" if origin["from"] == FRAME_NAME else form
-                other = form.format(channels, f"{0.001 if smaller else 1000}{unit}")
-                make, to_do = (
-                    refusal,
-                    (
-                        f"state what its numbers count, such as {other}, or "
-                        f"{form.format(channels, unit)} if that is right"
-                    ),
-                )
-            doubt = f"the unit of {channels} looks wrong"
+                smaller = (value > high) != (channels == "time")  # a rate falls as its unit grows
+                form = "{}='COL:{}'" if origin["from"] == FRAME_NAME else "--map {}=COL:{}"
+                other = form.format(channels, f"{0.001 if smaller else 1000}{origin['unit']}")
+                right = form.format(channels, origin["unit"])
+                make, to_do = refusal, f"state what its numbers count, such as {other}, or {right}"
             yield make("unit", recording.name, f"{value:.4g} {what}", doubt, to_do)
 
 
