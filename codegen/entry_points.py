@@ -19,6 +19,7 @@ from traceback import extract_tb
 from typing import Any, TypeVar
 
 from springpot.codegen.errors import SpringpotError
+from springpot.codegen.types import JsonObject
 
 Entry = TypeVar("Entry")
 
@@ -37,7 +38,7 @@ def registered(group: str, kind: type[Entry] | tuple[type[Entry], ...]) -> dict[
     out, and a line on standard error says so once. Raises ModuleNotFoundError if springpot itself
     lacks a package.
     """
-    found: dict[str, Any] = {}
+    found: JsonObject = {}
     for entry in _entries(group):
         loaded = _loaded(entry)
         if loaded is None:

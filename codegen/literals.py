@@ -2,15 +2,16 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import is_dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+
+from springpot.codegen.arrays import Reals
+from springpot.codegen.types import Scalar
 
 _WIDTH = 96
 
 
-def literal(value: Any) -> str:
+def literal(value: Scalar) -> str:
     """C literal of a numpy or Python number; float32 ends in f. Raises ValueError if not finite."""
     if isinstance(value, np.float32 | np.float64 | float):
         if not np.isfinite(value):
@@ -24,7 +25,7 @@ def literal(value: Any) -> str:
     return str(int(value))
 
 
-def array_text(name: str, c_type: str, values: NDArray[Any]) -> str:
+def array_text(name: str, c_type: str, values: Reals) -> str:
     """`static const` definition of a 1-D or 2-D array, row by row."""
     if values.ndim == 2:
         rows, columns = values.shape
@@ -47,7 +48,7 @@ def wrapped(items: Iterable[str]) -> list[str]:
     return [*lines, f"    {line}"]
 
 
-def constant_text(name: str, value: Any) -> str:
+def constant_text(name: str, value: Scalar) -> str:
     """`static const` definition of a number, or of a config struct from its dataclass.
 
     Member by member; the struct of GuardConfig is sp_guard_config.
@@ -68,7 +69,7 @@ def members_text(name: str, c_type: str, members: Mapping[str, str]) -> str:
     return "\n".join([f"static const {c_type} {name} = {{", *lines, "};"])
 
 
-def _value(value: Any) -> str:
+def _value(value: Scalar) -> str:
     if isinstance(value, np.ndarray):
         return "{" + ", ".join(map(literal, value)) + "}"
     return literal(value)

@@ -9,7 +9,7 @@ import click
 
 from springpot.codegen import errors
 from springpot.host.commands import COMMANDS
-from springpot.host.console.lazy_group import LazyGroup
+from springpot.host.console.command_group import CommandGroup
 from springpot.host.console.output import notices_said, say
 
 _EXIT_STATUS: dict[type[Exception], int] = {
@@ -28,7 +28,7 @@ def exit_status(error: errors.SpringpotError) -> int:
 
 
 @click.group(
-    cls=LazyGroup,
+    cls=CommandGroup,
     table=COMMANDS,
     context_settings={"help_option_names": ["-h", "--help"]},
 )

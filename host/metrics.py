@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +10,7 @@ from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.errors import DataError
 from springpot.codegen.reference.notes import RAMPED
 from springpot.codegen.short_repr import short_repr
+from springpot.codegen.types import JsonObject
 from springpot.trainer.recordings.quality.noise_floor import NoiseFloor
 
 # Weber fraction of force: 10 % at and above 2 N (the paper's figure 8); below it rises, and is
@@ -97,7 +97,7 @@ def accuracy(
     )
 
 
-def error_ratios(found: Accuracy, floor: NoiseFloor) -> dict[str, Any]:
+def error_ratios(found: Accuracy, floor: NoiseFloor) -> JsonObject:
     """JSON keys: the floor and what it is from, the RMSE over it, the error over the JND."""
     per_floor = found.rmse_n / floor.rms_n if floor.rms_n else None
     return floor_keys(floor) | {
@@ -106,7 +106,7 @@ def error_ratios(found: Accuracy, floor: NoiseFloor) -> dict[str, Any]:
     }
 
 
-def floor_keys(floor: NoiseFloor) -> dict[str, Any]:
+def floor_keys(floor: NoiseFloor) -> JsonObject:
     """JSON keys of a floor alone."""
     return {
         "noise_floor_n": floor.rms_n,
@@ -115,7 +115,7 @@ def floor_keys(floor: NoiseFloor) -> dict[str, Any]:
     }
 
 
-def floor_words(floor: dict[str, Any]) -> str:
+def floor_words(floor: JsonObject) -> str:
     """A floor in a person's words. floor: of `floor_keys`."""
     floor_n, words = floor["noise_floor_n"], floor["noise_floor"]
     if floor_n is None:
@@ -123,7 +123,7 @@ def floor_words(floor: dict[str, Any]) -> str:
     return f"{floor_n:.3g} N, {words}" if floor_n else f"0 N, {words}: no ratio"
 
 
-def ratio_rows(ratios: dict[str, Any]) -> dict[str, str]:
+def ratio_rows(ratios: JsonObject) -> dict[str, str]:
     """Two rows under an error."""
     words, ratio = floor_words(ratios), ratios["error_per_floor"]
     return {

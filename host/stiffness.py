@@ -3,11 +3,11 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
 from springpot.codegen.arrays import Samples
+from springpot.codegen.types import JsonObject
 from springpot.trainer.recordings.motion import turning_points
 from springpot.trainer.recordings.recording import Recording
 
@@ -73,7 +73,7 @@ def slope_errors(
     )
 
 
-def slope_keys(found: SlopeErrors | None) -> dict[str, Any]:
+def slope_keys(found: SlopeErrors | None) -> JsonObject:
     """JSON keys: median and 95 % quantile of the error, its floor; null if no slope is known."""
     return {
         "slope_error_median_percent": None if found is None else found.median_percent,
@@ -82,7 +82,7 @@ def slope_keys(found: SlopeErrors | None) -> dict[str, Any]:
     }
 
 
-def slope_words(keys: dict[str, Any]) -> str:
+def slope_words(keys: JsonObject) -> str:
     """The same in a person's words; keys: of `slope_keys`."""
     if keys["slope_error_median_percent"] is None:
         return "not known: no way in on which the measured slope stands out from noise"

@@ -1,6 +1,7 @@
 """Coupling mode "auto": mode and gains from the object's stiffness, the rate and the delay."""
 
-from collections.abc import Callable
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -13,13 +14,14 @@ from springpot.codegen.scene import Coupling
 # The loop must be stable with an object stiffer than this model by so much.
 STIFFNESS_MARGIN_OFF = 1.25
 STIFFNESS_MARGIN_PROXY = 1.5
-# A proxy's oscillations must die out within 0.5 s: 1 - dt/0.5 s is the maximum radius.
-DECAY_PER_S = 2.0
+# Of the damping of hand and device, so much must be left of whatever swings.
+DAMPING_LEFT = 0.25
 # Of the stiffest coupling that the linear loop allows; sensors and leaves of trees are not linear.
-GAIN_MARGIN = 0.75
-_STIFFNESSES_NPM = np.geomspace(10.0, 40_000.0, 50)
-_RATIOS = np.array([0.6, 1.0, 1.6])  # of the proxy's critical damping
-_MASSES_KG = (0.02, 0.05, 0.1)
+GAIN_MARGIN = 0.8
+_STIFFNESSES_NPM = np.geomspace(10.0, 40_000.0, 56)
+_DAMPINGS_NSPM = np.geomspace(0.5, 500.0, 61)
+_MASSES_KG = (0.005, 0.02, 0.05)  # the lightest first: it passes on the least noise
+_WITHIN = 1.01  # of the stiffest
 
 
 @dataclass(frozen=True)
@@ -43,8 +45,8 @@ def choose_coupling(
 
     `off` where the bare loop is stable with every hand at the stated delay, and with the mid and
     firm hands at one sample more: nothing then stands between the hand and the model. `why` says
-    where the light hand's limit at one sample more is less. Else the stiffest proxy that is stable
-    with every hand at both delays.
+    where the light hand's limit at one sample more is less. Else the stiffest proxy of those that
+    are stable with every hand at both delays: stiffer with a faster loop, less delay, more damping.
     """
 
     def loop(coupling: Coupling, hand: Hand, more: int) -> LinearLoop:
@@ -63,16 +65,9 @@ def choose_coupling(
         if light_npm <= STIFFNESS_MARGIN_OFF * stiffness_npm:
             why += f" (not counted: the light hand one sample later, up to {_npmm(light_npm)})"
         return CouplingChoice(off, why, stiffness_npm)
-    loads = stiffness_npm * STIFFNESS_MARGIN_PROXY * np.geomspace(0.01, 1.0, 8)
-
-    def radius(coupling: Coupling) -> float:
-        return max(
-            float(loop(coupling, hand, more).spectral_radius(loads).max())
-            for hand in HAND_MODELS
-            for more in (0, 1)
-        )
-
-    proxy = _stiffest(radius, 1.0 - DECAY_PER_S * dt_s)
+    search = _ProxySearch(stiffness_npm, dt_s, device, smoothing)
+    stiffest = search.stiffest()
+    proxy = stiffest or search.calmest_of_softest()
     felt = series(proxy.stiffness_npm, stiffness_npm)
     why = (
         f"proxy: auto: {found}, pass the bare loop's limit of {_npmm(min(limits))} "
@@ -80,37 +75,90 @@ def choose_coupling(
         f"{proxy.stiffness_npm:g} N/m, {proxy.damping_nspm:g} N s/m, {proxy.mass_kg:g} kg; "
         f"the hand feels {_npmm(felt)}"
     )
-    return CouplingChoice(proxy, why, felt, every_hand=radius(proxy) < 1.0)
+    return CouplingChoice(proxy, why, felt, every_hand=stiffest is not None)
 
 
-def _stiffest(radius: Callable[[Coupling], float], maximum: float) -> Coupling:
-    """Stiffest proxy coupling with a spectral radius up to `maximum`, softened by GAIN_MARGIN.
+class _ProxySearch:
+    """Proxies that are stable with every hand, at the stated delay and one sample more.
 
-    The softer one has to keep within it too: in a slow loop it may ring where the stiffer does not.
-    If no coupling qualifies, the one with the smallest radius. Within a stiffness the lightest
-    proxy comes first: it passes on the least noise.
+    For an object of up to STIFFNESS_MARGIN_PROXY times the stiffness, and for every softer one.
     """
-    minimum = (np.inf, Coupling(mode="proxy"))
-    for stiffness_npm in _STIFFNESSES_NPM[::-1]:
+
+    def __init__(
+        self, stiffness_npm: float, dt_s: float, device: LoopDevice, smoothing: float
+    ) -> None:
+        self._loads_npm = stiffness_npm * STIFFNESS_MARGIN_PROXY * np.geomspace(0.01, 1.0, 8)
+        loops = [
+            LinearLoop(dt_s, Coupling("off"), hand, device.later(more), smoothing)
+            for more in (1, 0)  # what most often fails comes first
+            for hand in HAND_MODELS[::-1]
+        ]
+        self._loops = [(loop, self._max_radius(loop)) for loop in loops]
+
+    @staticmethod
+    def _max_radius(loop: LinearLoop) -> float:
+        """A mass that swings on any spring loses exp(-b t/2m)."""
+        damping_nspm = loop.hand.damping_nspm + loop.device.viscous_nspm
+        mass_kg = loop.hand.mass_kg + loop.device.mass_kg
+        return math.exp(-DAMPING_LEFT * damping_nspm / (2.0 * mass_kg) * loop.dt_s)
+
+    def stiffest(self) -> Coupling | None:
+        """The stiffest of which all softer ones are stable too, softened by GAIN_MARGIN.
+
+        Damping has a window: the object's force is held for a tick, which drives the proxy like a
+        negative damper of K dt/2, and the tool's held force bounds it from above. Beyond a gap
+        there may be a far stiffer branch, of couplings that only pass the object's own loop on:
+        they are stable in part of their range alone, and vibrate with an encoder's steps.
+        None if no damping is stable even with the softest spring.
+        """
+        found: Coupling | None = None
         for mass_kg in _MASSES_KG:
-            critical = 2.0 * np.sqrt(stiffness_npm * mass_kg)
-            for damping_nspm in _RATIOS * critical:
-                proxy = Coupling("proxy", stiffness_npm, damping_nspm, mass_kg)
-                found = radius(proxy)
-                softer = _rounded(proxy, GAIN_MARGIN)
-                if found <= maximum and radius(softer) <= maximum:
-                    return softer
-                minimum = min(minimum, (found, proxy), key=lambda item: item[0])
-    return _rounded(minimum[1], 1.0)
+            for damping_nspm in _DAMPINGS_NSPM:
+                softest = Coupling(
+                    "proxy", float(_STIFFNESSES_NPM[0]), float(f"{damping_nspm:.3g}"), mass_kg
+                )
+                least_npm = _WITHIN * found.stiffness_npm if found else softest.stiffness_npm
+                found = self._stiffest_of(softest, least_npm) or found
+        if found is None:
+            return None
+        softer_npm = float(f"{GAIN_MARGIN * found.stiffness_npm:.3g}")
+        return replace(found, stiffness_npm=softer_npm)
 
+    def calmest_of_softest(self) -> Coupling:
+        """Of the softest proxies that with the smallest radius: nothing holds such an object."""
+        softest = [
+            Coupling("proxy", float(_STIFFNESSES_NPM[0]), float(f"{damping_nspm:.3g}"), mass_kg)
+            for mass_kg in _MASSES_KG
+            for damping_nspm in _DAMPINGS_NSPM
+        ]
+        return min(softest, key=lambda one: max(self._radii(one)))
 
-def _rounded(proxy: Coupling, share: float) -> Coupling:
-    """A softer coupling of the same damping ratio, in two digits."""
-    return replace(
-        proxy,
-        stiffness_npm=float(f"{share * proxy.stiffness_npm:.2g}"),
-        damping_nspm=float(f"{np.sqrt(share) * proxy.damping_nspm:.2g}"),
-    )
+    def _stiffest_of(self, softest: Coupling, least_npm: float) -> Coupling | None:
+        """The stiffest of one mass and damping; None if it is below least_npm."""
+        low = replace(softest, stiffness_npm=least_npm)
+        if not self._stable(low):  # most fail here
+            return None
+        for stiffness_npm in map(float, _STIFFNESSES_NPM):
+            if not self._stable(high := replace(softest, stiffness_npm=stiffness_npm)):
+                break
+            low = max(low, high, key=lambda one: one.stiffness_npm)
+        if high.stiffness_npm < least_npm:
+            return None
+        while high.stiffness_npm > _WITHIN * low.stiffness_npm:
+            middle_npm = math.sqrt(low.stiffness_npm * high.stiffness_npm)
+            middle = replace(softest, stiffness_npm=middle_npm)
+            low, high = (middle, high) if self._stable(middle) else (low, middle)
+        return low
+
+    def _stable(self, proxy: Coupling) -> bool:
+        limits = (limit for _, limit in self._loops)
+        return all(
+            radius <= limit for radius, limit in zip(self._radii(proxy), limits, strict=True)
+        )
+
+    def _radii(self, proxy: Coupling) -> Iterator[float]:
+        for loop, _ in self._loops:
+            yield float(replace(loop, coupling=proxy).swing_radius(self._loads_npm).max())
 
 
 def series(one_npm: float, other_npm: float) -> float:

@@ -1,7 +1,7 @@
 """The linear loop that a scene closes: an object's tangent, a coupling, a delay, and a hand."""
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +10,7 @@ from springpot.codegen.coupling.gains import transition
 from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE, LoopDevice
 from springpot.codegen.scene import Coupling
 from springpot.codegen.stages.tool_velocity import TIME_S as VELOCITY_S
+from springpot.codegen.types import Scalar
 
 _LIMIT_WITHIN = 1.001  # of the first unstable stiffness
 Matrices = NDArray[np.float64]
@@ -55,6 +56,16 @@ class LinearLoop:
         radius: NDArray[np.float64] = np.abs(np.linalg.eigvals(matrices)).max(axis=1)
         return radius
 
+    def swing_radius(self, stiffness_npm: float | NDArray[np.float64]) -> NDArray[np.float64]:
+        """As `spectral_radius`, of what swings: without the positive eigenvalues below 1.
+
+        Those creep to their end, however slowly, and no hand feels them vibrate.
+        """
+        values = np.linalg.eigvals(self._tick(np.atleast_1d(np.asarray(stiffness_npm, np.float64))))
+        creeps = (values.imag == 0.0) & (values.real > 0.0) & (values.real < 1.0)
+        radius: NDArray[np.float64] = np.where(creeps, 0.0, np.abs(values)).max(axis=1)
+        return radius
+
     def max_stiffness_npm(self) -> float:
         """Stiffest object up to which the loop is stable with all softer ones, N/m.
 
@@ -79,7 +90,7 @@ class LinearLoop:
         x, v, x_before, v_held = (step.row(i) for i in range(4))
         weight = self.dt_s / (self.dt_s + VELOCITY_S)
         v_held = v_held + weight * ((x - x_before) / self.dt_s - v_held)
-        proxy: tuple[Any, ...] = ()
+        proxy: tuple[Scalar, ...] = ()
         k = stiffness_npm[:, None]
         if mode == "off":
             force = k * x
@@ -94,7 +105,9 @@ class LinearLoop:
         moved_x, moved_v = self._move(x, v, queue[-1])
         return np.stack([moved_x, moved_v, x, v_held, *proxy, *queue], axis=1)
 
-    def _couple(self, x: Any, v: Any, x_p: Any, v_p: Any, model_n: Any) -> tuple[Any, Any, Any]:
+    def _couple(
+        self, x: Scalar, v: Scalar, x_p: Scalar, v_p: Scalar, model_n: Scalar
+    ) -> tuple[Scalar, Scalar, Scalar]:
         """sp_couple.h: force at the tool, then the proxy moved."""
         k, b, m = (
             self.coupling.stiffness_npm, self.coupling.damping_nspm, self.coupling.mass_kg
@@ -105,7 +118,7 @@ class LinearLoop:
         x_next = x + self.dt_s * v + rest + phi[0, 0] * (e - rest) + phi[0, 1] * w
         return force, x_next, v + phi[1, 0] * (e - rest) + phi[1, 1] * w
 
-    def _move(self, x: Any, v: Any, force: Any) -> tuple[Any, Any]:
+    def _move(self, x: Scalar, v: Scalar, force: Scalar) -> tuple[Scalar, Scalar]:
         """Hand and device under a force that is held for a tick, exactly."""
         hand = self.hand
         phi = transition(

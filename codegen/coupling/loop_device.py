@@ -2,9 +2,9 @@
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any
 
 from springpot.codegen.scene import Device
+from springpot.codegen.types import JsonObject
 
 DEVICE_MASS_KG = 0.3
 DEVICE_DAMPING_NSPM = 4.0
@@ -36,7 +36,7 @@ class LoopDevice:
         """The same with so many more ticks of delay."""
         return replace(self, delay_samples=self.delay_samples + ticks)
 
-    def as_dict(self, dt_s: float) -> dict[str, Any]:
+    def as_dict(self, dt_s: float) -> JsonObject:
         """Keys of `stability --json`; delay_s: of the whole ticks that are used."""
         return {
             "mass_kg": self.mass_kg,

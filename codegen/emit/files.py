@@ -5,7 +5,6 @@ import json
 from collections.abc import Mapping
 from dataclasses import asdict
 from importlib.metadata import version
-from typing import Any
 
 from springpot.codegen.emit.header import header_text
 from springpot.codegen.emit.render import rendered
@@ -13,17 +12,16 @@ from springpot.codegen.emit.source import source_text
 from springpot.codegen.model.model_file import model_hash
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import instruction_bound, planned_headers, state_bytes
+from springpot.codegen.types import JsonObject
 from springpot.runtime_c.paths import flags
 
 _HASH = "@manifest-hash@"
 
 
-def emit_files(plan: Plan, facts: Mapping[str, Any] | None = None) -> dict[str, str]:
+def emit_files(plan: Plan) -> dict[str, str]:
     """Return file name -> text: NAME.c, NAME.h, an example main.c, its Makefile, the manifest.
 
     Generated files begin with the version and the manifest's hash, which covers every file here.
-    facts: for the manifest, of `force_facts`, a search of up to a second: a build that no user
-    keeps goes without.
     """
     prefix = plan.scene.runtime.prefix
     files = {
@@ -33,7 +31,7 @@ def emit_files(plan: Plan, facts: Mapping[str, Any] | None = None) -> dict[str, 
         "Makefile": rendered("Makefile.j2", prefix=prefix, flags=" ".join(flags("SP_CFLAGS"))),
     }
     files = {name: stamp(name) + text for name, text in files.items()}
-    files["manifest.json"] = manifest_text(plan, facts or {})
+    files["manifest.json"] = manifest_text(plan)
     return hashed(files)
 
 
@@ -45,12 +43,12 @@ def hashed(files: Mapping[str, str]) -> dict[str, str]:
     return {name: text.replace(_HASH, digest.hexdigest()) for name, text in files.items()}
 
 
-def manifest_text(plan: Plan, facts: Mapping[str, Any]) -> str:
+def manifest_text(plan: Plan) -> str:
     """Write manifest.json."""
-    return json.dumps(_manifest(plan, facts), indent=2, sort_keys=True) + "\n"
+    return json.dumps(_manifest(plan), indent=2, sort_keys=True) + "\n"
 
 
-def _manifest(plan: Plan, facts: Mapping[str, Any]) -> dict[str, Any]:
+def _manifest(plan: Plan) -> JsonObject:
     """All metadata of the emission, for people and tools."""
     return {
         **_short_manifest(plan),
@@ -64,7 +62,6 @@ def _manifest(plan: Plan, facts: Mapping[str, Any]) -> dict[str, Any]:
         "accept_unsafe": plan.accept_unsafe,
         **_model_metadata(plan),
         **_places(plan),
-        **facts,
         "state_bytes": state_bytes(plan),
         **({"instructions": asdict(bound)} if (bound := instruction_bound(plan)) else {}),
         "limits": {
@@ -80,7 +77,7 @@ def _manifest(plan: Plan, facts: Mapping[str, Any]) -> dict[str, Any]:
     }
 
 
-def coupling_metadata(plan: Plan) -> dict[str, Any]:
+def coupling_metadata(plan: Plan) -> JsonObject:
     """Mode, gains, why, and what a hand will feel on the object's stiffest part."""
     choice = plan.coupling
     gains = asdict(choice.coupling) if plan.couple is not None else {"mode": "off"}
@@ -92,7 +89,7 @@ def coupling_metadata(plan: Plan) -> dict[str, Any]:
     }
 
 
-def _model_metadata(plan: Plan) -> dict[str, Any]:
+def _model_metadata(plan: Plan) -> JsonObject:
     features, regressor = plan.features, plan.regressor
     return {
         "orders": list(getattr(features, "orders", ())),
@@ -101,7 +98,7 @@ def _model_metadata(plan: Plan) -> dict[str, Any]:
     }
 
 
-def _places(plan: Plan) -> dict[str, Any]:
+def _places(plan: Plan) -> JsonObject:
     """Extent of the map, m, of a scene with places."""
     hammerstein = plan.model.hammerstein
     if hammerstein is None or (places := hammerstein.places) is None:
@@ -117,7 +114,7 @@ def _places(plan: Plan) -> dict[str, Any]:
     }
 
 
-def _short_manifest(plan: Plan) -> dict[str, Any]:
+def _short_manifest(plan: Plan) -> JsonObject:
     """Short manifest, which the image itself reports (sp_manifest)."""
     trained = plan.model.trained
     return {

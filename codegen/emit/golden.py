@@ -1,7 +1,6 @@
 """Golden vectors: a short press that visits what the C can do, and the reference's forces."""
 
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +10,7 @@ from springpot.codegen.literals import wrapped
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.reference.run import run_reference
 from springpot.codegen.stages.stage import Probe
+from springpot.codegen.types import RealType
 
 LEG_TICKS = 60
 _GLITCH_M = 0.5
@@ -45,14 +45,13 @@ def golden_places(plan: Plan) -> list[tuple[int, tuple[float, float]]]:
     return [(3 * LEG_TICKS, (x_m, y_m))]
 
 
-def backward_velocity(
-    position_m: NDArray[np.float32 | np.float64], dt_s: float
-) -> NDArray[np.float32 | np.float64]:
+def backward_velocity(position_m: Reals, dt_s: float) -> Reals:
     """Velocities that a device would report, (n,), m/s: backward differences, 0 at the first."""
-    return np.diff(position_m, prepend=position_m[:1]) / position_m.dtype.type(dt_s)
+    velocity_mps: Reals = np.diff(position_m, prepend=position_m[:1]) / position_m.dtype.type(dt_s)
+    return velocity_mps
 
 
-def probe_inputs(probe: Probe, dtype: type[Any]) -> Reals:
+def probe_inputs(probe: Probe, dtype: RealType) -> Reals:
     """Made-up inputs, (probe.inputs,): multiples of 1/128, exact in every number type."""
     inputs: Reals = (37 * np.arange(probe.inputs) % 101).astype(dtype) / dtype(128)
     return inputs

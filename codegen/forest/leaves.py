@@ -4,11 +4,11 @@ Features in fixed point are what sp_quantise.h makes, for a forest that was fitt
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Reals
 from springpot.codegen.model.regressors import Forest, Quantisation
 
 _MAX_QUANTISED = 2**16 - 1
@@ -86,7 +86,7 @@ def level_order(forest: Forest) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
     return place, level_of
 
 
-def rounded(quantisation: Quantisation, features: NDArray[Any]) -> NDArray[np.float32]:
+def rounded(quantisation: Quantisation, features: Reals) -> NDArray[np.float32]:
     """Bins of features (n, features), 0 .. 65535, as the float32 that scikit-learn takes."""
     feature_min = quantisation.feature_min.astype(np.float32)
     bins_per_unit = quantisation.bins_per_unit.astype(np.float32)

@@ -1,10 +1,9 @@
 """Traversal of node tables in numpy: what sp_forest.h and the nested ifs do."""
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Reals
 from springpot.codegen.forest.compact import COMPACT_SLOT_BITS, ENTRIES, LEVELS, CompactForest
 from springpot.codegen.forest.node_table import LEAF_SLOT, ForestTable
 
@@ -85,8 +84,8 @@ def table_sums(table: ForestTable, features: NDArray[np.float32]) -> NDArray[np.
     return sums
 
 
-def forest_force(table: ForestTable | CompactForest, sums: NDArray[np.uint32]) -> NDArray[Any]:
+def forest_force(table: ForestTable | CompactForest, sums: NDArray[np.uint32]) -> Reals:
     """Force of each sum of leaves, (n,), N, in the scene's type."""
-    total: NDArray[Any] = sums.astype(type(table.leaf_step_n))
-    force_n: NDArray[Any] = table.bias_n + total * table.leaf_step_n
+    total: Reals = sums.astype(type(table.leaf_step_n))
+    force_n: Reals = table.bias_n + total * table.leaf_step_n
     return force_n

@@ -1,12 +1,12 @@
 """The model: all that the trainer hands on, and all that the C can need. Plain arrays, SI units."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, Literal
+from typing import Literal
 
 from springpot.codegen.model.features import Features
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.model.regressors import Regressor
+from springpot.codegen.types import JsonMapping
 
 Contact = Literal["surface", "always"]
 
@@ -46,7 +46,7 @@ class Model:
     regressor: Regressor | None
     hammerstein: Hammerstein | None
     hammerstein_adds: bool
-    provenance: Mapping[str, Any] = field(default_factory=dict)
+    provenance: JsonMapping = field(default_factory=dict)
 
     def __repr__(self) -> str:
         return (

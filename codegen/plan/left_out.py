@@ -1,13 +1,13 @@
 """List what a scene leaves out of its C because it does not need it."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
 from springpot.codegen.stages.stage import SceneTicks, padded
+from springpot.codegen.types import RealType
 
 
 @dataclass(frozen=True)
@@ -19,7 +19,7 @@ class LeftOut:
     bytes: int
 
 
-def unused_orders(model: Model, dtype: type[Any]) -> list[LeftOut]:
+def unused_orders(model: Model, dtype: RealType) -> list[LeftOut]:
     """List the fractional orders that no split uses."""
     if model.features is None or model.regressor is None:
         return []

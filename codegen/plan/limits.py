@@ -8,8 +8,10 @@ from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
 from springpot.codegen.stages.stage import SceneTicks
 
-# Guard: a hand does not move faster than this, and never faster than 8 x what was trained.
+# Guard: a hand does not move faster than this, and never faster than 8 x what was trained; less
+# than a millimetre is noise: at 8 kHz, five steps of an encoder of 50 um once latched a still hand.
 MIN_JUMP_MPS = 1.0
+MIN_JUMP_M = 1e-3
 JUMP_PER_TRAINED_SPEED = 8.0
 _FREE_M = 10.0  # a tool may wait this far from the surface
 MIN_BELIEVED_M = 0.1
@@ -82,7 +84,7 @@ def guard_config(model: Model, watchdog_s: float, ticks: SceneTicks) -> GuardCon
     believed_m = max(MIN_BELIEVED_M, BELIEVED_PER_RANGE * deepest_m)
     before_latch = int(watchdog_s / dt_s) - 1
     return GuardConfig(
-        jump_m=real(dt_s * max_mps(model)),
+        jump_m=real(max(MIN_JUMP_M, dt_s * max_mps(model))),
         min_m=real(-_FREE_M if ticks.surface else -believed_m),
         max_m=real(believed_m),
         resync_ticks=min(max(before_latch, RESYNC_TICKS[0]), RESYNC_TICKS[1]),

@@ -1,7 +1,7 @@
 """Plan: exactly what will be emitted of a model and a scene, and what is left out."""
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
@@ -16,6 +16,7 @@ from springpot.codegen.scene import Scene
 from springpot.codegen.short_repr import short_repr
 from springpot.codegen.stages.model_force import RangeConfig, Stages
 from springpot.codegen.stages.tool_velocity import ToolVelocityStage
+from springpot.codegen.types import RealType
 
 MAX_RECOVERY_S = 2.0
 
@@ -52,7 +53,7 @@ class Plan(Stages):
     __repr__ = short_repr
 
     @property
-    def dtype(self) -> type[Any]:
+    def dtype(self) -> RealType:
         """Numpy type of sp_real."""
         return np.float32 if self.real == "float" else np.float64
 

@@ -2,7 +2,6 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +11,7 @@ from springpot.codegen.plan.plan import Plan
 from springpot.codegen.reference.followed import Followed
 from springpot.codegen.reference.tick import Coupled, shaped
 from springpot.codegen.stages.stage import Starts
+from springpot.codegen.types import Scalar
 
 ModelForce = Callable[[int, Reals, Starts, NDArray[np.bool_]], Reals]
 _CHUNK = 1024  # ticks predicted at a time, at most
@@ -102,7 +102,7 @@ class _Stepper:
             self._coupled.proxy = at_proof
         return verified
 
-    def _tick(self, pressed: Reals, model_n: Any, i: int) -> bool:
+    def _tick(self, pressed: Reals, model_n: Scalar, i: int) -> bool:
         """One tick; returns whether the predicted position was wrong."""
         trace = self._trace
         if self._placed[i] or not trace.contact[i]:

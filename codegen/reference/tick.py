@@ -1,7 +1,5 @@
 """The reference's sequential half after the model: coupling, smoothing, and what leaves."""
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -14,6 +12,7 @@ from springpot.codegen.reference.notes import RESYNC, Notes
 from springpot.codegen.reference.output import Output
 from springpot.codegen.stages.model_force import RangeConfig
 from springpot.codegen.stages.stage import bounded, flushed
+from springpot.codegen.types import Scalar
 
 
 def shaped(plan: Plan, pressed: Reals, model_n: Reals) -> Reals:
@@ -75,7 +74,7 @@ class OutputStage:
             notes[i] |= note
         return force_n
 
-    def _shape(self, x: Any, v: Any, force: Any) -> Any:
+    def _shape(self, x: Scalar, v: Scalar, force: Scalar) -> Scalar:
         if self._couple is not None:
             force = self._couple.force(x, v, force)
         if self._plan.smooth_alpha is not None:
@@ -95,14 +94,14 @@ class Coupled:
 
     def __init__(self, config: CoupleConfig) -> None:
         self._config = config
-        self.proxy: tuple[Any, Any] | None = None
+        self.proxy: tuple[Scalar, Scalar] | None = None
 
-    def place(self, x: Any, v: Any) -> Any:
+    def place(self, x: Scalar, v: Scalar) -> Scalar:
         """Position of the proxy, m, which exists from here on."""
         self.proxy = self.proxy or (x, v)
         return self.proxy[0]
 
-    def force(self, x: Any, v: Any, model_n: Any) -> Any:
+    def force(self, x: Scalar, v: Scalar, model_n: Scalar) -> Scalar:
         """Force at the tool, N; then moves the proxy."""
         config = self._config
         self.place(x, v)

@@ -1,7 +1,6 @@
 """The same window by direct taps and truncated exponentials: sp_fast_window.h."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -22,6 +21,7 @@ from springpot.codegen.stages.stage import (
 )
 from springpot.codegen.stages.stage_code import stage_code
 from springpot.codegen.stages.weighted_sum import WeightedSumStage, in_lanes
+from springpot.codegen.types import RealType
 
 
 @dataclass(frozen=True, eq=False)
@@ -94,7 +94,7 @@ class FastFirStage(WeightedSumStage):
 
 
 @feature_stage.register
-def fast_fir_stage(bank: FastFirBank, kept: Columns, dt_s: float, dtype: type[Any]) -> FastFirStage:
+def fast_fir_stage(bank: FastFirBank, kept: Columns, dt_s: float, dtype: RealType) -> FastFirStage:
     """Keep the columns `kept` of the bank."""
     n_direct = len(bank.weights) - len(bank.tau_ticks) - 1
     own = bank.length - 1 - n_direct

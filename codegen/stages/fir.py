@@ -1,7 +1,6 @@
 """Fractional derivatives by a window of taps: sp_window.h and sp_taps.h."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -22,6 +21,7 @@ from springpot.codegen.stages.stage import (
     padded,
 )
 from springpot.codegen.stages.stage_code import stage_code
+from springpot.codegen.types import RealType
 
 SUMS = 16  # SP_TAPS_SUMS
 
@@ -99,7 +99,7 @@ def tap_sums(taps: Reals, newest_first: Reals, n: int) -> Reals:
 
 
 @feature_stage.register
-def fir_stage(bank: FirBank, kept: Columns, dt_s: float, dtype: type[Any]) -> FirStage:
+def fir_stage(bank: FirBank, kept: Columns, dt_s: float, dtype: RealType) -> FirStage:
     """Keep the columns `kept` of the bank."""
     n_taps = len(bank.taps)
     taps: Reals = np.zeros((max(len(kept), 1), padded(n_taps, SUMS)), dtype=dtype)

@@ -23,6 +23,7 @@ from springpot.codegen.stages.stage import (
     regressor_stage,
 )
 from springpot.codegen.stages.stage_code import stage_code
+from springpot.codegen.types import JsonObject, RealType
 
 _LEVELS_A_ROUND = 3  # SP_FOREST_UNCHECKED
 
@@ -111,7 +112,7 @@ class CompactForestStage(RegressorStage):
             + 80.0
         )
 
-    def manifest(self) -> dict[str, Any]:
+    def manifest(self) -> JsonObject:
         return {
             "leaf_error_n": self.forest.leaf_error_n,
             "work_at_most": work_at_most(self.forest),
@@ -147,7 +148,7 @@ class IfsStage(RegressorStage):
         head = f"enum {{\n    N_FEATURES = {self.n_features}\n}};"
         return [head, *_scale(self.table), *steps, score_source(self.forest, self.table)]
 
-    def manifest(self) -> dict[str, Any]:
+    def manifest(self) -> JsonObject:
         return {"leaf_error_n": self.table.leaf_error_n}
 
     def reference(self, features: Reals) -> Reals:
@@ -159,7 +160,7 @@ class IfsStage(RegressorStage):
 
 @regressor_stage.register
 def forest_stage(
-    forest: Forest, kept: Columns, runtime: Runtime, dtype: type[Any]
+    forest: Forest, kept: Columns, runtime: Runtime, dtype: RealType
 ) -> RegressorStage:
     """Nodes of 4 bytes; nested ifs where the scene asks for them.
 

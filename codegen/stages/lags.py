@@ -1,7 +1,6 @@
 """Past positions: sp_lags.h."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +20,7 @@ from springpot.codegen.stages.stage import (
     held_before,
 )
 from springpot.codegen.stages.stage_code import stage_code
+from springpot.codegen.types import RealType
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,7 +70,7 @@ class LagsStage(FeatureStage):
 
 
 @feature_stage.register
-def lags_stage(lags: Lags, kept: Columns, dt_s: float, dtype: type[Any]) -> LagsStage:
+def lags_stage(lags: Lags, kept: Columns, dt_s: float, dtype: RealType) -> LagsStage:
     """Keep the lags `kept`."""
     chosen = np.array([lags.samples[i] for i in kept] or [0], dtype=np.uint32)
     return LagsStage(lags=chosen, difference=lags.difference)

@@ -1,7 +1,6 @@
 """Depth and its velocity by first-order adaptive windowing: sp_window.h and sp_velocity.h."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -22,6 +21,7 @@ from springpot.codegen.stages.stage import (
     held_before,
 )
 from springpot.codegen.stages.stage_code import stage_code
+from springpot.codegen.types import RealType
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +66,7 @@ class PositionVelocityStage(FeatureStage):
 
 @feature_stage.register
 def position_velocity_stage(
-    features: PositionVelocity, kept: Columns, dt_s: float, dtype: type[Any]
+    features: PositionVelocity, kept: Columns, dt_s: float, dtype: RealType
 ) -> PositionVelocityStage:
     """Depth and its velocity, whichever of them are `kept`."""
     per_step = [1.0 / (j * dt_s) for j in range(1, features.length + 1)]

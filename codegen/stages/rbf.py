@@ -1,7 +1,6 @@
 """Radial basis functions on two features: sp_rbf.h."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -13,6 +12,7 @@ from springpot.codegen.scene import Runtime
 from springpot.codegen.stages.costs import Costs
 from springpot.codegen.stages.stage import Columns, RegressorStage, padded, regressor_stage
 from springpot.codegen.stages.stage_code import stage_code
+from springpot.codegen.types import RealType
 
 RBF_VECTOR_WIDTH = 8  # SP_RBF_WIDTH
 
@@ -69,7 +69,7 @@ class RbfStage(RegressorStage):
 
 
 @regressor_stage.register
-def rbf_stage(rbf: Rbf, kept: Columns, runtime: Runtime, dtype: type[Any]) -> RbfStage:
+def rbf_stage(rbf: Rbf, kept: Columns, runtime: Runtime, dtype: RealType) -> RbfStage:
     """Pad the centers. Raises UsageError for anything but two features."""
     n, n_features = rbf.centers.shape
     if n_features != 2:

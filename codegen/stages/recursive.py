@@ -1,7 +1,6 @@
 """Fractional derivatives by exponentials that all orders share: sp_poles.h."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,6 +23,7 @@ from springpot.codegen.stages.stage import (
 )
 from springpot.codegen.stages.stage_code import stage_code
 from springpot.codegen.stages.weighted_sum import WeightedSumStage, in_lanes
+from springpot.codegen.types import RealType
 
 SLOW_TICKS = 1e5  # above this many ticks of time constant, a float state stops moving
 
@@ -102,7 +102,7 @@ class RecursiveStage(WeightedSumStage):
 
 @feature_stage.register
 def recursive_stage(
-    bank: RecursiveBank, kept: Columns, dt_s: float, dtype: type[Any]
+    bank: RecursiveBank, kept: Columns, dt_s: float, dtype: RealType
 ) -> RecursiveStage:
     """Keep the columns `kept`; order the poles fast first."""
     order = np.argsort(bank.tau_s)

@@ -5,7 +5,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from functools import singledispatch
 from itertools import pairwise
-from typing import Any, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,7 @@ from springpot.codegen.model.regressors import Regressor
 from springpot.codegen.scene import Runtime
 from springpot.codegen.short_repr import short_repr
 from springpot.codegen.stages.costs import Costs
+from springpot.codegen.types import JsonObject, RealType, Scalar
 
 Columns = NDArray[np.intp]
 Starts = NDArray[np.intp]  # ticks at which the history restarts with the sample held
@@ -57,7 +58,7 @@ class SceneTicks:
     """
 
     dt_s: float
-    dtype: type[Any] = np.float64
+    dtype: RealType = np.float64
     vector_width: int = 1
     surface: bool = False
     worn: bool = False
@@ -154,20 +155,20 @@ class RegressorStage(ABC):
         """Bound of its instructions in a tick; None where there is no bound."""
         return None
 
-    def manifest(self) -> dict[str, Any]:
+    def manifest(self) -> JsonObject:
         """Its keys in the manifest."""
         return {}
 
 
 @singledispatch
-def feature_stage(features: Features, kept: Columns, dt_s: float, dtype: type[Any]) -> FeatureStage:
+def feature_stage(features: Features, kept: Columns, dt_s: float, dtype: RealType) -> FeatureStage:
     """The C of the columns `kept` of some features; each kind registers its own."""
     raise TypeError(f"{type(features).__name__} has no stage: register one with feature_stage")
 
 
 @singledispatch
 def regressor_stage(
-    regressor: Regressor, kept: Columns, runtime: Runtime, dtype: type[Any]
+    regressor: Regressor, kept: Columns, runtime: Runtime, dtype: RealType
 ) -> RegressorStage:
     """The C of a regressor on the columns `kept`; each kind registers its own."""
     raise TypeError(f"{type(regressor).__name__} has no stage: register one with regressor_stage")
@@ -178,19 +179,19 @@ def vector_width_of(runtime: Runtime) -> int:
     return VECTOR_WIDTH if runtime.target == "host" else 1
 
 
-def flushed(x: Any) -> Any:
+def flushed(x: Scalar) -> Scalar:
     """sp_flushed: one number, or 0 where it would be near denormal."""
     return x.dtype.type(0) if abs(x) < x.dtype.type(SMALLEST) else x
 
 
-def bounded(x: Any) -> Any:
+def bounded(x: Scalar) -> Scalar:
     """sp_bounded: a state within +-LARGEST; what is no number becomes the largest."""
     largest = x.dtype.type(LARGEST)
     below = x if x < largest else largest
     return below if below > -largest else -largest
 
 
-def numbers(values: Reals) -> list[Any]:
+def numbers(values: Reals) -> list[Scalar]:
     """Numbers of an array, (n,), for loops over ticks: Python's own are doubles, and fast."""
     return values.tolist() if values.dtype == np.float64 else list(values)
 

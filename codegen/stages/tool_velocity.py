@@ -1,12 +1,12 @@
 """Velocity of the tool, for a coupling: sp_tool_velocity.h."""
 
 from dataclasses import dataclass
-from typing import Any
 
 from springpot.codegen.arrays import Real
 from springpot.codegen.literals import constant_text
 from springpot.codegen.stages.stage import REAL, Member, SceneTicks, Stage, flushed
 from springpot.codegen.stages.stage_code import stage_code
+from springpot.codegen.types import Scalar
 
 TIME_S = 0.004  # of the low-pass
 
@@ -29,7 +29,7 @@ class ToolVelocityStage(Stage):
             constant_text("velocity_weight", self.weight),
         ]
 
-    def next(self, velocity_mps: Any, before_m: Any, x: Any) -> Any:
+    def next(self, velocity_mps: Scalar, before_m: Scalar, x: Scalar) -> Scalar:
         """sp_tool_velocity: the velocity at x, m/s, a tick after before_m."""
         difference = (x - before_m) * self.rate_hz
         return flushed(velocity_mps + self.weight * (difference - velocity_mps))

@@ -3,15 +3,16 @@
 import warnings
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from springpot.codegen.arrays import given_numbers
+from springpot.codegen.arrays import Reals, given_numbers
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import UsageError
 from springpot.codegen.regular_file import given_path
+from springpot.codegen.types import JsonObject
 from springpot.host.api.files import File
 from springpot.trainer.models.limited import stiffest_words
 from springpot.trainer.recordings.recording import Recording
@@ -55,7 +56,7 @@ class LoadedScene:
         self.edited = edited_files(folder)
         self._folder, self._library = folder, SceneLibrary(folder)
         # What the library says of itself is true of what runs, whatever was edited in the file.
-        self.manifest: dict[str, Any] = read_manifest(folder) | self._library.manifest
+        self.manifest: JsonObject = read_manifest(folder) | self._library.manifest
 
     def __repr__(self) -> str:
         return f"LoadedScene({str(self._folder)!r}, {1.0 / self.dt_s:.6g} Hz)"
@@ -71,7 +72,7 @@ class LoadedScene:
         velocity_mps: ArrayLike | None = None,
         *,
         place_m: tuple[float, float] | None = None,
-    ) -> tuple[NDArray[Any], NDArray[np.int32]]:
+    ) -> tuple[Reals, NDArray[np.int32]]:
         """Forces (n,), N, and notes (n,) of a tick for each position (n,), m, from a fresh state.
 
         position_m: also a `Recording` at the scene's rate. velocity_mps: (n,), m/s; by default

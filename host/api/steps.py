@@ -5,7 +5,7 @@ import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -16,6 +16,7 @@ from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.model import Model
 from springpot.codegen.regular_file import given_path
 from springpot.codegen.scene import Scene, Target
+from springpot.codegen.types import JsonObject
 from springpot.host.api.files import File, given_model, read_recordings, write_model
 from springpot.trainer.models.fit import Engine, Fit, FitOptions
 from springpot.trainer.recordings.notices import notice
@@ -248,7 +249,7 @@ def bench(
     target: Target = "cortex-m4f",
     models: Sequence[str] = (),
     seed: int = 0,
-) -> dict[str, Any]:
+) -> JsonObject:
     """Measure every kind and size of model: error, run time and bytes of each, and the front.
 
     validation: other recordings; by default a fifth of `recordings` is not trained on. out: folder

@@ -20,6 +20,7 @@ from springpot import Recording
 from springpot.codegen.atomic_write import write_file
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.scene import Target
+from springpot.codegen.types import JsonObject
 from springpot.host.bench.candidates import Candidate, default_sweep
 from springpot.host.bench.front import ALONE, measure_alone, pareto
 from springpot.host.bench.measure import (
@@ -52,7 +53,7 @@ class Bench:
     dask: str | None = None
 
 
-def run_bench(bench: Bench, folder: Path, command: str) -> dict[str, Any]:
+def run_bench(bench: Bench, folder: Path, command: str) -> JsonObject:
     """Measure what is not measured yet, write folder/bench.json, and return it.
 
     Raises UsageError for an unknown model, DataError if no model can be made of the recordings.

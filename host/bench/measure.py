@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from springpot import Model, Recording, Scene, SpringpotError, read_model
 from springpot.codegen.emit.golden import backward_velocity
@@ -13,6 +13,7 @@ from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import state_bytes
 from springpot.codegen.scene import Coupling, Number, Runtime, Target
+from springpot.codegen.types import JsonObject
 from springpot.host.bench.candidates import Candidate
 from springpot.host.metrics import accuracy
 from springpot.host.native.compiler import CompilerError, compiler_version
@@ -27,7 +28,7 @@ from springpot.host.stiffness import slope_errors, slope_keys
 if TYPE_CHECKING:
     from springpot.trainer.models.training_set import TrainingSet
 
-Point = dict[str, Any]  # of one model: the keys of its row in bench.json
+Point = JsonObject  # of one model: the keys of its row in bench.json
 _HOT_REPEATS = 5
 
 

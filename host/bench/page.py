@@ -1,22 +1,22 @@
 """The page of a benchmark: one figure, one table."""
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
 from springpot.codegen.atomic_write import write_file
 from springpot.codegen.errors import DataError
+from springpot.codegen.types import JsonMapping
 from springpot.host.bench.bench import RESULT
 from springpot.host.pages.page import page_text
 from springpot.host.pages.plot_style import STYLE, log_ticks, svg_text
 from springpot.trainer.kinds import KINDS, Kind
 
 _FILE = Kind("file", "", "", "D", "#6a4c93")  # of a model that was not fitted here
-Row = Mapping[str, Any]
+Row = JsonMapping
 
 
 def write_bench_page(folder: Path) -> Path:

@@ -16,6 +16,7 @@ from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn
 from rich.table import Table
 from rich.text import Text
 
+from springpot.codegen.types import JsonMapping
 from springpot.trainer.recordings.notices import NOTICES
 
 progress_console = Console(stderr=True)
@@ -102,7 +103,7 @@ def progress_bar(text: str) -> Iterator[Progress]:
             logger.setLevel(level)
 
 
-def print_result(result: Mapping[str, Any], as_json: bool, rows: Mapping[str, str]) -> None:
+def print_result(result: JsonMapping, as_json: bool, rows: Mapping[str, str]) -> None:
     """Print `result` as JSON, or `rows` as a table of two columns."""
     if as_json:
         print_json(result)
@@ -110,7 +111,7 @@ def print_result(result: Mapping[str, Any], as_json: bool, rows: Mapping[str, st
         print_table(("", ""), rows.items(), header=False)
 
 
-def print_json(result: Mapping[str, Any]) -> None:
+def print_json(result: JsonMapping) -> None:
     """Print one JSON object; a dataclass in it is an object of its fields, a path is text."""
     click.echo(json.dumps(result, allow_nan=False, default=shown_fields))
 

@@ -5,11 +5,12 @@ import time
 from abc import abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Protocol
 
 from springpot.codegen.errors import DeviceError
 from springpot.codegen.scene import Device
 from springpot.codegen.short_repr import short_repr
+from springpot.codegen.types import CData
 
 if TYPE_CHECKING:
     from springpot.host.native.c_library import CLibrary
@@ -60,7 +61,7 @@ class DeviceRequirements:
     __repr__ = short_repr
 
 
-def requirements_of(keys: Device, **requirements: Any) -> DeviceRequirements:
+def requirements_of(keys: Device, **requirements: CData) -> DeviceRequirements:
     """Join the keys of the scene's [device] with what the session asks besides."""
     known = DeviceRequirements.__dataclass_fields__
     stated = {name: value for name, value in vars(keys).items() if name in known}
@@ -107,7 +108,7 @@ class OpenedDevice(Protocol):
         return ""
 
     @abstractmethod
-    def link(self, library: "CLibrary") -> Any:
+    def link(self, library: "CLibrary") -> CData:
         """Return the C link (sp_link *); from then on only the loop reads and writes."""
         ...
 

@@ -8,11 +8,11 @@ import os
 from collections.abc import Mapping
 from enum import IntEnum
 from pathlib import Path
-from typing import Any
 
 import cffi
 
 from springpot.codegen.errors import DeviceError
+from springpot.codegen.types import CData
 
 LIBRARY_VARIABLE = "SPRINGPOT_LIBDHD"
 VENDOR = "1451"  # of Force Dimension on USB
@@ -79,7 +79,7 @@ class DhdLibrary:
         failures = []
         for name in (named,) if named else _NAMES:
             try:
-                self.c: Any = self.ffi.dlopen(name)
+                self.c: CData = self.ffi.dlopen(name)
                 return
             except OSError as error:
                 failures.append(str(error).partition(".  Additionally")[0])

@@ -3,9 +3,9 @@
 import contextlib
 import math
 import time
-from typing import Any
 
 from springpot.codegen.errors import DeviceError, UsageError
+from springpot.codegen.types import CData
 from springpot.host.devices.device import (
     FORCE_ZERO,
     ZERO_S,
@@ -65,8 +65,8 @@ class DhdDevice(OpenedDevice):
         number = None if address.place == "" else _number(address)
         self._sdk = DhdLibrary(address.url, address.settings.get("library"))
         self._sdk.require(*_NEEDED)
-        self._link: Any = None
-        self._kept: list[Any] = []
+        self._link: CData = None
+        self._kept: list[CData] = []
         self.id = self._sdk.open(number)
         try:
             self._require_usable()
@@ -94,7 +94,7 @@ class DhdDevice(OpenedDevice):
             return f"a call of its SDK took more than {ms:g} ms, in which the last force stayed"
         return self._sdk.words(error)
 
-    def link(self, library: CLibrary) -> Any:
+    def link(self, library: CLibrary) -> CData:
         ffi, sdk = library.ffi, self._sdk
         address = self._address
         members = dict(ffi.typeof("sp_dhd").fields)

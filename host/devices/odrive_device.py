@@ -4,9 +4,9 @@ import contextlib
 import math
 import time
 from dataclasses import dataclass
-from typing import Any
 
 from springpot.codegen.errors import DeviceError, UsageError
+from springpot.codegen.types import CData
 from springpot.host.devices.can_bus import STUFFED_BITS, open_bus
 from springpot.host.devices.device import (
     FORCE_ZERO,
@@ -77,7 +77,7 @@ class OdriveDevice(OpenedDevice):
         self.bus = open_bus(address, bitrate)
         self.drive = Drive(self.bus, self.node, address.url, self.transmission.limits)
         self._rate_hz = requirements.rate_hz
-        self._kept: Any = None
+        self._kept: CData = None
         try:
             self.drive.make_ready()
             require_sample_rate(
@@ -101,7 +101,7 @@ class OdriveDevice(OpenedDevice):
     def failure(self) -> str:
         return self.bus.failure
 
-    def link(self, library: CLibrary) -> Any:
+    def link(self, library: CLibrary) -> CData:
         train = self.transmission
         settings = library.ffi.new(
             "sp_odrive *",

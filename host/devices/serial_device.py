@@ -4,11 +4,11 @@ import contextlib
 import math
 import time
 from collections.abc import Callable, Iterator
-from typing import Any
 
 import serial
 
 from springpot.codegen.errors import DeviceError
+from springpot.codegen.types import CData, JsonObject
 from springpot.host.devices.device import (
     FORCE_ZERO,
     ZERO_S,
@@ -50,7 +50,7 @@ class SerialDevice(OpenedDevice):
         require_fast_adapter(address.place, requirements.rate_hz)
         self.port: serial.Serial = open_port(address.place, baud)
         self.sender, self.receiver = Sender(), Receiver()
-        self._link_memory: Any = None
+        self._link_memory: CData = None
         try:
             self.hello = self._hello()
             self._check(self.hello)
@@ -74,7 +74,7 @@ class SerialDevice(OpenedDevice):
             "([runtime] rate_hz, where the model allows it)"
         )
 
-    def link(self, library: CLibrary) -> Any:
+    def link(self, library: CLibrary) -> CData:
         self._link_memory = library.memory(library.c.sp_link_serial_size())
         surface_m = (
             self.address.number("surface_mm", 1e3 * self.requirements.surface_m, -1e4, 1e4) / 1e3
@@ -138,7 +138,7 @@ class SerialDevice(OpenedDevice):
         except (OSError, serial.SerialException, TypeError) as error:
             raise DeviceError(f"{self.address.url}: went away ({error}): plug it in") from None
 
-    def send(self, name: str, **values: Any) -> None:
+    def send(self, name: str, **values: CData) -> None:
         """Send one message (before the loop takes over)."""
         self.write(self.sender.encode(name, **values))
 
@@ -156,7 +156,7 @@ class SerialDevice(OpenedDevice):
 
     def _ask(
         self, send: Callable[[], bytes], is_answer: Callable[[Frame], bool], patience_s: float
-    ) -> dict[str, Any] | None:
+    ) -> JsonObject | None:
         """The answer; None where none came. It is sent again and again: a frame may be lost."""
         until_s = time.monotonic() + patience_s
         while (now_s := time.monotonic()) < until_s:
@@ -206,7 +206,7 @@ class SerialDevice(OpenedDevice):
                 return time.monotonic() - sent_s
         return math.inf
 
-    def _hello(self) -> dict[str, Any]:
+    def _hello(self) -> JsonObject:
         hello = self._ask(
             lambda: self.sender.encode("ask", layout=layout()),
             lambda frame: frame.name == "hello",
@@ -226,7 +226,7 @@ class SerialDevice(OpenedDevice):
             f"{url}: no answer in {_ASK_S:g} s: is it a springpot device, and running?"
         )
 
-    def _check(self, hello: dict[str, Any]) -> None:
+    def _check(self, hello: JsonObject) -> None:
         url, required = self.address.url, self.requirements
         if hello["layout"] != layout():
             raise DeviceError(

@@ -1,13 +1,13 @@
 """Devices without hardware: a simulated hand (sim://), a recording (replay://)."""
 
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from springpot.codegen.coupling.loop_device import LoopDevice
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.types import CData
 from springpot.host.devices.device import DeviceRequirements, VirtualDevice
 from springpot.host.devices.url import Address
 from springpot.host.native.c_library import CLibrary
@@ -37,9 +37,9 @@ class SimulatedDevice(VirtualDevice):
             seed=simulated.seed,
         )
         self._dt_s = 1 / requirements.rate_hz
-        self._memory: Any = None
+        self._memory: CData = None
 
-    def link(self, library: CLibrary) -> Any:
+    def link(self, library: CLibrary) -> CData:
         self._memory = library.memory(library.c.sp_link_sim_size())
         tool = library.pointer(self._hand.address)
         return library.c.sp_link_sim_init(self._memory, tool, self._dt_s, _INTENDED_M, _PRESSES_HZ)
@@ -62,9 +62,9 @@ class ReplayDevice(VirtualDevice):
         self._velocity_mps = np.ascontiguousarray(
             backward_velocity(self._position_m, recording.dt_s)
         )
-        self._memory: Any = None
+        self._memory: CData = None
 
-    def link(self, library: CLibrary) -> Any:
+    def link(self, library: CLibrary) -> CData:
         self._memory = library.memory(library.c.sp_link_replay_size())
         return library.c.sp_link_replay_init(
             self._memory,

@@ -11,6 +11,7 @@ from cobs import cobs
 from google_crc32c import value as crc32c
 
 from springpot.codegen.short_repr import short_repr
+from springpot.codegen.types import JsonObject
 from springpot.runtime_c.paths import PORT_WIRE
 
 _CODES = {"u8": "B", "u32": "I", "f32": "f"}
@@ -44,7 +45,7 @@ class Frame:
 
     name: str
     sequence: int
-    values: dict[str, Any]
+    values: JsonObject
     old: bool
     __repr__ = short_repr
 

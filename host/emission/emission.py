@@ -5,19 +5,18 @@ import shutil
 import time
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 from springpot.codegen.atomic_write import folder_written_aside
 from springpot.codegen.emit.files import emit_files
 from springpot.codegen.errors import BudgetError, DataError, MismatchError
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import MODEL_SUFFIX, read_model
-from springpot.codegen.plan.force_facts import force_facts
 from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import state_bytes
 from springpot.codegen.scene import Scene
 from springpot.codegen.short_repr import short_repr
+from springpot.codegen.types import JsonObject
 from springpot.host.emission.checksums import (
     edited_files,
     edited_hash,
@@ -104,11 +103,11 @@ def read_emission(folder: Path) -> Emitted:
     return Emitted(plan, model, edited, edited_hash(str(metadata["hash"]), folder, edited))
 
 
-def read_manifest(folder: Path) -> dict[str, Any]:
+def read_manifest(folder: Path) -> JsonObject:
     """Read all metadata of an emitted folder. Raises DataError where manifest.json is none."""
     file = folder / "manifest.json"
     try:
-        metadata: dict[str, Any] = json.loads(file.read_text())
+        metadata: JsonObject = json.loads(file.read_text())
         if {"accept_unsafe", "hash"} <= metadata.keys():
             return metadata
     except (OSError, ValueError, AttributeError):
@@ -119,7 +118,7 @@ def read_manifest(folder: Path) -> dict[str, Any]:
 def write_emission(plan: Plan, scene: Scene, model_file: Path, folder: Path) -> None:
     """Write a plan's files into a new folder, with what they were made from."""
     (folder / "from").mkdir(parents=True)
-    for name, text in emit_files(plan, force_facts(plan)).items():
+    for name, text in emit_files(plan).items():
         (folder / name).write_text(text)
     (folder / SCENE_COPY).write_text(scene_to_json(scene))
     shutil.copyfile(model_file, folder / MODEL_COPY)

@@ -3,17 +3,17 @@
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 from springpot.codegen.errors import BudgetError
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import instruction_bound
 from springpot.codegen.scene import Budget
+from springpot.codegen.types import JsonObject
 from springpot.host.native.footprint import Footprint
 from springpot.host.stability.check import Check
 
 # Keys of `emit --json` that the manifest has too; instructions and forest of some scenes only.
-_OF_MANIFEST = ("instructions", "units", "left_out", "orders", "coupling", "forest", "outside",
+_OF_MANIFEST = ("instructions", "units", "left_out", "orders", "coupling", "outside",
                 "accept_unsafe")  # fmt: skip
 
 
@@ -30,7 +30,7 @@ class Emission:
 
     folder: Path
     plan: Plan
-    manifest: dict[str, Any]
+    manifest: JsonObject
     hash: str
     footprint: Footprint | None
     unmeasured: str
@@ -44,7 +44,7 @@ class Emission:
         flash = f"flash {self.footprint.flash_bytes}, " if self.footprint else ""
         return f"Emission({str(self.folder)!r}, {flash}RAM {self.ram_bytes} bytes)"
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> JsonObject:
         """Keys of `emit --json`."""
         footprint = self.footprint
         return {

@@ -14,6 +14,7 @@ import numpy as np
 from springpot import SpringpotError
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DeviceError
+from springpot.codegen.types import JsonMapping, JsonObject
 from springpot.host.console.output import say
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.serial_device import SerialDevice
@@ -107,7 +108,7 @@ class ForceSensor:
             self.error = error
             self._over.set()
 
-    def _take(self, stamp_s: float, values: Mapping[str, Any]) -> None:
+    def _take(self, stamp_s: float, values: JsonMapping) -> None:
         if not values["status"] & constant("LOAD_CELL"):
             raise DeviceError(f"{self.url}: its samples carry no force: give one with a load cell")
         if self._taken and stamp_s <= self._taken[-3]:
@@ -131,7 +132,7 @@ class SensedPressDevice(PressedDevice):
         super().__init__(*arguments)
         self._sensor = sensor
 
-    def prepare(self) -> dict[str, Any]:
+    def prepare(self) -> JsonObject:
         """Find how late the sensor is, by a press of five seconds."""
         most_n = self._limits.max_force_n or _ROOM * CHIRP_PEAK_N
         command_n = alignment_command(min(1.0, most_n / (_ROOM * CHIRP_PEAK_N)))

@@ -2,12 +2,12 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import cffi
 import numpy as np
-from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Reals
+from springpot.codegen.types import CData
 from springpot.host.native.compiler import CompilerError, shared_library
 from springpot.runtime_c.paths import INCLUDE
 
@@ -29,24 +29,24 @@ class CLibrary:
         self.ffi = cffi.FFI()
         self.ffi.cdef(declarations)
         try:
-            self.c: Any = self.ffi.dlopen(str(path))
+            self.c: CData = self.ffi.dlopen(str(path))
         except OSError as error:
             raise CompilerError(f"{path}: cannot be loaded here ({error}): check CC") from None
 
-    def memory(self, size: int, kind: str = "double") -> Any:
+    def memory(self, size: int, kind: str = "double") -> CData:
         """A pointer to `size` bytes for a C state of type `kind`, zero, aligned as for double."""
         values = np.zeros(-(-size // _ALIGNMENT))
         return self.ffi.from_buffer(f"{kind} *", values, require_writable=True)
 
-    def array(self, values: NDArray[Any]) -> Any:
+    def array(self, values: Reals) -> CData:
         """A pointer to the numbers of a contiguous array, in its own type."""
         return self.ffi.from_buffer(_ARRAYS[values.dtype.char], values)
 
-    def address(self, pointer: Any) -> int:
+    def address(self, pointer: CData) -> int:
         """Address of a function or a state, for C that was loaded as another library."""
         return int(self.ffi.cast("uintptr_t", pointer))
 
-    def pointer(self, address: int) -> Any:
+    def pointer(self, address: int) -> CData:
         """A void pointer to what another library has at that address."""
         return self.ffi.cast("void *", address)
 

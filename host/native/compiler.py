@@ -36,7 +36,7 @@ def packaged_compiler() -> tuple[str, ...]:
     """Return the command of the compiler that `springpot[cc]` brings, or nothing."""
     if importlib.util.find_spec("ziglang") is None:
         return ()
-    return (sys.executable, "-m", "ziglang")
+    return (sys.executable, "-P", "-m", "ziglang")  # -P: no module of the current folder
 
 
 def compiler_reason() -> str:

@@ -4,7 +4,6 @@ import time
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from springpot.codegen.arrays import Reals, Samples
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import SpringpotError
 from springpot.codegen.plan.plan import Plan
+from springpot.codegen.types import RealType
 from springpot.host.metrics import Accuracy, accuracy, start_up_ramp
 from springpot.host.native.c_library import CLibrary, load_c
 from springpot.host.native.loop_library import INPUT
@@ -44,7 +44,7 @@ class Replay:
         self._step = self._port.pointer(library.address("step"))
 
     @property
-    def dtype(self) -> type[Any]:
+    def dtype(self) -> RealType:
         return self._library.dtype
 
     def run(

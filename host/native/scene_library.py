@@ -2,7 +2,6 @@
 
 import json
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -10,6 +9,7 @@ from springpot.codegen.arrays import Reals
 from springpot.codegen.emit.render import ABI_VERSION
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.plurals import number_of
+from springpot.codegen.types import CData, JsonObject, RealType
 from springpot.host.native.c_library import CLibrary, declarations
 from springpot.host.native.compiler import shared_library
 from springpot.runtime_c.paths import INCLUDE
@@ -59,12 +59,12 @@ class SceneLibrary:
                 f"{folder}: C API version {found}, this springpot has {ABI_VERSION}: emit again"
             )
         manifest = self.loaded.ffi.string(self.function("manifest")())
-        self.manifest: dict[str, Any] = json.loads(manifest)
-        self.dtype: type[Any] = np.float32 if self.manifest["number"] == "float32" else np.float64
+        self.manifest: JsonObject = json.loads(manifest)
+        self.dtype: RealType = np.float32 if self.manifest["number"] == "float32" else np.float64
         self.real = "float" if self.dtype is np.float32 else "double"
         self.state_bytes: int = self.function("state_size")()
 
-    def function(self, name: str) -> Any:
+    def function(self, name: str) -> CData:
         return getattr(self.loaded.c, f"{self._prefix}_{name}")
 
     def address(self, name: str) -> int:

@@ -5,7 +5,6 @@ import json
 import zlib
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from markupsafe import Markup
@@ -15,6 +14,7 @@ from springpot.codegen.coupling.linear_loop import DESIGN_HAND, Hand
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.progress import counted
+from springpot.codegen.types import JsonObject
 from springpot.host.emission.emission import Emitted, read_emission
 from springpot.host.page.wasm_module import node_force_hash, page_module
 from springpot.host.pages.page import page_text, plain
@@ -28,7 +28,7 @@ ADDED_DELAYS = range(4)  # samples beyond those of the scene's device
 _MAX_RECORDED = 8000  # samples of a recording
 
 
-def write_press_page(folders: Sequence[Path], out: Path) -> dict[str, Any]:
+def write_press_page(folders: Sequence[Path], out: Path) -> JsonObject:
     """Write the page of emitted folders; return the keys of `page --json`.
 
     Raises DataError for no emission, UsageError for a scene with places and without a compiler for
@@ -58,7 +58,7 @@ def write_press_page(folders: Sequence[Path], out: Path) -> dict[str, Any]:
     return {"out": str(out), "bytes": size, "scenes": scenes, "without_recording": unmeasured}
 
 
-def _entry(folder: Path, emitted: Emitted, module: bytes) -> dict[str, Any]:
+def _entry(folder: Path, emitted: Emitted, module: bytes) -> JsonObject:
     """Return what the page holds of a scene, for JSON."""
     plan = emitted.plan
     device, depth_m = plan.loop_device, float(plan.range.max_m)

@@ -3,18 +3,19 @@
 import re
 from collections.abc import Callable, Mapping
 from importlib.resources import files
-from typing import Any
 
 import jinja2
 import numpy as np
 from markupsafe import Markup, escape
+
+from springpot.codegen.types import JsonMapping
 
 _SHARED = "springpot.host.pages"  # base.html, and parts of several pages
 
 
 def page_text(
     template: str,
-    context: Mapping[str, Any],
+    context: JsonMapping,
     package: str = _SHARED,
     **filters: Callable[..., str],
 ) -> str:

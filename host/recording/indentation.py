@@ -6,13 +6,13 @@ import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from datetime import UTC, datetime
-from typing import Any
 
 import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DeviceError, SpringpotError, UsageError
 from springpot.codegen.reference.notes import LATCHED
+from springpot.codegen.types import CData, JsonObject
 from springpot.host.console.keys import reading_keys
 from springpot.host.console.output import say
 from springpot.host.devices.device import DeviceRequirements
@@ -82,7 +82,7 @@ class PressedDevice:
         self.url, self._limits = url, limits
         self._on_progress = on_progress
 
-    def prepare(self) -> dict[str, Any]:
+    def prepare(self) -> JsonObject:
         """Make ready for the first press; what the recordings say of the device."""
         return {}
 
@@ -154,7 +154,10 @@ class PressedDevice:
             sensed=self.sensed,
         )
         requirements = DeviceRequirements(RATE_HZ, _WATCHDOG_S, _HEADROOM * max_n, presses=True)
-        runner = SessionRunner(steps, self.url, requirements, settings, log=rows, reconnect_s=0.0)
+        runner = SessionRunner(
+            steps, self.url, requirements, settings, [rows.append], reconnect_s=0.0
+        )
+        runner.open()
         try:
             self.attach(runner)
             runner.start()
@@ -166,7 +169,7 @@ class PressedDevice:
             self._require_no_fault(steps.kept[0])
             raise error or SpringpotError(f"{self.url}: the press did not come to its end: {line}")
 
-    def _watch(self, runner: SessionRunner, rows: PressRows, press: Any) -> None:
+    def _watch(self, runner: SessionRunner, rows: PressRows, press: CData) -> None:
         with reading_keys() as keys:
             for progress in runner.watch(0.05):
                 self._on_progress(progress)
@@ -185,7 +188,7 @@ class PressedDevice:
                 if rows.full:
                     runner.stop()
 
-    def _require_no_fault(self, press: Any) -> None:
+    def _require_no_fault(self, press: CData) -> None:
         """Raise what the press itself ended for."""
         if press.fault:
             told = _FAULTS[press.fault].format(
@@ -237,7 +240,7 @@ def press_step_functions(
     """A force controller that follows command_n, one value a tick; gains: fields of sp_press."""
     library = loop_library("double")
     command_n = np.ascontiguousarray(command_n, dtype=np.float64)
-    settings: dict[str, Any] = {
+    settings: JsonObject = {
         "command_n": library.array(command_n),
         "n": len(command_n),
         "dt_s": 1 / RATE_HZ,

@@ -1,10 +1,9 @@
 """Force commands for recording an object: the paper's protocols, an extended one, a user's own."""
 
 import tomllib
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from springpot.codegen.errors import UsageError
 from springpot.codegen.short_repr import short_repr
+from springpot.codegen.types import JsonMapping, JsonObject
 
 Command = NDArray[np.float64]
 
@@ -36,7 +36,7 @@ class Profile:
 
     name: str
     command_n: Command
-    metadata: Mapping[str, Any] = field(default_factory=dict)
+    metadata: JsonMapping = field(default_factory=dict)
     place_m: tuple[float, float] | None = None
     __repr__ = short_repr
 
@@ -186,7 +186,7 @@ class _ProtocolFile(BaseModel):
 
 
 def _from_table(table: _ProfileTable) -> Profile:
-    metadata: dict[str, Any] = {"amplitude_n": table.amplitude_n}
+    metadata: JsonObject = {"amplitude_n": table.amplitude_n}
     if table.frequency_hz is None:
         assert table.hold_s is not None
         metadata |= {"kind": "hold", "hold_s": table.hold_s, "rise_s": table.rise_s}

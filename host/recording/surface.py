@@ -34,7 +34,8 @@ def find_surface(url: str, touched: Callable[[int], None]) -> float:
     settings = LoopSettings(1 / _RATE_HZ, _LONGEST_S, _NO_FORCE_N)
     required = DeviceRequirements(_RATE_HZ, _WATCHDOG_S, _NO_FORCE_N, examined=True)
     newest, places_m = _Newest(), []
-    runner = SessionRunner(steps, url, required, settings, log=newest, reconnect_s=0.0)
+    runner = SessionRunner(steps, url, required, settings, [newest.append], reconnect_s=0.0)
+    runner.open()
     try:
         runner.start()
         for number in range(1, TOUCHES + 1):

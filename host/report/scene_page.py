@@ -2,10 +2,10 @@
 
 import json
 from pathlib import Path
-from typing import Any
 
 from springpot.codegen.atomic_write import write_file
 from springpot.codegen.errors import DataError
+from springpot.codegen.types import JsonObject
 from springpot.host.emission.emission import read_emission, require_emission
 from springpot.host.metrics import JND_WORDS, SCORED_ABOVE_N, floor_words
 from springpot.host.native.compiler import CompilerError
@@ -57,7 +57,7 @@ def _matching_validation(folder: Path) -> Stored:
     return stored
 
 
-def _error_rows(result: dict[str, Any]) -> dict[str, str]:
+def _error_rows(result: JsonObject) -> dict[str, str]:
     """Return the errors of `validate --json` in words."""
     spread = result["mean_recording_rmse_interval_n"]
     interval = f" (95 %: {plain(spread[0])} to {plain(spread[1])} N)" if spread else ""
@@ -84,7 +84,7 @@ def _error_rows(result: dict[str, Any]) -> dict[str, str]:
     }  # fmt: skip
 
 
-def _cost_rows(folder: Path, manifest: dict[str, Any], result: dict[str, Any]) -> dict[str, str]:
+def _cost_rows(folder: Path, manifest: JsonObject, result: JsonObject) -> dict[str, str]:
     """Return times of a tick and bytes of memory in words."""
     target, ticks = manifest["target"], result["tick_ns"]
     tools = toolchain(target)

@@ -2,12 +2,13 @@
 
 import os
 from dataclasses import asdict, dataclass, field
-from typing import Any, Self
+from typing import Self
 
 from springpot.codegen.entry_points import blaming
 from springpot.codegen.errors import DeviceError
 from springpot.codegen.reference.notes import LATCHED
 from springpot.codegen.short_repr import short_repr
+from springpot.codegen.types import CData
 from springpot.host.devices.device import OpenedDevice
 from springpot.host.native.c_library import CLibrary
 from springpot.host.native.loop_library import GOT_FIFO, LoopRows, empty_rows, loop_library
@@ -29,11 +30,11 @@ class StepFunctions:
     reset: int
     state: int
     measured_n: int = 0  # where the state wants the measured force, or 0
-    kept: Any = field(default=None, repr=False)  # owners of the memory behind the addresses
+    kept: CData = field(default=None, repr=False)  # owners of the memory behind the addresses
     __repr__ = short_repr
 
     @classmethod
-    def of(cls, library: CLibrary, name: str, state: Any, kept: Any, **more: int) -> Self:
+    def of(cls, library: CLibrary, name: str, state: CData, kept: CData, **more: int) -> Self:
         """Functions `name`_step, _idle and _reset of a library's C on a state that it declares."""
         step, idle, reset = (
             library.address(getattr(library.c, f"{name}_{each}"))
@@ -68,8 +69,8 @@ class CLoop:
         self._ring = empty_rows(capacity)
         self._chunk = empty_rows(capacity)
         self._state = self._ffi.new("sp_loop_state *")
-        self._links: list[Any] = []
-        self._kept: list[Any] = []
+        self._links: list[CData] = []
+        self._kept: list[CData] = []
         self._ticking = False
 
     def start(self, device: OpenedDevice) -> None:
@@ -170,10 +171,10 @@ class CLoop:
             "allow it"
         )
 
-    def _rows(self, table: LoopRows) -> Any:
+    def _rows(self, table: LoopRows) -> CData:
         return self._ffi.from_buffer("sp_row[]", table)
 
-    def _adopt(self, device: OpenedDevice) -> Any:
+    def _adopt(self, device: OpenedDevice) -> CData:
         with blaming(f"{type(device).__name__}.link", type(device), DeviceError):
             link = _link(device, self._library)
         self._links.append(link)
@@ -181,7 +182,7 @@ class CLoop:
         return link
 
 
-def _link(device: OpenedDevice, library: CLibrary) -> Any:
+def _link(device: OpenedDevice, library: CLibrary) -> CData:
     """Return the device's link. Raises DeviceError for a function that no link declares."""
     try:
         link = device.link(library)

@@ -5,13 +5,13 @@ A condition that lasts is one warning, from its first tick to half a second afte
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.reference.notes import CLAMPED, HELD, LATCHED, LIMITED, OUTSIDE
+from springpot.codegen.types import JsonObject
 from springpot.host.native.loop_library import COLUMN, NONE, LoopRows, empty_rows
 from springpot.host.session.outcome import LOWER, NOTE_WORDS, UPPER, clamped_low
 
@@ -65,7 +65,7 @@ class LiveWarnings:
         self._last_n = np.zeros(1)
         self._recent_m = np.full(self._before, np.nan)
         self._waiting = empty_rows(0)
-        self._events: list[dict[str, Any]] = []
+        self._events: list[JsonObject] = []
         self._over: dict[str, str] = {}  # what ended since the last line, and how to say it
         self._silent_until_s = -np.inf
         self._conditions = {
@@ -86,7 +86,7 @@ class LiveWarnings:
             window, self._waiting = self._waiting[: self._ticks], self._waiting[self._ticks :]
             self._look(window)
 
-    def finish(self) -> list[dict[str, Any]]:
+    def finish(self) -> list[JsonObject]:
         """All of them, after the end: time_s of the first tick, what, count of ticks."""
         if len(self._waiting):
             self._look(self._waiting)

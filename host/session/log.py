@@ -4,7 +4,6 @@ Position and force are what the tool did and what was sent to the device; the ch
 hold every call in order, bit for bit, so that `springpot validate` can make each again.
 """
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -13,6 +12,7 @@ import numpy as np
 from springpot.codegen.arrays import Samples
 from springpot.codegen.atomic_write import written_aside
 from springpot.codegen.errors import DataError
+from springpot.codegen.types import JsonMapping
 from springpot.host.native.loop_library import COLUMN, COLUMNS, INPUT, LoopRows
 from springpot.trainer.recordings.journal import JournalWriter
 from springpot.trainer.recordings.recording import Zero
@@ -33,7 +33,7 @@ class SessionLog:
         file: Path,
         dt_s: float,
         source: str,
-        details: Mapping[str, Any],
+        details: JsonMapping,
         *,
         zero: Zero = "none",
         measured: bool = False,
@@ -58,7 +58,7 @@ class SessionLog:
         self._journal.append(position_m, force_n, rows[:, self._kept])
         self.rows += len(rows)
 
-    def finish(self, details: Mapping[str, Any]) -> None:
+    def finish(self, details: JsonMapping) -> None:
         """Make a recording of the journal. Raises DeviceError where there is no room."""
         try:
             self._journal.finish(details)

@@ -3,9 +3,8 @@
 import contextlib
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
@@ -44,14 +43,17 @@ class Progress:
     __repr__ = short_repr
 
 
-class RowTaker(Protocol):
-    """Where the rows of a loop go."""
-
-    def append(self, rows: LoopRows) -> None: ...
+TakeRows = Callable[[LoopRows], None]
 
 
 class SessionRunner:
-    """A loop on a device with its log: what rendering and recording have in common."""
+    """A loop on a device: what rendering and recording have in common.
+
+    takers: get the rows as they come, until one raises, which ends the loop.
+    """
+
+    _loop: CLoop
+    _supervisor: DeviceSupervisor
 
     def __init__(
         self,
@@ -59,19 +61,13 @@ class SessionRunner:
         url: str,
         requirements: DeviceRequirements,
         settings: LoopSettings,
-        log: RowTaker | None = None,
-        viewer: RowTaker | None = None,
-        warnings: RowTaker | None = None,
+        takers: Sequence[TakeRows] = (),
         reconnect_s: float = RECONNECT_S,
         report: Callable[[str], None] = say,
     ) -> None:
-        self._settings, self._log, self._report = settings, log, report
-        self._takers = [taker for taker in (viewer, warnings) if taker is not None]
-        device = open_device(url, requirements)
-        self._loop = CLoop(steps, settings)
-        self._supervisor = DeviceSupervisor(
-            self._loop, device, url, requirements, reconnect_s, report, self._fail
-        )
+        self.url, self.settings = url, settings
+        self._steps, self._requirements, self._reconnect_s = steps, requirements, reconnect_s
+        self._takers, self._report = list(takers), report
         self.error: SpringpotError | None = None
         self._drain_thread: threading.Thread | None = None
         self._latest = empty_rows(1)
@@ -79,9 +75,21 @@ class SessionRunner:
         self._ticks_s = [np.zeros(0, dtype=np.float32)]
         self._stopped = False
 
+    def open(self) -> None:
+        """Open the device. Raises DeviceError where it cannot be used."""
+        device = open_device(self.url, self._requirements)
+        self._loop = CLoop(self._steps, self.settings)
+        self._supervisor = DeviceSupervisor(
+            self._loop, device, self.url, self._requirements, self._reconnect_s, self._report,
+            self._fail,
+        )  # fmt: skip
+
     def start(self) -> None:
+        """Begin ticking; returns at once."""
         if self._drain_thread is not None:
             raise UsageError("this session was started already: make a new one")
+        if "_loop" not in vars(self):
+            raise UsageError("this session is not open: use it in a with statement")
         self._loop.start(self._supervisor.device)
         self._drain_thread = threading.Thread(target=self._drain, daemon=True)
         self._drain_thread.start()
@@ -179,7 +187,7 @@ class SessionRunner:
         return why_stopped(
             self.state,
             self._latest[-1],
-            self._settings,
+            self.settings,
             self.fault(),
             self._supervisor.device.rate_advice,
             asked_by,
@@ -231,10 +239,9 @@ class SessionRunner:
         self._ticks_s.append(rows[called, COLUMN["tick_s"]].astype(np.float32))
         if np.isfinite(rows[:, COLUMN["age_s"]]).any():
             self._supervisor.saw_sample(heard_s)
-        if self._log is not None and self.error is None:
-            self._log.append(rows)
-        for taker in self._takers:
-            taker.append(rows)
+        for take in self._takers:
+            if self.error is None:
+                take(rows)
 
     def _fail(self, error: SpringpotError) -> None:
         if self.error is None:

@@ -4,15 +4,15 @@ A loop in a C thread keeps the time; Python watches it, writes the log, and
 brings back a device that was unplugged. However the session is left, the force is zero first.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
-from functools import partial
 from os import PathLike
 from pathlib import Path
 from typing import Any, Self
 
-from springpot.codegen.errors import DeviceError, SpringpotError
+from springpot.codegen.errors import DeviceError
 from springpot.codegen.regular_file import given_path
+from springpot.codegen.types import JsonObject
 from springpot.host.devices.device import RECONNECT_S, requirements_of
 from springpot.host.emission.emission import read_emission
 from springpot.host.native.loop_library import Stop
@@ -22,7 +22,7 @@ from springpot.host.session.live_warnings import Alarm, LiveWarnings
 from springpot.host.session.log import SessionLog, write_flight
 from springpot.host.session.loop import LoopSettings, LoopState
 from springpot.host.session.outcome import BY_USER, expected_ticks, steal_ms
-from springpot.host.session.runner import RowTaker, SessionRunner
+from springpot.host.session.runner import SessionRunner, TakeRows
 from springpot.trainer.recordings.journal import MIN_SAMPLES
 from springpot.trainer.recordings.notices import caution, notice
 from springpot.trainer.recordings.recording import Zero
@@ -32,14 +32,14 @@ _OF_LOOP = ("ticks", "late", "ring_dropped", "watchdog_trips", "disconnects", "r
 _OF_LINKS = ("samples", "sequence_gaps", "crc_errors", "unsent", "saturated")
 
 
-class Session:
+class Session(SessionRunner):
     """Render an emitted scene on a device.
 
     folder: of `springpot emit`. url: of the device. log: file to write, a recording with every
     call; beside it the flight recorder. seconds: 0, until `stop`. max_force_n, max_depth_m: beyond
     them the session ends. Files that are not as emitted are a UserWarning; log and result name
     them. place_m: where an object with a map is pressed, x and y. report: takes lines for
-    people, by default a logger. viewer: takes every row too, and never waits. alarm: takes the
+    people, by default a logger. viewers: take every row too, and never wait. alarm: takes the
     lines of live warnings, and whether something began.
     Raises DeviceError where the device cannot be used as the scene wants.
 
@@ -62,7 +62,7 @@ class Session:
         reconnect_s: float = RECONNECT_S,
         report: Callable[[str], None] | None = None,
         place_m: tuple[float, float] | None = None,
-        viewer: RowTaker | None = None,
+        viewers: Sequence[TakeRows] = (),
         alarm: Alarm = lambda _line, _begins: None,
     ) -> None:
         emitted = read_emission(given_path(folder))
@@ -75,8 +75,7 @@ class Session:
             max_depth_m=float("inf") if max_depth_m is None else max_depth_m,
             reversed=plan.scene.device.force_sign == -1,
         )
-        self._settings, self._url = settings, url
-        self._report, self._ended = report or caution, report or notice
+        self._ended = report or notice
         requirements = requirements_of(
             plan.scene.device,
             rate_hz=1 / plan.dt_s,
@@ -87,29 +86,27 @@ class Session:
         self._file = None if log is None else given_path(log)
         self._log: SessionLog | None = None
         self._warnings = LiveWarnings(plan, alarm)
-        self._warned: list[dict[str, Any]] = []
+        self._warned: list[JsonObject] = []
         self._place_m = place_m
-        steps = scene_step_functions(self._scene, place_m)
-        self._open = partial(
-            SessionRunner, steps, url, requirements, settings, viewer=viewer,
-            warnings=self._warnings, reconnect_s=reconnect_s, report=self._report,
+        super().__init__(
+            scene_step_functions(self._scene, place_m), url, requirements, settings,
+            [self._warnings.append, *viewers], reconnect_s, report or caution,
         )  # fmt: skip
-        self._run: SessionRunner | None = None
         self._steal_ms = steal_ms()
         self.line = ""
-        self.error: SpringpotError | None = None
         self.flight_file: Path | None = None
 
     def __enter__(self) -> Self:
         if self._file is not None:
-            details = {"session": {"scene": self._scene.manifest["scene"], "device": self._url,
+            details = {"session": {"scene": self._scene.manifest["scene"], "device": self.url,
                                    "hash": self._hash, "edited": self._edited}}  # fmt: skip
             self._log = SessionLog(
-                self._file, self._settings.period_s, self._url, details, zero=self._zero,
+                self._file, self.settings.period_s, self.url, details, zero=self._zero,
                 place_m=self._place_m,
             )  # fmt: skip
+            self._takers.insert(0, self._log.append)
         try:
-            self._run = self._open(log=self._log)
+            self.open()
         except BaseException:
             if self._log is not None:
                 self._log.discard()
@@ -117,73 +114,41 @@ class Session:
         return self
 
     def __exit__(self, *error: Any) -> None:
-        run = self.runner
         try:
-            run.close()
+            self.close()
         finally:
-            self.line, self.error = run.why(_left_by(error[1], run.state))
-            unfelt = not run.counts.samples or run.state.reason != Stop.TIME
-            if self.error is None and run.fault() and unfelt:
+            self.line, self.error = self.why(_left_by(error[1], self.state))
+            unfelt = not self.counts.samples or self.state.reason != Stop.TIME
+            if self.error is None and self.fault() and unfelt:
                 self.error = DeviceError(self.line)
             self._warned = self._warnings.finish()
             try:
                 (self._report if self.error else self._ended)(self.line)
             finally:
-                self._close_log(run)
+                self._close_log()
 
-    @property
-    def runner(self) -> SessionRunner:
-        """The running half: pause, resume, reset, watch."""
-        assert self._run is not None, "use the session in a with statement"
-        return self._run
-
-    def start(self) -> None:
-        """Begin ticking; returns at once."""
-        self.runner.start()
-
-    def wait(self, seconds: float | None = None) -> None:
-        """Sleep until the loop has ended by itself, or for so many seconds at most."""
-        self.runner.wait(seconds)
-
-    def stop(self) -> None:
-        """End with zero force."""
-        self.runner.stop()
-
-    def pause(self) -> None:
-        """Zero force until `resume`."""
-        self.runner.pause()
-
-    def resume(self) -> None:
-        """Go on, the force rising from zero."""
-        self.runner.resume()
-
-    def reset(self) -> None:
-        """Forget the past, unlatch."""
-        self.runner.reset()
-
-    def result(self) -> dict[str, Any]:
+    def result(self) -> JsonObject:
         """Keys of `springpot run --json`, after the end."""
-        run = self.runner
-        state, counts = run.state, run.counts
+        state, counts = self.state, self.counts
         return {
             **{name: getattr(state, name) for name in _OF_LOOP},
             **{name: getattr(counts, name) for name in _OF_LINKS},
-            "expected_ticks": expected_ticks(state, self._settings),
-            **run.spreads_us(),
+            "expected_ticks": expected_ticks(state, self.settings),
+            **self.spreads_us(),
             "steal_ms": steal_ms() - self._steal_ms,
             "stale_samples": state.stale,
             "unused_samples": state.unused,
             "latched": bool(state.latched or state.tripped),
             "log": str(self._file) if self._file is not None else None,
             "flight": str(self.flight_file) if self.flight_file is not None else None,
-            "scheduler": run.scheduler(),
+            "scheduler": self.scheduler(),
             "warnings": self._warned,
             "stopped": self.line,
             "hash": self._hash,
             "edited": self._edited,
         }
 
-    def _close_log(self, run: SessionRunner) -> None:
+    def _close_log(self) -> None:
         if self._log is None or self._file is None:
             return
         with self._log as log:
@@ -192,12 +157,12 @@ class Session:
                 self._file = None
                 return
             try:
-                self.flight_file = write_flight(self._file, run.flight(), self.line)
+                self.flight_file = write_flight(self._file, self.flight(), self.line)
             except OSError as error:
                 self._report(f"{self._file.parent}: no flight recorder written ({error.strerror})")
             if log.has_space:
-                metadata = {"stopped": self.line, "state": asdict(run.state),
-                         "counts": asdict(run.counts), "scheduler": run.scheduler(),
+                metadata = {"stopped": self.line, "state": asdict(self.state),
+                         "counts": asdict(self.counts), "scheduler": self.scheduler(),
                          "warnings": self._warned}  # fmt: skip
                 log.finish({"end": metadata})
 

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import cache
-from typing import Any
 
 import numpy as np
 
@@ -11,6 +10,7 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.coupling.linear_loop import HandName
 from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE, LoopDevice
 from springpot.codegen.errors import DeviceError, UsageError
+from springpot.codegen.types import CData, JsonObject
 from springpot.host.native.c_library import CLibrary, load_c
 from springpot.host.simulation.hand_loop import tool_device
 from springpot.host.simulation.objects import (
@@ -58,7 +58,7 @@ class SimulatedBench:
     """An object under a force-controlled device at 1 kHz, as its sensors see it."""
 
     start_s: float | None = None  # of the last press, if it met what the ones before had pressed
-    _state: Any = None
+    _state: CData = None
     _ticks = 0  # since this object was put there
 
     def __init__(self, simulated: SimulatedObject, substeps: int = SUBSTEPS) -> None:
@@ -89,7 +89,7 @@ class SimulatedBench:
         simulated = self.simulated
         return (simulated.x_m, simulated.y_m) if simulated.name in PLACED_OBJECTS else None
 
-    def prepare(self) -> dict[str, Any]:
+    def prepare(self) -> JsonObject:
         """Nothing: it is ready."""
         return {}
 
@@ -234,7 +234,7 @@ def _object_arguments(simulated: SimulatedObject) -> tuple[int, int, float]:
     return *names, simulated.stiffer
 
 
-def _new(kind: str) -> Any:
+def _new(kind: str) -> CData:
     return _library().memory(getattr(_library().c, f"{kind}_size")(), kind)
 
 

@@ -12,6 +12,7 @@ from springpot.codegen.coupling.linear_loop import HandName
 from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE, LoopDevice
 from springpot.codegen.errors import SpringpotError
 from springpot.codegen.short_repr import short_repr
+from springpot.codegen.types import CData
 from springpot.host.native.c_library import CLibrary, load_c
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.simulation.objects import HAND_NAMES
@@ -74,7 +75,7 @@ class LoopCalls:
     idle: int
     reset: int
     state: int
-    kept: Any = field(default=None, repr=False)
+    kept: CData = field(default=None, repr=False)
     __repr__ = short_repr
 
 
@@ -110,7 +111,7 @@ class HandLoop:
         felt_n = np.concatenate([np.zeros(late), trace["force_n"]])[:n]
         return Trace(**trace, felt_n=felt_n, notes=notes, not_finite=int(not_finite))
 
-    def _scene(self) -> tuple[Any, Any]:
+    def _scene(self) -> tuple[CData, Any]:
         """The scene's functions with a fresh state, and what keeps that alive."""
         calls = self._scene_of
         if isinstance(calls, SceneLibrary):
@@ -121,7 +122,7 @@ class HandLoop:
                     for name in ("step", "idle", "reset", "state")}  # fmt: skip
         return self._port.ffi.new("sp_closed_loop_scene *", pointers), calls.kept
 
-    def _tool(self, operator: Operator, start_m: float) -> Any:
+    def _tool(self, operator: Operator, start_m: float) -> CData:
         tool = self._port.memory(self._port.c.sim_tool_size(), "sim_tool")
         _check(self._port.c.sim_tool_init(
             tool, HAND_NAMES.index(operator.hand), tool_device(self._port, operator.device),
@@ -130,7 +131,7 @@ class HandLoop:
         return tool
 
 
-def tool_device(library: CLibrary, device: LoopDevice) -> Any:
+def tool_device(library: CLibrary, device: LoopDevice) -> CData:
     """The device as the C of the simulated hand takes it, for a call of sim_tool_init."""
     return library.ffi.new(
         "sim_tool_device *",

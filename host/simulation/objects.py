@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from urllib.parse import parse_qsl, urlsplit
 
 from springpot.codegen.errors import UsageError
+from springpot.codegen.types import JsonObject
 
 if TYPE_CHECKING:
     from springpot.codegen.coupling.linear_loop import HandName
@@ -69,7 +70,7 @@ def parse_url(url: str, default_seed: int = 0) -> SimulatedObject:
     if parts.netloc not in ALL_OBJECTS or parts.path not in ("", "/"):
         known = ", ".join(ALL_OBJECTS)
         raise UsageError(f"{url}: no object {parts.netloc + parts.path!r}: use one of {known}")
-    found: dict[str, Any] = {"seed": default_seed}
+    found: JsonObject = {"seed": default_seed}
     for key, value in parse_qsl(parts.query, keep_blank_values=True):
         if key not in _SETTINGS:
             raise UsageError(

@@ -2,12 +2,10 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Samples
+from springpot.codegen.arrays import Reals, Samples
 from springpot.codegen.coupling.linear_loop import Hand
 from springpot.codegen.coupling.loop_device import LoopDevice
 from springpot.codegen.plan.plan import Plan
@@ -117,7 +115,7 @@ def striking(space: Workspace) -> Motion:
     return motion
 
 
-def smooth(share: NDArray[Any]) -> Samples:
+def smooth(share: Reals) -> Samples:
     """Minimum-jerk rise from 0 to 1."""
     u = np.clip(share, 0.0, 1.0)
     return np.asarray(u**3 * (10.0 - 15.0 * u + 6.0 * u * u))

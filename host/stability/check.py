@@ -3,12 +3,13 @@
 from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from springpot.codegen.coupling.linear_loop import DESIGN_HAND
 from springpot.codegen.errors import UnsafeError
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.short_repr import short_repr
+from springpot.codegen.types import JsonObject
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.native.trial_build import built, uncoupled
 from springpot.host.simulation.hand_loop import HandLoop
@@ -49,7 +50,7 @@ class Check:
         """Whether `emit` would take it."""
         return is_stable(self.plan, scene_loop(self.plan, DESIGN_HAND))
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> JsonObject:
         return {
             "scene": self.plan.scene.name,
             "spectral_radius": self.spectral_radius,
@@ -82,7 +83,7 @@ class Stability:
         """The cases in which every sample comes, or goes wrong in a way of its own."""
         return tuple(outcome for outcome in self.outcomes if outcome.losses is None)
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> JsonObject:
         """Keys of `stability --json`."""
         return {
             **self.check.as_dict(),

@@ -1,7 +1,6 @@
 """The linear loop of a scene: what `emit` refuses, and what it would allow instead."""
 
 from dataclasses import replace
-from typing import Any
 
 from springpot.codegen.coupling.auto import choose_coupling
 from springpot.codegen.coupling.gains import (
@@ -15,6 +14,7 @@ from springpot.codegen.errors import UnsafeError
 from springpot.codegen.plan.make_plan import SERVED_HZ, make_plan
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plurals import number_of
+from springpot.codegen.types import JsonObject
 
 
 def scene_loop(plan: Plan, hand: Hand, more_delay: int = 0) -> LinearLoop:
@@ -40,7 +40,7 @@ def loop_words(stable: bool, radius: float) -> str:
     return f"The linear loop is stable (radius {radius:.4f})."
 
 
-def limits(plan: Plan) -> dict[str, Any]:
+def limits(plan: Plan) -> JsonObject:
     """What would be allowed: the object's stiffness by hand and delay; damping of Algorithm 1."""
     coupling = plan.coupling.coupling
     return {

@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from springpot.host.console.lazy_group import LazyCommand, LazyGroup
+from springpot.host.console.command_group import CommandGroup
 from springpot.host.console.output import json_option, print_result, print_table, progress_bar
 
 _PATH = click.Path(path_type=Path)
@@ -83,12 +83,9 @@ def _cell(value: object) -> str:
     return f"{value:.4g}" if isinstance(value, float) else str(value)
 
 
-_COMMANDS = {
-    name: LazyCommand(f"{__name__}:{name}_study", command.get_short_help_str(80))
-    for name, command in (("plan", plan_study), ("run", run_study), ("report", report_study))
-}
+_COMMANDS = {name: f"{__name__}:{name}_study" for name in ("plan", "run", "report")}
 
 
-@click.group("study", cls=LazyGroup, table=_COMMANDS)
+@click.group("study", cls=CommandGroup, table=_COMMANDS)
 def study() -> None:
     """Does it feel like the object? Plan a study, run it with people, and report."""

@@ -2,7 +2,6 @@
 
 from collections import Counter
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 import pandas
@@ -10,6 +9,7 @@ from statsmodels.stats.anova import AnovaRM
 from statsmodels.stats.multicomp import tukeyhsd
 
 from springpot.codegen.arrays import Samples
+from springpot.codegen.types import JsonObject
 from springpot.host.study.definition import RENDERED, Study
 from springpot.host.study.plan import StudyPlan
 from springpot.host.study.session import (
@@ -25,7 +25,7 @@ _MIN_PEOPLE = 3
 _NO_SCATTER = 1e-9  # of an error, points^2: what rounding leaves
 
 
-def study_report(plan: StudyPlan) -> dict[str, Any]:
+def study_report(plan: StudyPlan) -> JsonObject:
     """Compute what `study report --json` prints. Raises DataError where a table is damaged.
 
     Participants with trials left, and those that a rule leaves out, are in no mean.
@@ -62,7 +62,7 @@ def study_report(plan: StudyPlan) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def consistency(study: Study, own: Sequence[Row]) -> dict[str, Any]:
+def consistency(study: Study, own: Sequence[Row]) -> JsonObject:
     """Return a person's figures for the rules of exclusion, and the names of those broken.
 
     repeat_sd: standard deviation of the ratings of one condition, mean over conditions;
@@ -82,7 +82,7 @@ def consistency(study: Study, own: Sequence[Row]) -> dict[str, Any]:
     return {**figures, "broken": broken}
 
 
-def anova(scores: Samples, factors: Sequence[str]) -> list[dict[str, Any]]:
+def anova(scores: Samples, factors: Sequence[str]) -> list[JsonObject]:
     """Analyse the variance of repeated measures; p is not corrected for a lack of sphericity.
 
     scores: (people, levels of the first factor, ...). factors: names, one or two of them.
@@ -99,7 +99,7 @@ def anova(scores: Samples, factors: Sequence[str]) -> list[dict[str, Any]]:
             for effect, f, df1, df2, p in fit.anova_table.itertuples()]  # fmt: skip
 
 
-def tukey(scores: Samples, conditions: Sequence[str]) -> list[dict[str, Any]]:
+def tukey(scores: Samples, conditions: Sequence[str]) -> list[JsonObject]:
     """Compare all pairs of conditions by Tukey's test on the error of repeated measures.
 
     scores: (people, conditions). difference: of the first's mean less the second's; low, high: its
@@ -124,9 +124,9 @@ def _error(scores: Samples) -> float:
     return float(np.sum(residual**2) / ((people - 1) * (k - 1)))
 
 
-def _comparisons(study: Study, scores: Samples) -> dict[str, Any]:
+def _comparisons(study: Study, scores: Samples) -> JsonObject:
     """Return the analysis over all materials; within each, that of methods and their pairs."""
-    result: dict[str, Any] = {"anova": [], "simple": [], "pairs": [], "notes": []}
+    result: JsonObject = {"anova": [], "simple": [], "pairs": [], "notes": []}
     if len(scores) < _MIN_PEOPLE:
         result["notes"] = [f"{len(scores)} people: comparisons need at least {_MIN_PEOPLE}"]
         return result

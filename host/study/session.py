@@ -5,12 +5,12 @@ import time
 from collections.abc import Sequence
 from itertools import count
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from springpot import Session
 from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.types import JsonObject
 from springpot.host.console.output import progress_console, say
 from springpot.host.emission.emission import read_emission
 from springpot.host.native.loop_library import COLUMN, LoopRows
@@ -56,7 +56,7 @@ class PressWatch:
             self._last_s = float(warned_s[-1])
 
 
-def run_session(plan: StudyPlan, participant: str, url: str) -> dict[str, Any]:
+def run_session(plan: StudyPlan, participant: str, url: str) -> JsonObject:
     """Go on with the first session that is not over; return what `study run --json` prints.
 
     Standard input has what the participant types. Raises UsageError where nothing is left or the
@@ -115,7 +115,7 @@ def _rated_trial(plan: StudyPlan, trial: Trial, url: str) -> tuple[object, ...]:
     say(f"session {trial.session}, trial {trial.trial}: place the objects, lift the tool. {_KEYS}")
     begin_s = time.monotonic()
     session = Session(
-        place, url, _free_name(plan.folder(trial.participant), trial), viewer=watch,
+        place, url, _free_name(plan.folder(trial.participant), trial), viewers=[watch.append],
         report=lambda line: say(line) if line != session.line else None,
     )  # fmt: skip
     with session:
@@ -135,8 +135,8 @@ def _ask(trial: Trial, session: Session) -> float | None:
     sides, felt = {"l": trial.left, "r": trial.right}, set[str]()
     while True:
         word = _typed()
-        state, rating = session.runner.state, _rating(word)
-        if session.runner.over:
+        state, rating = session.state, _rating(word)
+        if session.over:
             return None
         if word == "reset":
             session.reset()

@@ -2,12 +2,11 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Samples
+from springpot.codegen.arrays import Reals, Samples
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import member_offset
@@ -87,10 +86,10 @@ def _pressed(
     plan: Plan,
     library: SceneLibrary,
     replay: Replay,
-    position: NDArray[Any],
-    velocity: NDArray[Any],
+    position: Reals,
+    velocity: Reals,
     first: Recording,
-) -> tuple[NDArray[Any], NDArray[Any], int]:
+) -> tuple[Reals, Reals, int]:
     """Forces (N) and notes of the C, (n,), and ticks in which the reference differs."""
     place_m = first.place_m if plan.has_places else None
     force, notes = replay.run(position, velocity, place_m=place_m)
@@ -109,7 +108,7 @@ def is_log_of(recording: Recording, scene_hash: str) -> bool:
 
 def repeat_session(
     replay: Replay, recording: Recording, scene_hash: str
-) -> tuple[NDArray[Any], NDArray[Any], int] | None:
+) -> tuple[Reals, Reals, int] | None:
     """Make the calls of a session's log again: forces (n,), N, notes, and ticks of other bits.
 
     None for what is no log of this scene.
@@ -136,10 +135,10 @@ def repeat_session(
 def proxy_positions(
     plan: Plan,
     library: SceneLibrary,
-    position: NDArray[Any],
-    velocity: NDArray[Any],
+    position: Reals,
+    velocity: Reals,
     place_m: tuple[float, float] | None = None,
-) -> NDArray[Any] | None:
+) -> Reals | None:
     """Return where the proxy of the C is before each tick, (n,), m; None in a scene without one."""
     if not plan.at_proxy:
         return None
@@ -154,7 +153,7 @@ def proxy_positions(
     return found
 
 
-def bits_differ(one: NDArray[Any], other: NDArray[Any]) -> NDArray[np.bool_]:
+def bits_differ(one: Reals, other: Reals) -> NDArray[np.bool_]:
     """Return where two arrays of one type have other bits."""
     bits = np.uint32 if one.dtype == np.float32 else np.uint64
     result: NDArray[np.bool_] = one.view(bits) != other.view(bits)

@@ -5,9 +5,9 @@ recording; of one that was cut, resampled or converted since, the hash is anothe
 """
 
 from collections.abc import Collection, Mapping, Sequence
-from typing import Any
 
 from springpot.codegen.model.model import Model
+from springpot.codegen.types import JsonMapping
 from springpot.trainer.recordings.recording import Recording
 
 
@@ -33,7 +33,7 @@ def known_among(
     )
 
 
-def accepted_words(manifest: Mapping[str, Any]) -> str:
+def accepted_words(manifest: JsonMapping) -> str:
     """Training recordings with signs that a person accepted on import; "" where there are none."""
     accepted = manifest.get("provenance", {}).get("accepted_signs", [])
     return f"accepted, against the data, of {', '.join(accepted)}" if accepted else ""

@@ -3,7 +3,6 @@
 import json
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 from springpot.codegen.atomic_write import write_file, written_aside
 from springpot.codegen.errors import DataError
 from springpot.codegen.short_repr import short_repr
+from springpot.codegen.types import JsonObject
 from springpot.host.native.machine import machine_metadata
 from springpot.host.validation.validation import Validation
 
@@ -36,7 +36,7 @@ class Series:
 class Stored:
     """What the report reads: metadata (result, machine, recordings), and samples."""
 
-    metadata: dict[str, Any]
+    metadata: JsonObject
     series: tuple[Series, ...]
     __repr__ = short_repr
 

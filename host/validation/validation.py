@@ -4,7 +4,7 @@ import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +14,7 @@ from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import DataError, MismatchError
 from springpot.codegen.model.model import Model
 from springpot.codegen.plan.plan import Plan
+from springpot.codegen.types import JsonObject
 from springpot.host.console.output import shown_fields
 from springpot.host.emission.emission import read_emission
 from springpot.host.metrics import Accuracy, accuracy, error_ratios
@@ -62,7 +63,7 @@ class Validation:
     notes: dict[str, int]
     ticks: TickTimes
     predicted_n: tuple[NDArray[np.float64], ...]
-    manifest: dict[str, Any]
+    manifest: JsonObject
     floor: NoiseFloor
     recordings: tuple[Recording, ...]
     slopes: SlopeErrors | None = None
@@ -99,7 +100,7 @@ class Validation:
         """Names of the recordings that are logs of sessions of this scene."""
         return [item.name for item in self.recordings if is_log_of(item, self.manifest["hash"])]
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> JsonObject:
         """Keys of `validate --json`."""
         errors = asdict(self.accuracy)
         return {

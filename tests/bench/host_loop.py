@@ -86,7 +86,7 @@ def run(kind: Kind, folder: Path, log: Path) -> dict[str, Any]:
         session = Session(folder, device.url, log, seconds=kind.seconds, report=say)
         with session:
             session.start()
-            while not session.runner.over:
+            while not session.over:
                 time.sleep(0.1)
         busy = False
         worker.join()

@@ -25,11 +25,11 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
 @pytest.mark.parametrize(
     ("what", "most"),
     [
-        ("codegen/*.py", 7700),
+        ("codegen/*.py", 7000),
         ("trainer/*.py", 11400),
         ("host/*.py", 14500),
         ("runtime_c/*.[ch]", 7300),
-        ("tests/*.py", 27000),
+        ("tests/*.py", 26000),
     ],
 )
 def test_lines(what: str, most: int) -> None:
@@ -54,4 +54,4 @@ def test_names_commands_and_kinds() -> None:
 
 def test_types_are_written() -> None:
     lines = [line for text in tracked(*PYTHON) for line in text.splitlines()]
-    assert sum(bool(re.search(r"\bAny\b", line)) for line in lines) <= 430
+    assert sum(bool(re.search(r"\bAny\b", line)) for line in lines) <= 150

@@ -1,10 +1,9 @@
 """Options that every kind of model is fitted with, and what a fit returns."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field
 from importlib.metadata import version
 from math import inf
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from annotated_types import Ge, Interval
 
@@ -13,6 +12,7 @@ from springpot.codegen.model.model import Model
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.model.regressors import Regressor
 from springpot.codegen.short_repr import short_repr
+from springpot.codegen.types import JsonMapping
 from springpot.trainer.models.passive.passive_terms import PASSIVE_POLES
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.paper import PAPER_SMOOTH_S
@@ -64,7 +64,7 @@ class Fit:
     feature_s: float
     fit_s: float
     search_s: float = 0.0
-    metadata: Mapping[str, Any] = field(default_factory=dict)
+    metadata: JsonMapping = field(default_factory=dict)
     warnings: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
@@ -81,7 +81,7 @@ def assemble(
     parts: tuple[Features | None, Regressor | None],
     passive: Hammerstein,
     adds: bool,
-    metadata: Mapping[str, Any],
+    metadata: JsonMapping,
 ) -> Model:
     """Put a model together with its provenance.
 

@@ -2,9 +2,9 @@
 
 import time
 from collections.abc import Sequence
-from typing import Any
 
 from springpot.codegen.model.passive import Hammerstein
+from springpot.codegen.types import JsonObject
 from springpot.trainer.models.fit import Fit, FitOptions, assemble
 from springpot.trainer.models.passive.map_fit import fit_map
 from springpot.trainer.models.passive.passive_fit import passive_choice, timed_passive
@@ -46,7 +46,7 @@ def _fit_places(name: str, data: TrainingSet, options: FitOptions) -> Fit:
 
 def _metadata(
     passive: Hammerstein, error_n: float, law: Sequence[str], data: TrainingSet
-) -> dict[str, Any]:
+) -> JsonObject:
     return {
         "n_parameters": parameter_count(passive),
         "cv_rmse_n": error_n,

@@ -1,16 +1,16 @@
 """Kinds `rbf-fd` and `rbf-pv`: radial basis functions, and the choice of two orders."""
 
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from itertools import combinations
-from typing import Any
 
 import numpy as np
 
 from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.features import Features, FractionalBank, PositionVelocity
+from springpot.codegen.types import JsonMapping
 from springpot.trainer.features.values import feature_values
 from springpot.trainer.models.contact import depth_m
 from springpot.trainer.models.fit import Fit, FitOptions, assemble
@@ -82,7 +82,7 @@ def _fitted(
     features: Features,
     values: Samples,
     force_n: Samples,
-    metadata: Mapping[str, Any],
+    metadata: JsonMapping,
 ) -> Fit:
     """The functions on features (rows, 2), and the passive fallback beside them."""
     begin = time.perf_counter()

@@ -11,7 +11,6 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import product
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,6 +18,7 @@ from scipy.optimize import nnls
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.model.passive import Hammerstein
+from springpot.codegen.types import JsonObject
 from springpot.trainer.features.values import highpass
 from springpot.trainer.models.fit import Fit, FitOptions, assemble
 from springpot.trainer.models.passive.passive_force import model_along
@@ -102,7 +102,7 @@ def fit_springpot(
     return Fit(model, len(pressed), 0.0, time.perf_counter() - begin, metadata=metadata)
 
 
-def _metadata(solid: Solid, others: Sequence[Solid], table: _Table) -> dict[str, Any]:
+def _metadata(solid: Solid, others: Sequence[Solid], table: _Table) -> JsonObject:
     """Provenance: each number and half its interval of 1.96 errors, 95 %; what the law misses."""
     law = {}
     for name, value in solid.numbers().items():

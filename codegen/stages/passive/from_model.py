@@ -1,7 +1,5 @@
 """Fold a passive model into the arrays of its stage."""
 
-from typing import Any
-
 import numpy as np
 
 from springpot.codegen.arrays import Reals
@@ -14,6 +12,7 @@ from springpot.codegen.stages.passive.maxwell import branch_steps
 from springpot.codegen.stages.passive.placed import placed_curves
 from springpot.codegen.stages.passive.surface import RecoveringSurface, surface_of
 from springpot.codegen.stages.stage import SceneTicks
+from springpot.codegen.types import RealType
 
 
 def hammerstein_stage(model: Hammerstein, ticks: SceneTicks, follows: str) -> HammersteinStage:
@@ -58,7 +57,7 @@ def hammerstein_stage(model: Hammerstein, ticks: SceneTicks, follows: str) -> Ha
 
 
 def _surface(
-    model: Hammerstein, slopes_n: Reals, flow: FlowBranches | None, dtype: type[Any]
+    model: Hammerstein, slopes_n: Reals, flow: FlowBranches | None, dtype: RealType
 ) -> RecoveringSurface:
     beside_n = np.zeros(model.nodes)
     if flow is not None:

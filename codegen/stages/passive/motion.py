@@ -1,13 +1,14 @@
 """Reference of the passive model along a motion: the operations of the C, in its order."""
 
 from copy import copy
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from springpot.codegen.arrays import Reals
 from springpot.codegen.model.formulas import Place, curve_place, curve_values, flow_functions
 from springpot.codegen.stages.stage import VECTOR_WIDTH, numbers
+from springpot.codegen.types import Scalar
 
 if TYPE_CHECKING:
     from springpot.codegen.stages.passive.hammerstein import HammersteinStage
@@ -22,7 +23,7 @@ class PassiveMotion:
     ticks before are computed again, and then one tick after another until the tool is back.
     """
 
-    def __init__(self, stage: "HammersteinStage", u: Any) -> None:
+    def __init__(self, stage: "HammersteinStage", u: Scalar) -> None:
         self._stage = stage
         config, real = stage.config, stage.spring.dtype.type
         place = self._place(np.array([u]))
@@ -38,7 +39,7 @@ class PassiveMotion:
         self._u, self._force_n = u, real(0)
 
     @property
-    def u(self) -> Any:
+    def u(self) -> Scalar:
         """Where the model is."""
         return self._u
 

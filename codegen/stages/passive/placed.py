@@ -2,7 +2,6 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -12,6 +11,7 @@ from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.model.places import amounts_at, grid_steps, mixed
 from springpot.codegen.stages.passive.surface import LEAST
 from springpot.codegen.stages.stage import REAL, U32, Member
+from springpot.codegen.types import RealType
 
 _STIFFEST = "stiffest"
 _ROUNDED_UP = 1.0 + 1e-5
@@ -115,7 +115,7 @@ class PlacedCurves:
 
 
 def placed_curves(
-    model: Hammerstein, curves_of: Callable[[Hammerstein], dict[str, Reals]], dtype: type[Any]
+    model: Hammerstein, curves_of: Callable[[Hammerstein], dict[str, Reals]], dtype: RealType
 ) -> PlacedCurves | None:
     """The map of a model that has one; curves_of: the arrays of a model of one material."""
     places = model.places

@@ -1,7 +1,6 @@
 """The surface that recovers while the tool is away: sp_surface.h."""
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,6 +9,7 @@ from springpot.codegen.arrays import Reals, Samples
 from springpot.codegen.literals import array_text
 from springpot.codegen.model.formulas import curve_place, pieces_of_one
 from springpot.codegen.stages.stage import REAL, Member
+from springpot.codegen.types import RealType, Scalar
 
 LEAST = 1e-6  # of the stiffest piece: what no spring resists would come back at once
 
@@ -31,7 +31,7 @@ class RecoveringSurface:
             array_text("stiffest", "sp_real", self.stiffest),
         ]
 
-    def at(self, u: Any, before: Any, force_n: Any) -> Any:
+    def at(self, u: Scalar, before: Scalar, force_n: Scalar) -> Scalar:
         """sp_surface_at: where the model is while the tool is at u; it was at `before`."""
         if not u < before:
             return u
@@ -51,7 +51,7 @@ class RecoveringSurface:
         takes_n = steepest[curve_place(before, len(self.stiffest))[0]] * way
         return (u < before) & (force_n < 1.01 * takes_n)
 
-    def _back(self, before: Any, force_n: Any) -> Any:
+    def _back(self, before: Scalar, force_n: Scalar) -> Scalar:
         """sp_surface_back: how far the surface comes back in a tick."""
         real = self.stiffest.dtype.type
         pieces, ways = curve_place(np.array([before]), len(self.stiffest))
@@ -66,7 +66,7 @@ class RecoveringSurface:
         return end / real(pieces_of_one(len(self.stiffest)))
 
 
-def surface_of(most_n: Samples, dtype: type[Any]) -> RecoveringSurface:
+def surface_of(most_n: Samples, dtype: RealType) -> RecoveringSurface:
     """Bound the stiffness of each piece, above which a step back could pull.
 
     most_n: the most that the force rises at each node, (J,), N for u from 0 to 1.

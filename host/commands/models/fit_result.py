@@ -2,8 +2,9 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from springpot.codegen.types import JsonObject
 from springpot.host.metrics import Accuracy, accuracy, error_ratios, ratio_rows
 from springpot.host.stiffness import slope_errors, slope_keys, slope_words
 from springpot.host.validation.seen import seen_by, seen_line
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
     from springpot.trainer.models.fit import Fit
 
 
-def training_result(fit: "Fit") -> dict[str, Any]:
+def training_result(fit: "Fit") -> JsonObject:
     """Keys of `train --json` that the fit knows."""
     model = fit.model
     return {
@@ -31,7 +32,7 @@ def training_result(fit: "Fit") -> dict[str, Any]:
 
 def training_rows(
     fit: "Fit",
-    result: dict[str, Any],
+    result: JsonObject,
     out: Path | None = None,
     found: Accuracy | None = None,
     tested: int = 0,
@@ -84,7 +85,7 @@ def training_rows(
     return rows
 
 
-def _score_rows(result: dict[str, Any]) -> dict[str, str]:
+def _score_rows(result: JsonObject) -> dict[str, str]:
     """Held-out errors of the candidates of `auto`."""
     rows = {}
     scores = result.get("scores", ())
@@ -100,7 +101,7 @@ def _score_rows(result: dict[str, Any]) -> dict[str, str]:
     return rows
 
 
-def _law(result: dict[str, Any]) -> str:
+def _law(result: JsonObject) -> str:
     """What the passive model does besides curves, branches and stops."""
     surface = "; a surface that recovers while the tool is away" if result["recovers"] else ""
     sessions = result["sessions"]
@@ -110,7 +111,7 @@ def _law(result: dict[str, Any]) -> str:
 
 def errors(
     fit: "Fit", training: Sequence[Recording], testing: Sequence[Recording], compared_s: float
-) -> tuple[Accuracy, dict[str, Any]]:
+) -> tuple[Accuracy, JsonObject]:
     """The error on `testing`, smoothed over compared_s, and the keys of `--json` on it.
 
     Of the model itself, without a pull at a surface, as its C has none.

@@ -7,6 +7,7 @@ import click
 
 from springpot.codegen.errors import UsageError
 from springpot.codegen.plurals import number_of
+from springpot.codegen.types import JsonObject
 from springpot.host.console.options import NOT_NEGATIVE, PATH, POSITIVE, SEED, FiniteRange
 from springpot.host.console.output import (
     json_option,
@@ -141,7 +142,7 @@ def _require_model_file(out: Path) -> None:
     require_place(out)
 
 
-def _written(fit: "Fit", out: Path) -> dict[str, Any]:
+def _written(fit: "Fit", out: Path) -> JsonObject:
     from springpot.codegen.model.model_file import write_model
 
     out.parent.mkdir(parents=True, exist_ok=True)

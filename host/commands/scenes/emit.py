@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
@@ -100,25 +100,9 @@ def emission_rows(emission: Emission) -> dict[str, str]:
             f"at most {bound['tick']} a tick, {bound['restart']} at a restart, "
             f"{bound['after_silence']} in the first tick after a silence"
         )
-    if forest := emission.manifest.get("forest"):
-        rows["trees"] = _trees(forest, emission)
     for item in left_out:
         rows[f"left out: {item['what']}"] = f"{item['why']}, {item['bytes']} bytes"
     return rows
-
-
-def _trees(forest: dict[str, Any], emission: Emission) -> str:
-    """Their extremes, and what the smallest step of the device may change."""
-    said = f"{forest['min_n']:.3g} to {forest['max_n']:.3g} N for any motion"
-    if forest["step_n"] is None:
-        return f"{said}; too many leaves for a bound of their steps"
-    step_um, step_n = 1e6 * forest["resolution_m"], forest["step_n"]
-    limit_n = emission.manifest["limits"]["slew_nps"] * emission.manifest["dt_s"]
-    against = "above" if step_n > limit_n else "below"
-    return (
-        f"{said}; a step of {step_um:.3g} um adds at most {step_n:.3g} N, {against} the slew limit "
-        f"of {limit_n:.3g} N a tick"
-    )
 
 
 def _stability(emission: Emission) -> str:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import click
 
 from springpot.codegen.errors import UsageError
+from springpot.codegen.types import JsonObject
 from springpot.host.console.options import PATH, POSITIVE
 from springpot.host.console.output import json_option, print_result, progress_console
 from springpot.host.devices.device import RECONNECT_S
@@ -98,7 +99,7 @@ def _hold(session: Session) -> None:
     try:
         with session:
             session.start()
-            watch(session.runner)
+            watch(session)
     except KeyboardInterrupt:
         if not session.line:  # it had not begun; else its line says that, and by whom
             raise
@@ -116,7 +117,7 @@ def _say_above(line: str) -> None:
     progress_console.print(line, highlight=False, markup=False, soft_wrap=True)
 
 
-def _warned(warnings: list[dict[str, Any]]) -> str:
+def _warned(warnings: list[JsonObject]) -> str:
     """Each kind of warning, how often it began and how many ticks it lasted."""
     kinds = dict.fromkeys(item["what"] for item in warnings)
     counts = {what: [item["count"] for item in warnings if item["what"] == what] for what in kinds}
@@ -131,7 +132,7 @@ def ticks_in_words(ticks: int, expected: int) -> str:
     return f"{ticks} of {expected}"
 
 
-def _rows(result: dict[str, Any]) -> dict[str, str]:
+def _rows(result: JsonObject) -> dict[str, str]:
     late, tick = result["lateness_us"], result["tick_us"]
     return {
         "stopped": result["stopped"],

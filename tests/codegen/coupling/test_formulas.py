@@ -7,7 +7,7 @@ import pytest
 from scipy.linalg import expm
 from scipy.signal import cont2discrete
 
-from springpot.codegen.coupling.auto import GAIN_MARGIN, choose_coupling
+from springpot.codegen.coupling.auto import choose_coupling
 from springpot.codegen.coupling.gains import couple_config
 from springpot.codegen.coupling.linear_loop import DESIGN_HAND, HAND_MODELS, LinearLoop
 from springpot.codegen.coupling.loop_device import LoopDevice
@@ -16,17 +16,6 @@ from springpot.codegen.scene import Coupling
 
 OFF = Coupling(mode="off")
 LIGHT_DEVICE = LoopDevice(0.05, 0.5)
-DAMPING_RATIOS = (0.6, 1.0, 1.6)  # that `auto` tries
-
-
-@pytest.mark.parametrize("stiffness_npm", [8e3, 2e4, 5e4])
-def test_a_softened_proxy_keeps_its_damping_ratio(stiffness_npm: float) -> None:
-    """Two digits of stiffness and damping move it by 5 % and half of 5 %, at most."""
-    proxy = choose_coupling(stiffness_npm, 1e-3, LoopDevice(), 1.0, Coupling()).coupling
-    critical_nspm = 2.0 * np.sqrt(proxy.stiffness_npm * proxy.mass_kg)
-    nearest = min(abs(proxy.damping_nspm / critical_nspm / ratio - 1.0) for ratio in DAMPING_RATIOS)
-    assert nearest < 0.075
-    assert 1.0 - np.sqrt(GAIN_MARGIN) > 0.1  # so that another power of the share is seen
 
 
 @pytest.mark.parametrize("device", [LoopDevice(), LIGHT_DEVICE, LoopDevice(delay_samples=2)])

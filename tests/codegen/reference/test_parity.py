@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from codegen.same_bits import require_same_bits
+from support.c.same_bits import require_same_bits
 from support.small import DT_S, press, scene, small_model, training, wandering
 
 from springpot import Recording

@@ -5,8 +5,8 @@ from functools import cache
 
 import numpy as np
 import pytest
-from codegen.same_bits import require_same_bits
 from support.c import golden_forces
+from support.c.same_bits import require_same_bits
 from support.small import DT_S, scene
 
 from springpot.codegen.arrays import Samples

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from codegen.same_bits import require_same_bits
+from support.c.same_bits import require_same_bits
 from support.small import (
     DT_S,
     damage,

@@ -87,15 +87,15 @@ def test_a_device_that_tripped_takes_forces_after_a_reset(folder):
     with peer("serial_device", "--trip-after", 0.4, "--presses-hz", 4) as device:
         with Session(folder, device.url, report=list) as session:
             session.start()
-            wait_until(lambda: session.runner.state.tripped, 5, "no trip")
+            wait_until(lambda: session.state.tripped, 5, "no trip")
             fault_s = device.wait_for("fault")["at_s"]
             wait_until(lambda: time.monotonic() > fault_s + 0.05, 5, "no time")
             session.reset()
-            wait_until(lambda: session.runner.state.resets == 1, 5, "no reset")
-            at = session.runner.state.ticks
-            wait_until(lambda: session.runner.state.ticks > at + 300, 5, "no ticks")
-            assert session.runner.state.watchdog_trips == 1
-            assert not session.runner.state.tripped
+            wait_until(lambda: session.state.resets == 1, 5, "no reset")
+            at = session.state.ticks
+            wait_until(lambda: session.state.ticks > at + 300, 5, "no ticks")
+            assert session.state.watchdog_trips == 1
+            assert not session.state.tripped
         assert len(device.named("reset")) == 1
         device.wait_for("stop")
         assert any(event["was_n"] > 0 for event in device.named("zero"))

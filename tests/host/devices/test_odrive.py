@@ -30,10 +30,10 @@ def test_a_drive_over_slcan(tmp_path, folder, firmware, sign):
         Session(folder, drive.url, log, seconds=1.5, report=list) as session,
     ):
         session.start()
-        wait_until(lambda: session.runner.over, 20, "does not end")
+        wait_until(lambda: session.over, 20, "does not end")
         time.sleep(0.05)
     result = session.result()
-    assert session.runner.scheduler().startswith("C thread")
+    assert session.scheduler().startswith("C thread")
     assert abs(result["ticks"] - 1500) <= 2
     assert result["ring_dropped"] == result["crc_errors"] == 0
     assert result["samples"] > 1400
@@ -53,8 +53,8 @@ def test_a_drive_over_udp_multicast(tmp_path, folder):
         Session(folder, drive.url, log, seconds=1.0, report=list) as session,
     ):
         session.start()
-        wait_until(lambda: session.runner.over, 20, "does not end")
-    assert session.runner.scheduler().startswith("C thread")
+        wait_until(lambda: session.over, 20, "does not end")
+    assert session.scheduler().startswith("C thread")
     assert session.result()["samples"] > 800
     assert validate(folder, [read_recording(log)], paced_s=0.01).mismatches == 0
 

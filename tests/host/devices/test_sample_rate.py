@@ -62,9 +62,9 @@ def test_a_rate_that_falls_in_a_session(folder):
     with peer("serial_device", "--thin-after", 0.4) as device:
         with Session(folder, device.url, report=list) as session:
             session.start()
-            wait_until(lambda: session.runner.over, 20, "does not end")
+            wait_until(lambda: session.over, 20, "does not end")
         assert device.wait_for("stop")["force_n"] == 0
-    assert session.runner.state.reason == Stop.RATE
+    assert session.state.reason == Stop.RATE
     assert "for a fifth of the last 100 periods of 1 ms no sample came" in session.line
     assert "set its firmware to 1000 Hz" in session.line
     assert exit_status(session.error) == 5

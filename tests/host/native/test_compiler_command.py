@@ -98,7 +98,7 @@ def test_the_compiler_of_an_extra_serves_where_there_is_none(
         find_compiler()
     monkeypatch.syspath_prepend(package.parent)
     monkeypatch.setenv("PYTHONPATH", os.pathsep.join(sys.path))
-    assert find_compiler() == (sys.executable, "-m", "ziglang", "cc")
+    assert find_compiler() == (sys.executable, "-P", "-m", "ziglang", "cc")
     emission = emit(scene(), model_file(tmp_path), tmp_path / "c")
     assert emission.footprint is None
     assert "no `size` on PATH" in emission.notices[0]

@@ -29,7 +29,7 @@ def test_a_session_is_ended_while_its_device_is_gone(folder: Path) -> None:
             session.start()
             wait_until(lambda: any("waiting 60 s" in line for line in told), 20, "never gone")
             session.stop()
-        returning = session.runner._supervisor._returning
+        returning = session._supervisor._returning
         returning.join(10)
         assert not returning.is_alive()
     line = "stopped by the user; the device was gone: plug it in and start again"
@@ -93,7 +93,7 @@ def test_a_signal_is_named(folder: Path, tmp_path: Path, number: int, who: str) 
     session = Session(folder, "sim://ecoflex-00-30", tmp_path / "a.h5", report=told.append)
     with pytest.raises(KeyboardInterrupt), stopping_on_sigterm(), session:
         session.start()
-        wait_until(lambda: session.runner.state.ticks > 10, 20, "no tick")
+        wait_until(lambda: session.state.ticks > 10, 20, "no tick")
         os.kill(os.getpid(), number)
         session.wait(20)  # the signal is taken here at the latest
     line = f"interrupted by {who}: zero force was sent"

@@ -180,7 +180,7 @@ def test_a_session_deeper_than_trained_warns_and_its_log_keeps_it(folder, tmp_pa
     with Session(folder, f"replay://{tmp_path}/deep.h5", log, report=list,
                  alarm=lambda *line: said.append(line)) as session:  # fmt: skip
         session.start()
-        wait_until(lambda: session.runner.over, 20, "the session does not end")
+        wait_until(lambda: session.over, 20, "the session does not end")
     warnings = session.result()["warnings"]
     deeper = [item for item in warnings if item["what"] == DEEP]
     read = read_recording(log)

@@ -34,7 +34,7 @@ def test_losses_are_not_felt(tmp_path, device, mode):
         Session(folder, lossy.url, log, seconds=4.0, report=list) as session,
     ):
         session.start()
-        wait_until(lambda: session.runner.over, 20, "does not end")
+        wait_until(lambda: session.over, 20, "does not end")
     assert session.line == "ran for 4 s"
     result, read = session.result(), read_recording(log)
     assert validate(folder, [read], paced_s=0.01).mismatches == 0

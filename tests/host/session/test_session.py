@@ -33,7 +33,7 @@ def folder(folders):
 
 
 def finish(session: Session, seconds: float = 20.0) -> None:
-    wait_until(lambda: session.runner.over, seconds, "the session does not end")
+    wait_until(lambda: session.over, seconds, "the session does not end")
 
 
 def calls(file):
@@ -115,17 +115,17 @@ def test_pause_reset_resume_stop(tmp_path, folder):
     log = tmp_path / "a.h5"
     with Session(folder, "sim://ecoflex-00-30", log, report=list) as session:
         session.start()
-        wait_until(lambda: session.runner.state.ticks > 300, 5, "no ticks")
+        wait_until(lambda: session.state.ticks > 300, 5, "no ticks")
         session.pause()
-        wait_until(lambda: session.runner.state.paused, 5, "not paused")
-        at = session.runner.state.ticks
-        wait_until(lambda: session.runner.state.ticks > at + 100, 5, "no ticks while paused")
+        wait_until(lambda: session.state.paused, 5, "not paused")
+        at = session.state.ticks
+        wait_until(lambda: session.state.ticks > at + 100, 5, "no ticks while paused")
         session.resume()
-        wait_until(lambda: session.runner.state.resets == 1, 5, "no reset after the pause")
+        wait_until(lambda: session.state.resets == 1, 5, "no reset after the pause")
         session.reset()
-        wait_until(lambda: session.runner.state.resets == 2, 5, "no reset")
+        wait_until(lambda: session.state.resets == 2, 5, "no reset")
         session.stop()
-        assert session.runner.over
+        assert session.over
     assert session.line == "stopped by the user"
     read = assert_faithful(folder, log)
     call = calls(log)
@@ -145,7 +145,7 @@ def test_an_exception_ends_it_with_zero_force(tmp_path, folder):
         Session(folder, device.url, log, report=list) as session,
     ):
         session.start()
-        wait_until(lambda: session.runner.state.ticks > 300, 5, "no ticks")
+        wait_until(lambda: session.state.ticks > 300, 5, "no ticks")
         _ = 1 / 0
     assert session.line == "stopped by ZeroDivisionError"
     assert device.wait_for("stop")["force_n"] == 0
@@ -174,10 +174,10 @@ def test_python_stands_still_for_300_ms(tmp_path, folder):
         with Session(folder, device.url, log, seconds=1.5, report=list) as session:
             session.start()
             for _ in range(2):
-                wait_until(lambda: session.runner.state.ticks > 100, 5, "no ticks")
-                before = session.runner.state.ticks
+                wait_until(lambda: session.state.ticks > 100, 5, "no ticks")
+                before = session.state.ticks
                 ctypes.PyDLL(None).usleep(300_000)  # holds the interpreter's lock
-                assert session.runner.state.ticks > before + 290
+                assert session.state.ticks > before + 290
             finish(session)
         stopped_s = device.named("stop")[0]["at_s"]
         assert not [e for e in device.named("tripped") if e["at_s"] < stopped_s]

@@ -108,7 +108,7 @@ def test_no_side_is_felt_after_the_watchdog_until_reset(monkeypatch: pytest.Monk
     called: list[str] = []
     state = SimpleNamespace(latched=False, tripped=False)
     session = SimpleNamespace(
-        runner=SimpleNamespace(state=state, over=False),
+        state=state, over=False,
         pause=lambda: called.append("pause"), resume=lambda: called.append("resume"),
         reset=lambda: (called.append("reset"), setattr(state, "tripped", False)),
     )  # fmt: skip
@@ -120,7 +120,7 @@ def test_no_side_is_felt_after_the_watchdog_until_reset(monkeypatch: pytest.Monk
     types(monkeypatch, "l", "r", "50", "reset", "l", "r", "40", seconds=0.0)
     assert study_session._ask(trial, session) == 40.0
     assert called[2:] == ["reset", "resume", "pause"]
-    session.runner.over = True
+    session.over = True
     types(monkeypatch, "50", seconds=0.0)
     assert study_session._ask(trial, session) is None
 

@@ -106,7 +106,7 @@ def test_a_session_at_a_place_is_logged_with_it_and_repeated_bit_for_bit(
         url = "sim://ecoflex-00-30"
         with Session(folder, url, log, seconds=0.3, place_m=place_m) as session:
             session.start()
-            for _ in session.runner.watch(0.05):
+            for _ in session.watch(0.05):
                 pass
         logs.append(read_recording(log))
     assert [log.place_m for log in logs] == list(PLACES[::2])

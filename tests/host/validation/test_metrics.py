@@ -10,6 +10,7 @@ from support.in_process import spring
 from support.small import press, recording, training
 
 from springpot.host.metrics import accuracy, just_noticeable_n, start_up_ramp
+from springpot.host.validation.compared import bits_differ
 from springpot.trainer.recordings.recording_file import write_recording
 
 
@@ -66,3 +67,22 @@ def test_train_gives_both(tmp_path: Path) -> None:
     assert trained["noise_floor_n"] == pytest.approx(0.02, rel=0.1)
     assert trained["noise_floor"] == f"from 2 repeats of each of {len(training()) + 1} presses"
     assert trained["error_per_floor"] == pytest.approx(trained["rmse_n"] / trained["noise_floor_n"])
+
+
+def test_an_interval_holds_the_mean_in_19_of_20_draws() -> None:
+    """Of many recordings' errors: 1.96 standard errors of their mean to either side."""
+    spread = np.random.default_rng(0).normal(1.0, 0.1, 400)
+    found = accuracy([np.full(2, 4.0)] * 400, [np.full(2, 4.0 + error) for error in spread])
+    assert found.interval_n is not None
+    low, high = found.interval_n
+    expected = 2.0 * 1.96 * spread.std() / np.sqrt(400)
+    assert high - low == pytest.approx(expected, rel=0.1)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64])
+def test_one_bit_is_a_difference(dtype: type[np.float32] | type[np.float64]) -> None:
+    """What "0 ticks differ" stands on."""
+    one = np.array([0.0, 1.0, 3.5], dtype=dtype)
+    assert not bits_differ(one, one.copy()).any()
+    assert bits_differ(one, np.nextafter(one, dtype(9.0))).all()
+    assert bits_differ(one, np.array([-0.0, 1.0, 3.5], dtype=dtype)).sum() == 1

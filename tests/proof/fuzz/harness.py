@@ -20,7 +20,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parents[2]))
 
-READERS = ("model", "text", "mat", "scene")
+READERS = ("text", "mat", "scene")
 
 
 def note_finding(folder: Path, content: bytes, error: BaseException) -> None:

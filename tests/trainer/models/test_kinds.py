@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from codegen.same_bits import require_same_bits
+from support.c.same_bits import require_same_bits
 from support.files.mach1 import mach1_recordings
 from support.small import press, recording, scene, training, wandering
 

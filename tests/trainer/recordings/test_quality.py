@@ -143,7 +143,7 @@ def test_wraps(seed: int) -> None:
 
 def test_cycles_of_a_sine() -> None:
     cycles = find_cycles(sine(hz=2.0, noise_n=0.03))
-    assert cycles.count == 7
+    assert cycles.metadata()["count"] == 7
     assert cycles.frequency_hz == pytest.approx(2.0, rel=1e-3)
     assert cycles.stiffness_npm == pytest.approx(1000.0, rel=1e-2)
     assert cycles.lead_rad == pytest.approx(0.1, abs=2e-3)

@@ -11,8 +11,7 @@ from springpot.trainer.recordings.quality.finding import Finding, refusal, warni
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.sensor import noise_n, quantisation_step
 
-_CLIPPED_RUN = 5  # samples in a row exactly at the extreme
-_CLIPPED_MOVE = 0.05  # of the other channel's range, meanwhile
+_CLIPPED_RUN, _CLIPPED_MOVE = 5, 0.05  # samples at the extreme; of the other channel's range
 _AVERAGED_SHARE = 8  # of such a row, one part is averaged
 _NOISES = 6.0  # of that mean
 _HELD_S = 0.02

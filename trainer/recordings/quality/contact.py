@@ -10,8 +10,7 @@ from springpot.trainer.recordings.contact_point import ContactPoint, find_contac
 from springpot.trainer.recordings.quality.finding import Finding, warning
 from springpot.trainer.recordings.recording import Recording
 
-_SURFACE_OFF = 0.05  # of the travel
-_TARE = 0.02  # of the peak force
+_SURFACE_OFF, _TARE = 0.05, 0.02  # of the travel; of the peak force
 
 Met = tuple[Recording, ContactPoint]
 

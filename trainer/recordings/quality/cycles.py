@@ -9,11 +9,11 @@ factor of four in frequency, the two look alike and nothing is estimated.
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 
 from springpot.codegen.arrays import Samples
+from springpot.codegen.types import JsonObject
 from springpot.trainer.recordings.motion import turning_points
 from springpot.trainer.recordings.quality.finding import Finding, warning
 from springpot.trainer.recordings.recording import Recording
@@ -45,14 +45,10 @@ class Cycles:
     lead_rad: float
     starts: Samples
 
-    @property
-    def count(self) -> int:
-        return len(self.starts) - 1
-
-    def metadata(self) -> dict[str, Any]:
+    def metadata(self) -> JsonObject:
         """JSON values."""
-        keys = ("frequency_hz", "count", "amplitude_m", "stiffness_npm")
-        return {key: getattr(self, key) for key in keys}
+        keys = ("frequency_hz", "amplitude_m", "stiffness_npm")
+        return {key: getattr(self, key) for key in keys} | {"count": len(self.starts) - 1}
 
 
 def find_cycles(recording: Recording) -> Cycles | None:

@@ -1,7 +1,4 @@
-"""The noise floor: the error that is left to a model that knows all but the noise.
-
-It is what repeats of one press differ by: recordings of one motion, or the cycles within one.
-"""
+"""The noise floor, the error left to a model that knows all: what repeats of one press differ by."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -3,10 +3,10 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 from springpot.codegen.errors import DataError
 from springpot.codegen.progress import counted
+from springpot.codegen.types import JsonObject
 from springpot.trainer.recordings.quality.channels import channel_findings
 from springpot.trainer.recordings.quality.contact import contact_findings
 from springpot.trainer.recordings.quality.cycles import (
@@ -46,13 +46,13 @@ class QualityReport:
         return f"QualityReport({len(self.checked)} recordings, findings: {kinds})"
 
     @cached_property
-    def recordings(self) -> list[dict[str, Any]]:
+    def recordings(self) -> list[JsonObject]:
         """Figures of each recording."""
         each = zip(self.checked, self.cycles, self.signs, strict=True)
         return [_figures(*own, self.skew) for own in each]
 
     @cached_property
-    def figures(self) -> dict[str, Any]:
+    def figures(self) -> JsonObject:
         """Figures of the set."""
         floor = find_noise_floor(self.checked, self.cycles)
         return {
@@ -75,7 +75,7 @@ class QualityReport:
         """Whether some finding says that no model can be made of this."""
         return _refused(self.findings)
 
-    def as_dict(self) -> dict[str, Any]:
+    def as_dict(self) -> JsonObject:
         """Keys of `check --json`."""
         findings = [finding.metadata() for finding in self.findings]
         lists = {"findings": findings, "recordings": self.recordings}
@@ -119,7 +119,7 @@ def _refused(findings: Sequence[Finding]) -> bool:
 
 def _figures(
     recording: Recording, cycles: Cycles | None, signs: Signs, skew: Skew | None
-) -> dict[str, Any]:
+) -> JsonObject:
     position_m, force_n = recording.position_m, recording.force_n
     place = {"place_m": list(recording.place_m)} if recording.place_m else {}
     return place | {

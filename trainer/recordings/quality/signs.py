@@ -8,8 +8,8 @@ of an object is pressed. One sign turned round makes an object that gives energy
 import shlex
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
+from springpot.codegen.types import JsonObject
 from springpot.trainer.recordings.formats.units import parts_of
 from springpot.trainer.recordings.quality.finding import Finding, refusal, three_digits, warning
 from springpot.trainer.recordings.quality.sign_evidence import (
@@ -58,12 +58,14 @@ class Signs:
         unknown = f"if {text} (these data do not say which way is in)"
         return f"{text if self.evidence else unknown}: {_loss(self.lost)}"
 
-    def metadata(self) -> dict[str, Any]:
+    def metadata(self) -> JsonObject:
         """JSON values; signs are those to multiply by."""
-        keys = ("position_sign", "force_sign", "evidence", "words")
-        energy_j = self.lost.energy_j if self.lost.loops else None
-        loops = {"dissipated_j": energy_j, "loops": self.lost.loops}
-        return {key: getattr(self, key) for key in keys} | loops
+        return {
+            **{key: getattr(self, key) for key in ("position_sign", "force_sign", "evidence")},
+            "dissipated_j": self.lost.energy_j if self.lost.loops else None,
+            "loops": self.lost.loops,
+            "words": self.words,
+        }
 
     @staticmethod
     def of_all(signs: Sequence["Signs"]) -> "Signs":

@@ -33,10 +33,7 @@ def hold_spikes(recording: Recording) -> tuple[Recording, list[Finding]]:
     """
     name = recording.name
     if known := recording.details.get(HELD):
-        replaced = (
-            "replaced from the samples beside",
-            "if the tool did so, record at a higher rate",
-        )
+        replaced = ("replaced from those beside", "if the tool did so, record at a higher rate")
         return recording, [warning("outlier", name, what, *replaced) for what in known]
     position_m, force_n = recording.position_m, recording.force_n
     at_m = _position_spikes(position_m, force_n)

@@ -69,10 +69,7 @@ def glance(recording: Recording) -> Glance:
 
 
 def unit_findings(recording: Recording) -> Iterator[Finding]:
-    """Refuse a unit that the importer read off a header; warn of one that a person stated.
-
-    Units that are possible each by itself, and seldom together, are warned of.
-    """
+    """Refuse a unit that was read off a header; warn of one that was stated, and of odd ratios."""
     found, stored = glance(recording), recording.details.get("units", {})
     singles = (
         (found.stroke_m, _TRAVEL_M, "m of travel", "position"),

@@ -1,0 +1,59 @@
+"""Groups of commands that are imported when they are used."""
+
+import difflib
+import importlib
+from collections.abc import Mapping
+from typing import Any
+
+import click
+
+
+class CommandGroup(click.Group):
+    """A group of commands, each "module:function" by its name."""
+
+    def __init__(self, *args: Any, table: Mapping[str, str], **options: Any) -> None:
+        super().__init__(*args, **options)
+        self._table = table
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(self._table)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        module, _, name = self._table.get(cmd_name, "").partition(":")
+        command = getattr(importlib.import_module(module), name) if module else None
+        assert command is None or isinstance(command, click.Command)
+        return command
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        """Resolve as click does; refuse empty words, and name the nearest of an unknown command."""
+        if not ctx.resilient_parsing:
+            _refuse_empty(ctx, args)
+        near = difflib.get_close_matches(args[0], self._table, 1)
+        if near and args[0] not in self._table and not ctx.resilient_parsing:
+            ctx.fail(f"No such command {args[0]!r} (did you mean {near[0]}?)")
+        return super().resolve_command(ctx, args)
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """List the commands as click does, each with the whole first line of its help."""
+        named = {name: self.get_command(ctx, name) for name in self._table}
+        with formatter.section("Commands"):
+            formatter.write_dl(
+                [(name, one.get_short_help_str(100)) for name, one in named.items() if one]
+            )
+
+
+def _refuse_empty(ctx: click.Context, args: list[str]) -> None:
+    """Fail where a word is empty: no command means anything by it, and "" as a path is ".".
+
+    A shell variable that is not set makes one, as in `springpot import "$FOLDER"`.
+    """
+    for number, word in enumerate(args):
+        option, equals, value = word.partition("=") if word.startswith("--") else ("", "", word)
+        if value or (option and not equals):
+            continue
+        if not option:
+            before = args[number - 1] if number else ""
+            option = before if before.startswith("--") else f"argument {number}"
+        ctx.fail(f"{args[0]}: {option} is empty (a variable that is not set?): give a value")

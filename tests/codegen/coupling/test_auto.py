@@ -1,0 +1,157 @@
+"""What `auto` chooses: the stiffer, the better the loop; near the best; quiet with an encoder.
+
+A grid of damping ratios once had no stable proxy for stiff objects and light devices: it took
+whichever had the smallest radius, and more rate or less delay made an object softer by 15 times.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.linalg import expm
+
+from springpot.codegen.coupling.auto import (
+    DAMPING_LEFT,
+    STIFFNESS_MARGIN_PROXY,
+    CouplingChoice,
+    choose_coupling,
+)
+from springpot.codegen.coupling.gains import is_unit_error
+from springpot.codegen.coupling.linear_loop import HAND_MODELS, Hand, LinearLoop
+from springpot.codegen.coupling.loop_device import LoopDevice
+from springpot.codegen.scene import Coupling
+from springpot.codegen.stages.tool_velocity import TIME_S
+
+STEP_M = 10e-6  # of an encoder
+QUIET_MPS = 1.2e-3
+
+
+def drawn(rng: np.random.Generator) -> tuple[float, float, LoopDevice]:
+    """Stiffness, N/m, rate, Hz, and device of a random loop."""
+    device = LoopDevice(
+        10.0 ** rng.uniform(-1.5, -0.3), 10.0 ** rng.uniform(-0.5, 0.9),
+        delay_samples=int(rng.integers(0, 3)),
+    )  # fmt: skip
+    return 10.0 ** rng.uniform(2.5, 4.7), 10.0 ** rng.uniform(2.0, 3.9), device
+
+
+def chosen(stiffness_npm: float, rate_hz: float, device: LoopDevice) -> CouplingChoice:
+    return choose_coupling(stiffness_npm, 1.0 / rate_hz, device, 1.0, Coupling())
+
+
+@pytest.mark.parametrize(
+    "seed", [*range(12), *(pytest.param(k, marks=pytest.mark.slow) for k in range(12, 500))]
+)
+def test_a_better_loop_is_never_felt_softer(seed: int) -> None:
+    """More rate, mass or damping, or less delay: 5 % is what rounding and the search's steps do."""
+    rng = np.random.default_rng(seed)
+    stiffness_npm, rate_hz, device = drawn(rng)
+    more = rng.uniform(1.05, 2.0)
+    felt_npm = chosen(stiffness_npm, rate_hz, device).felt_npm
+    better = [
+        (more * rate_hz, device),
+        (rate_hz, replace(device, mass_kg=more * device.mass_kg)),
+        (rate_hz, replace(device, viscous_nspm=more * device.viscous_nspm)),
+        (rate_hz, device.later(-1) if device.delay_samples else device),
+    ]
+    for faster_hz, other in better:
+        assert chosen(stiffness_npm, faster_hz, other).felt_npm >= 0.95 * felt_npm
+
+
+def held_proxies() -> list[tuple[float, float, LoopDevice, CouplingChoice]]:
+    """Random loops that hold a proxy with every hand."""
+    rng, found = np.random.default_rng(0), []
+    while len(found) < 12:
+        loop = drawn(rng)
+        choice = chosen(*loop)
+        if choice.coupling.mode == "proxy" and choice.every_hand:
+            found.append((*loop, choice))
+    return found
+
+
+PROXIES = held_proxies()
+
+
+def holds(stiffness_npm: float, rate_hz: float, device: LoopDevice, proxy: Coupling) -> bool:
+    """Whether a quarter of the damping is left with every hand and softer object."""
+    loads_npm = stiffness_npm * STIFFNESS_MARGIN_PROXY * np.geomspace(0.01, 1.0, 8)
+    for hand in HAND_MODELS:
+        for more in (0, 1):
+            loop = LinearLoop(1.0 / rate_hz, proxy, hand, device.later(more))
+            decay_per_s = DAMPING_LEFT * (hand.damping_nspm + device.viscous_nspm) / 2.0
+            decay_per_s /= hand.mass_kg + device.mass_kg
+            if loop.swing_radius(loads_npm).max() > np.exp(-decay_per_s / rate_hz):
+                return False
+    return True
+
+
+@pytest.mark.parametrize(
+    "case",
+    [case for case in PROXIES if 1.3 * case[3].felt_npm < case[0]],
+    ids=lambda case: f"{case[0]:.0f} {case[1]:.0f}",
+)
+def test_none_of_a_fine_search_is_felt_stiffer_by_more_than_a_quarter(
+    case: tuple[float, float, LoopDevice, CouplingChoice],
+) -> None:
+    stiffness_npm, rate_hz, device, choice = case
+    proxy, felt_npm = choice.coupling, 1.25 * choice.felt_npm
+    stiffer = replace(
+        proxy, stiffness_npm=1.01 * felt_npm * stiffness_npm / (stiffness_npm - felt_npm)
+    )
+    for mass_kg in np.geomspace(0.003, 0.2, 8):
+        for damping_nspm in proxy.damping_nspm * np.geomspace(0.2, 5.0, 40):
+            other = replace(stiffer, mass_kg=float(mass_kg), damping_nspm=float(damping_nspm))
+            assert not holds(stiffness_npm, rate_hz, device, other)
+
+
+@pytest.mark.parametrize("case", PROXIES, ids=lambda case: f"{case[0]:.0f} {case[1]:.0f}")
+def test_a_choice_is_quiet_with_an_encoder_and_can_be_stated(
+    case: tuple[float, float, LoopDevice, CouplingChoice],
+) -> None:
+    stiffness_npm, rate_hz, device, choice = case
+    assert not is_unit_error(choice.coupling)
+    assert holds(stiffness_npm, rate_hz, device, choice.coupling)
+    for hand in HAND_MODELS:
+        for more in (0, 1):
+            speed_mps = held_speed_mps(
+                stiffness_npm, rate_hz, device.later(more), choice.coupling, hand
+            )
+            assert speed_mps < QUIET_MPS
+
+
+def held_speed_mps(
+    stiffness_npm: float, rate_hz: float, device: LoopDevice, proxy: Coupling, hand: Hand
+) -> float:
+    """RMS speed, m/s, long after a knock: a spring on one side, position in steps, own formulas."""
+    dt_s = 1.0 / rate_hz
+    mass_kg = hand.mass_kg + device.mass_kg
+    damping_nspm = hand.damping_nspm + device.viscous_nspm
+    moves = expm(
+        dt_s * np.array([[0.0, 1.0, 0.0],
+                         [-hand.stiffness_npm / mass_kg, -damping_nspm / mass_kg, -1.0 / mass_kg],
+                         [0.0, 0.0, 0.0]])
+    )[:2]  # fmt: skip
+    k, b, m = proxy.stiffness_npm, proxy.damping_nspm, proxy.mass_kg
+    follows = expm(dt_s * np.array([[0.0, 1.0], [-k / m, -b / m]]))
+    at_m, felt_npm = 3e-3, k * stiffness_npm / (k + stiffness_npm)
+    force_n = felt_npm * at_m
+    meant_m = at_m + force_n / hand.stiffness_npm
+    x, v, proxy_m, proxy_mps, seen_mps = at_m, 0.05, force_n / stiffness_npm, 0.0, 0.0
+    before_m, queue, speeds = STEP_M * round(x / STEP_M), [force_n] * device.delay_samples, []
+    decay_s = 2.0 * mass_kg / (DAMPING_LEFT * damping_nspm)
+    ticks = round(15.0 * decay_s * rate_hz)
+    for tick in range(ticks):
+        seen_m = STEP_M * round(x / STEP_M)
+        seen_mps += dt_s / (dt_s + TIME_S) * ((seen_m - before_m) / dt_s - seen_mps)
+        before_m = seen_m
+        rest_m = -stiffness_npm * max(proxy_m, 0.0) / k
+        apart_m, apart_mps = proxy_m - seen_m, proxy_mps - seen_mps
+        queue.append(-k * apart_m - b * apart_mps)
+        moved = follows @ [apart_m - rest_m, apart_mps]
+        proxy_m = seen_m + dt_s * seen_mps + rest_m + moved[0]
+        proxy_mps = seen_mps + moved[1]
+        x, v = moves @ [x - meant_m, v, queue.pop(0)]
+        x += meant_m
+        if tick > 0.9 * ticks:
+            speeds.append(v)
+    return float(np.std(speeds))

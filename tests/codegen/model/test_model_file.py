@@ -1,0 +1,125 @@
+"""Model files: what is written is read, and whatever else stands there is refused in one line."""
+
+import hashlib
+import io
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from support.c import golden_forces
+from support.messages import refusing
+
+from springpot.codegen.errors import DataError
+from springpot.codegen.model.model import Model
+from springpot.codegen.model.model_file import model_bytes, model_hash, read_model
+
+KIND = "rf-fd"
+
+
+def read(folder: Path, content: bytes) -> Model:
+    path = folder / "x.spm"
+    path.write_bytes(content)
+    return read_model(path)
+
+
+def refused(folder: Path, content: bytes) -> str:
+    with pytest.raises(DataError) as error:
+        read(folder, content)
+    line = str(error.value)
+    assert line.isprintable()
+    assert line.startswith(f"{folder / 'x.spm'}: ")
+    return line
+
+
+@pytest.mark.parametrize("name", golden_forces.models())
+def test_what_is_written_is_read(name: str, tmp_path: Path) -> None:
+    model = golden_forces.model(name)
+    found = read(tmp_path, model_bytes(model))
+    assert model_hash(found) == model_hash(model)
+    assert (found.provenance, found.trained) == (model.provenance, model.trained)
+
+
+def test_flips_and_cuts_are_refused(tmp_path: Path) -> None:
+    content = model_bytes(golden_forces.model(KIND))
+    for place in [*range(120), *np.linspace(120, len(content) - 1, 60).astype(int)]:
+        flipped = bytes([content[place] ^ 0x10])
+        refused(tmp_path, content[:place] + flipped + content[place + 1 :])
+        refused(tmp_path, content[:place])
+    refused(tmp_path, content + b"x")
+
+
+def test_another_schema_is_named(tmp_path: Path) -> None:
+    content = model_bytes(golden_forces.model(KIND)).replace(b"model 5 ", b"model 6 ", 1)
+    assert "model schema 6, this springpot reads 5" in refused(tmp_path, content)
+
+
+@pytest.mark.parametrize(
+    "changes",
+    [
+        {"regressor": {"part": "os"}},
+        {"regressor": {"part": "Forest"}},
+        {"regressor": {"array": "none"}},
+        {"trained": {"part": "TrainedRange", "colour": 1}},
+        {"dt_s": "x"},
+        {"features": [1, 2]},
+        {"part": "Lags"},
+    ],
+)
+def test_a_header_of_another_program_is_refused(tmp_path: Path, changes: dict[str, object]) -> None:
+    body = model_bytes(golden_forces.model(KIND)).partition(b"\n")[2]
+    with np.load(io.BytesIO(body)) as stored:
+        arrays = {name: stored[name] for name in stored.files}
+    header = json.loads(arrays["header"].tobytes()) | changes
+    arrays["header"] = np.frombuffer(json.dumps(header).encode(), np.uint8)
+    memory = io.BytesIO()
+    np.savez(memory, allow_pickle=False, **arrays)
+    body = memory.getvalue()
+    refused(tmp_path, b"springpot-model 5 %s\n" % hashlib.sha256(body).hexdigest().encode() + body)
+
+
+@pytest.mark.parametrize(
+    ("name", "part", "changes", "reason"),
+    [
+        ("rf-fd", "features", None, "features, regressor: "),
+        ("rf-fd", "trained", {"min_m": 1.0}, "trained.min_m: "),
+        ("rf-fd", "features", {"orders": (0.5, 1.001)}, "features.orders: "),
+        ("rf-fd", "features", {"taps": np.ones((0, 2))}, "features.taps: shape"),
+        ("rf-fd", "regressor", {"weight": 0.0}, "regressor.weight: "),
+        ("rf-fd", "regressor", {"bias_n": 1.0, "value_n": np.ones(2)}, "regressor.value_n: "),
+        ("rf-fd", "regressor", {"roots": np.zeros(2, np.int32)}, "regressor.left, right: node 0"),
+        ("rf-fd", "regressor", {"roots": np.full(1, 10**6, np.int32)}, "regressor.roots: "),
+        ("rbf-fd", "regressor", {"weights_n": np.array([np.nan])}, "not finite"),
+        ("rbf-fd", "regressor", {"tail_n": np.ones(1)}, "regressor.tail_n: shape"),
+        ("hammerstein", "hammerstein", {"span_m": 0.0}, "hammerstein.span_m: "),
+        ("hammerstein", "hammerstein", {"tau_s": np.array([-1.0])}, "hammerstein."),
+        ("hammerstein", "hammerstein", {"elastic_n": np.full(1, -1.0)}, "hammerstein."),
+        ("hammerstein", "hammerstein", {"rate_ratio": 1e5}, "hammerstein.rate_ratio: "),
+        ("hammerstein", "hammerstein", {"n_by_depth": -1}, "hammerstein.n_by_depth: "),
+    ],
+)
+def test_no_model_is_written_that_c_could_not_render(
+    name: str, part: str, changes: dict[str, object] | None, reason: str
+) -> None:
+    model = golden_forces.model(name)
+    value = None if changes is None else replace(getattr(model, part), **changes)
+    with refusing(DataError, reason):
+        model_bytes(replace(model, **{part: value}))
+
+
+def test_a_passive_model_with_a_negative_slope_is_not_written() -> None:
+    model = golden_forces.model("hammerstein")
+    assert model.hammerstein
+    for name in ("elastic_n", "branch_n", "stop_n"):
+        slopes = getattr(model.hammerstein, name).copy()
+        if slopes.size:
+            slopes.flat[-1] = -1e-9
+            passive = replace(model.hammerstein, **{name: slopes})
+            with refusing(DataError, f"{name}: negative"):
+                model_bytes(replace(model, hammerstein=passive))
+
+
+def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
+    with refusing(DataError, "none.spm: cannot be read (No such file or directory)"):
+        read_model(tmp_path / "none.spm")

@@ -1,0 +1,155 @@
+"""Each protection against its own absence: what it is for, and that it does nothing else.
+
+| protection | without it |
+| --- | --- |
+| slew | a position that is wrong by less than a jump changes the force at once |
+| jump | a sample that is far off is rendered |
+| watchdog | the last force stays when no more samples come |
+| onset | a force that does not begin at 0 is felt as a step at the surface |
+| fade (outside = "zero") | the force ends at once beyond the trained depth |
+
+Without losses, a tool that rests, with any noise of its encoder, or vibrates, at any rate, gets no
+rougher force and no more energy with a protection than without: an account of energy once cut the
+force of a resting hand.
+"""
+
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from support.c import golden_forces
+from support.small import passive_model, scene
+
+from springpot.codegen.arrays import Samples
+from springpot.codegen.model.model import Model
+from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.plan.plan import Plan
+from springpot.codegen.reference.notes import HELD, LATCHED
+from springpot.codegen.scene import Guard, Runtime
+from springpot.host.native.replay import Replay
+from springpot.host.native.trial_build import built
+
+NEVER = 1e9
+WITHOUT: dict[str, Callable[[Plan], Plan]] = {
+    "slew": lambda plan: replace(plan, output=replace(plan.output, slew_n=plan.dtype(NEVER))),
+    "jump": lambda plan: replace(plan, guard=replace(plan.guard, jump_m=plan.dtype(NEVER))),
+    "watchdog": lambda plan: replace(
+        plan, silence=replace(plan.silence, watchdog_s=plan.dtype(NEVER))
+    ),
+    "onset": lambda plan: replace(plan, per_onset=plan.dtype(NEVER)),
+    "fade": lambda plan: replace(plan, per_fade=None if plan.per_fade is None else
+                                 plan.dtype(NEVER)),
+}  # fmt: skip
+OUTSIDE_ZERO = replace(scene(), guard=Guard(outside="zero"))
+Forces = dict[str, Callable[[Samples], tuple[Samples, Samples]]]
+
+
+@pytest.fixture(scope="module")
+def stack() -> Iterator[ExitStack]:
+    with ExitStack() as stack:
+        yield stack
+
+
+def rendered(stack: ExitStack, plan: Plan, names: tuple[str, ...]) -> Forces:
+    """Forces, N, and notes along positions: of the plan (""), and without each protection."""
+
+    def along(replay: Replay) -> Callable[[Samples], tuple[Samples, Samples]]:
+        def forces(position_m: Samples) -> tuple[Samples, Samples]:
+            position = position_m.astype(plan.dtype)
+            force, notes = replay.run(position, np.zeros_like(position))
+            return force.astype(np.float64), notes
+
+        return forces
+
+    plans = {"": plan} | {name: WITHOUT[name](plan) for name in names}
+    return {name: along(Replay(stack.enter_context(built(one)))) for name, one in plans.items()}
+
+
+def rising(depth_m: float, n: int, dt_s: float) -> Samples:
+    """Half a second down to a depth, then there, (n,), m."""
+    return depth_m * (1.0 - np.cos(np.pi * np.minimum(np.arange(n) * dt_s / 0.5, 1.0))) / 2.0
+
+
+def roughness(position_m: Samples, force_n: Samples) -> tuple[float, float, float]:
+    """Ripple, N; largest step, N; energy given to the hand, J; once it has settled."""
+    x, f = position_m[len(position_m) // 4 :], force_n[len(force_n) // 4 :]
+    return float(f.std()), float(np.abs(np.diff(f)).max()), float(-np.sum(f[:-1] * np.diff(x)))
+
+
+@pytest.mark.parametrize("rate_hz", [100.0, 1000.0, 3000.0, 8000.0])
+def test_no_protection_roughens_a_rest_or_a_vibration(rate_hz: float, stack: ExitStack) -> None:
+    """Noise of up to 5 steps of an encoder of 10 or 50 um, whatever the scene states."""
+    model = golden_forces.model("hammerstein")
+    plan = make_plan(model, replace(OUTSIDE_ZERO, runtime=Runtime(rate_hz=rate_hz)))
+    forces = rendered(stack, plan, tuple(WITHOUT))
+    rng, depth_m, n = np.random.default_rng(0), model.trained.max_m, round(8 * rate_hz)
+    for share in (0.03, 0.5, 0.97):
+        at_m = rising(share * depth_m, n, plan.dt_s)
+        motions = [
+            at_m + step_m * rng.integers(-steps, steps, n, endpoint=True)
+            for step_m in (10e-6, 50e-6) for steps in (0, 1, 5)
+        ]  # fmt: skip
+        for frequency_hz in rng.uniform(1.0, rate_hz / 2.0, 6):
+            swing = np.sin(2.0 * np.pi * frequency_hz * np.arange(n) * plan.dt_s)
+            motions += [at_m + amplitude_m * swing for amplitude_m in (20e-6, 100e-6)]
+        for position_m in motions:
+            force_n, notes = forces[""](position_m)
+            assert not (notes[n // 4 :] & (HELD | LATCHED)).any()
+            for name in WITHOUT:
+                other_n, _ = forces[name](position_m)
+                for has, may in zip(
+                    roughness(position_m, force_n), roughness(position_m, other_n), strict=True
+                ):
+                    assert has <= may + 0.02 * abs(may) + 1e-9, name
+
+
+def most_in_a_tick(forces: Forces, name: str, position_m: Samples) -> float:
+    return float(np.abs(np.diff(forces[name](position_m)[0])).max())
+
+
+@pytest.mark.parametrize(
+    ("name", "model", "wrong_m"),
+    [("slew", passive_model, 0.9e-3), ("jump", passive_model, 5e-3)],
+)
+def test_a_wrong_sample_is_felt_without_it(
+    name: str, model: Callable[[], Model], wrong_m: float, stack: ExitStack
+) -> None:
+    """A spring ten times stiffer than the object of the recordings shows what a sample can do."""
+    plan = make_plan(model().stiffened(16.0), scene(), accept_unsafe=True)
+    forces = rendered(stack, plan, (name,))
+    position_m = rising(0.3 * plan.model.trained.max_m, 1000, plan.dt_s)
+    position_m[900] += wrong_m
+    slew_n = float(plan.output.slew_n)
+    # The force falls at once, but never grows faster than the slew.
+    growth = {one: float(np.diff(forces[one](position_m)[0]).max()) for one in ("", name)}
+    assert growth[""] <= 1.001 * slew_n
+    assert growth[name] > (1.5 * slew_n if name == "slew" else 2.0 * growth[""])
+
+
+def test_the_last_force_stays_without_a_watchdog(stack: ExitStack) -> None:
+    plan = make_plan(passive_model(), scene())
+    forces = rendered(stack, plan, ("watchdog",))
+    position_m = rising(0.6 * plan.model.trained.max_m, 1000, plan.dt_s)
+    position_m[700:] = np.nan
+    assert forces[""](position_m)[0][-1] == 0.0
+    assert forces["watchdog"](position_m)[0][-1] > 1.0
+
+
+def test_a_force_that_does_not_begin_at_zero_is_a_step_without_an_onset(stack: ExitStack) -> None:
+    """As of recordings with a dead load, or a surface that was found too deep."""
+    model = passive_model()
+    assert model.hammerstein is not None
+    loaded = replace(model, hammerstein=replace(model.hammerstein, bias_n=1.0))
+    forces = rendered(stack, make_plan(loaded, scene()), ("onset",))
+    position_m = np.linspace(-1e-4, 1.5e-4, 2000)
+    assert most_in_a_tick(forces, "onset", position_m) > 0.9
+    assert most_in_a_tick(forces, "", position_m) < 0.01
+
+
+def test_the_force_ends_at_once_without_a_fade(stack: ExitStack) -> None:
+    plan = make_plan(passive_model(), OUTSIDE_ZERO)
+    forces = rendered(stack, plan, ("fade",))
+    position_m = rising(1.2 * plan.model.trained.max_m, 2000, plan.dt_s)
+    assert most_in_a_tick(forces, "fade", position_m) > 5.0 * most_in_a_tick(forces, "", position_m)
