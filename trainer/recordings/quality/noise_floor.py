@@ -1,4 +1,4 @@
-"""The noise floor, the error left to a model that knows all: what repeats of one press differ by."""
+"""The noise floor, the error left to a model that knows all: what repeats of a press differ by."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
