@@ -115,7 +115,7 @@ def sign_findings(recording: Recording, signs: Signs) -> Iterator[Finding]:
         yield warning(
             "tear", recording.name,
             f"force falls from {peak_n:.3g} N at {at_s:.4g} s while the tool goes on",
-            "the object tears or yields there, and no model does", "cut the recording before it",
+            "the object tears or yields there, and no model does", "cut the recording there",
         )  # fmt: skip
 
 

@@ -92,7 +92,7 @@ def unit_findings(recording: Recording) -> Iterator[Finding]:
                 form = "{}='COL:{}'" if origin["from"] == FRAME_NAME else "--map {}=COL:{}"
                 other = form.format(channels, f"{0.001 if smaller else 1000}{origin['unit']}")
                 right = form.format(channels, origin["unit"])
-                make, to_do = refusal, f"state what its numbers count, such as {other}, or {right}"
+                make, to_do = refusal, f"state it, {other} if the header is wrong, {right} if not"
             yield make("unit", recording.name, f"{value:.4g} {what}", doubt, to_do)
 
 
