@@ -1,6 +1,6 @@
 """The table of model kinds, and how each is fitted. Nothing heavy loads before a fit."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from importlib import import_module
 from typing import TYPE_CHECKING
@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from springpot.trainer.models.training_set import TrainingSet
     from springpot.trainer.recordings.recording import Recording
 
+_POOR = 0.15  # of the largest force, by cross-validation
 WINDOWS = 3  # a recording shorter than this many windows shows too little of what they remember
 
 
@@ -114,21 +115,21 @@ def _kind_of_places(kind: str, recordings: "Sequence[Recording]") -> str:
 def _default_smoothing(
     recordings: "Sequence[Recording]", options: "FitOptions"
 ) -> "tuple[FitOptions, list[str]]":
-    """Shorten the default smoothing where recordings are too short for it; say so.
+    """Shorten the default smoothing where it would take more than noise; say so.
 
     Another time is one that a person chose: `training_set` refuses it.
     """
-    from springpot.trainer.models.training_set import MAX_SMOOTHED
+    from springpot.trainer.recordings.smoothing import longest_smoothing_s
 
-    shortest = min(recordings, key=lambda recording: recording.duration_s, default=None)
-    if shortest is None or options.smooth_s != PAPER_SMOOTH_S:
+    if not recordings or options.smooth_s != PAPER_SMOOTH_S:
         return options, []
-    most_s = MAX_SMOOTHED * shortest.duration_s
+    most_s = longest_smoothing_s(recordings, PAPER_SMOOTH_S)
     if options.smooth_s <= most_s:
         return options, []
+    over = f"over {most_s:.3g} s" if most_s else "not at all"
     line = (
-        f"{shortest.name} lasts {shortest.duration_s:.3g} s: recordings are smoothed over "
-        f"{most_s:.3g} s, a quarter of that, and not over {PAPER_SMOOTH_S:g} s"
+        f"recordings are smoothed {over}: {PAPER_SMOOTH_S:g} s would be more than a quarter of the "
+        "shortest one, or flatten a peak of the force by more than 3 %"
     )
     return replace(options, smooth_s=most_s), [line]
 
@@ -154,8 +155,23 @@ def fit_kind(
             fit = _loaded(_AUTO_FIT)(name, data, options, validation)
         else:
             fit = _fitted(kind, name, data, options, validation)
-    warnings = dict.fromkeys((*data.warnings, *fit.warnings, *_short_recordings(data, options)))
+    warnings = dict.fromkeys(
+        (*data.warnings, *fit.warnings, *_short_recordings(data, options), *_poor_fit(fit, data))
+    )
     return replace(fit, warnings=tuple(warnings))
+
+
+def _poor_fit(fit: "Fit", data: "TrainingSet") -> Iterator[str]:
+    """Warn of a passive model that misses presses that it was not fitted on."""
+    error_n = fit.metadata.get("cv_rmse_n")
+    peak_n = max(abs(data.trained.max_n), abs(data.trained.min_n))
+    if error_n is not None and error_n > _POOR * peak_n:
+        yield (
+            f"{fit.model.name}: presses that were held out are missed by "
+            f"{100.0 * error_n / peak_n:.0f} % of the largest force: the passive model cannot "
+            "follow this object, or the recordings are not of one: see `springpot check`, or try "
+            "--model rf-fd"
+        )
 
 
 def _fitted(

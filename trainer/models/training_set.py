@@ -19,14 +19,13 @@ from springpot.trainer.models.contact import contact_of, depth_m, surface_warnin
 from springpot.trainer.models.motion import DepthMotion, motions
 from springpot.trainer.recordings.formats.sampling import MAX_UPSAMPLING
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.smoothing import smoothed
+from springpot.trainer.recordings.smoothing import MAX_SMOOTHED, smoothed
 
 PAPER_FRACTION = 0.2  # of the rows, section IV-B
 ALL_BELOW = 20_000
 MAX_ROWS = 50_000
 _UNIT = 1e4  # times another rate: of time in another unit, or of a rate given as a time step
 _STEP_TOLERANCE = 1e-3
-MAX_SMOOTHED = 0.25  # of the shortest recording
 _Result = TypeVar("_Result")
 
 

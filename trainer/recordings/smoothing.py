@@ -1,6 +1,7 @@
 """Offline smoothing of recordings: the paper's zero-phase moving average (section III-C)."""
 
 import dataclasses
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,6 +9,11 @@ from numpy.typing import NDArray
 from springpot.trainer.recordings.recording import Recording
 
 _MIN_SAMPLES = 3
+MAX_SMOOTHED = 0.25  # of the shortest recording
+_FLATTENED = 0.03  # of a peak: an impact of 30 ms once lost half of its own
+_HALVINGS = 3
+_STRONG = 0.5  # of the set's largest force: in weaker recordings noise makes the peaks
+_NOISE_OF_STEPS = 0.605  # 1 / (0.6745 sqrt 6), of the median of second differences' sizes
 
 
 def smoothing_samples(smooth_s: float, dt_s: float) -> int:
@@ -26,6 +32,30 @@ def smoothed(recording: Recording, smooth_s: float) -> Recording:
         position_m=_average(recording.position_m, samples),
         force_n=_average(recording.force_n, samples),
     )
+
+
+def longest_smoothing_s(recordings: Sequence[Recording], most_s: float) -> float:
+    """The longest of most_s, its half, ... that takes noise and no peak; 0 where none does."""
+    longest_s = min(most_s, MAX_SMOOTHED * min(each.duration_s for each in recordings))
+    peaks_n = [float(np.abs(each.force_n).max()) for each in recordings]
+    strong = [
+        (each, peak_n - 3.0 * _noise_n(each.force_n))
+        for each, peak_n in zip(recordings, peaks_n, strict=True)
+        if peak_n >= _STRONG * max(peaks_n)
+    ]
+    for halvings in range(_HALVINGS + 1):
+        smooth_s = longest_s * 0.5**halvings
+        if all(
+            np.abs(smoothed(each, smooth_s).force_n).max() >= (1.0 - _FLATTENED) * peak_n
+            for each, peak_n in strong
+        ):
+            return smooth_s
+    return 0.0
+
+
+def _noise_n(force_n: NDArray[np.float64]) -> float:
+    """Standard deviation of white noise on a smooth force, from its second differences."""
+    return _NOISE_OF_STEPS * float(np.median(np.abs(np.diff(force_n, 2, prepend=0.0))))
 
 
 def _average(values: NDArray[np.float64], samples: int) -> NDArray[np.float64]:

@@ -19,7 +19,7 @@ from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.forests import depth_scale
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.models.training_set import choose_rows, training_set
-from springpot.trainer.recordings.smoothing import smoothed
+from springpot.trainer.recordings.smoothing import longest_smoothing_s, smoothed
 
 
 @pytest.mark.parametrize(
@@ -31,6 +31,22 @@ def test_rows_follow_the_paper(rows: int, fraction: float | None, expected: int)
     chosen = choose_rows(rows, fraction, np.random.default_rng(0))
     assert len(chosen) == len(set(chosen.tolist())) == expected
     assert chosen.max() < rows
+
+
+@pytest.mark.parametrize(
+    ("press_s", "noise_n", "shortest_s", "longest_s"),
+    [(0.2, 0.05, 0.025, 0.025), (1.0, 0.3, 0.025, 0.025), (0.03, 0.05, 0.003, 0.0063),
+     (0.06, 0.05, 0.006, 0.0126), (0.005, 0.0, 0.0, 0.0)],
+)  # fmt: skip
+def test_the_default_smoothing_keeps_peaks(
+    press_s: float, noise_n: float, shortest_s: float, longest_s: float
+) -> None:
+    """An average over w takes (pi w / T)^2 / 24 of the peak of half a sine of T."""
+    time_s = np.arange(3000) / 3000.0
+    force_n = 8.0 * np.sin(np.pi * np.clip((time_s - 0.3) / press_s, 0.0, 1.0))
+    noise = np.random.default_rng(0).normal(0.0, noise_n, len(time_s))
+    item = Recording("impact", force_n / 1e3, force_n + noise, 1.0 / 3000.0)
+    assert shortest_s <= longest_smoothing_s([item], 0.025) <= longest_s
 
 
 def test_smoothing_is_zero_phase_and_keeps_a_line() -> None:

@@ -126,7 +126,7 @@ def test_the_default_smoothing_gives_way_to_short_presses() -> None:
         for item in training()
     ]
     fit = fit_model("hammerstein", "x", short, FitOptions())
-    assert fit.model.provenance["smooth_s"] == pytest.approx(0.25 * short[0].duration_s)
+    assert fit.model.provenance["smooth_s"] <= 0.25 * short[0].duration_s
     assert any("smoothed over" in line for line in fit.warnings)
     with pytest.raises(UsageError, match=r"--smooth-s 0\.03"):
         fit_model("hammerstein", "x", short, FitOptions(smooth_s=0.03))
