@@ -13,8 +13,12 @@ from springpot.host.session.runner import Progress
 from springpot.host.simulation.bench import SimulatedBench
 from springpot.host.simulation.objects import parse_url
 from springpot.trainer.recordings.journal import JournalWriter, journal_of, require_no_journal
-from springpot.trainer.recordings.recording import RECORDING_SUFFIX, Recording
-from springpot.trainer.recordings.recording_name import require_recording_name, safe_recording_name
+from springpot.trainer.recordings.recording import (
+    RECORDING_SUFFIX,
+    Recording,
+    require_recording_name,
+    safe_recording_name,
+)
 
 
 @dataclass(frozen=True)

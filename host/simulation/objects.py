@@ -1,7 +1,7 @@
 """The simulated objects by name, and what a URL `sim://OBJECT` says of one."""
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -90,21 +90,6 @@ def parse_url(url: str, default_seed: int = 0) -> SimulatedObject:
             f"{', '.join(OBJECTS)}: leave variant out"
         )
     return simulated
-
-
-def own_class(source: str) -> bool:
-    """Whether a recording came of an object of the model class of `hammerstein` itself."""
-    return source.startswith("sim://") and urlsplit(source).netloc in OBJECTS
-
-
-def own_class_line(sources: Iterable[str]) -> str:
-    """What a comparison of models on such recordings has to say; empty where it is none."""
-    if not any(map(own_class, sources)):
-        return ""
-    return (
-        "the simulated silicones are of the model class of hammerstein itself, which they flatter: "
-        f"judge by your own recordings, or by sim://{', '.join(FOREIGN_OBJECTS)}"
-    )
 
 
 def _one_of(url: str, key: str, value: str, *, known: Sequence[str]) -> str:

@@ -42,7 +42,7 @@ class Conditioning:
 def condition(recording: Recording, options: Conditioning) -> tuple[Recording, list[str]]:
     """Return the recording with everything done, and a line about each step.
 
-    Raises UsageError for a contact point beside --zero, DataError where one cannot be found.
+    Raises UsageError for a contact point beside --zero, DataError if it cannot be found.
     """
     messages: list[str] = []
     recording = replace(
@@ -57,11 +57,8 @@ def condition(recording: Recording, options: Conditioning) -> tuple[Recording, l
         recording, line = _without_inertia(recording, options.mass_kg)
         messages.append(line)
     if options.tare is not None or options.contact_force is not None:
-        tare_n = _stated_n(options.tare, "tare")
-        threshold_n = _stated_n(options.contact_force, "contact_force")
-        move = options.contact_force is not None
         try:
-            recording, line = _from_contact(recording, tare_n, threshold_n, move)
+            recording, line = _from_contact(recording, options)
         except DataError:
             if not options.accept_signs:  # a turned sign is the cause, and has another remedy
                 for doubt in sign_doubts([recording]):
@@ -122,43 +119,38 @@ def _without_inertia(recording: Recording, mass_kg: float) -> tuple[Recording, s
     )
 
 
-def _from_contact(
-    recording: Recording,
-    tare_n: float | None,
-    threshold_n: float | None,
-    move: bool,
-) -> tuple[Recording, str]:
-    """Take the force without contact off, and with `move` put position 0 at the surface.
+def _from_contact(recording: Recording, options: Conditioning) -> tuple[Recording, str]:
+    """Take the force without contact off; with a contact force, put position 0 at the surface.
 
-    tare_n, threshold_n: None: to be found. Raises UsageError beside --zero, DataError where there
-    is no surface.
+    Raises UsageError beside --zero, DataError if there is no surface.
     """
+    tare_n = _stated_n(options.tare, "tare")
+    threshold_n = _stated_n(options.contact_force, "contact_force")
     if recording.zero != "none":
         raise UsageError("--contact-force and --tare find the zero: leave out --zero")
-    if not move and tare_n is not None:
-        details: dict[str, Any] = {**recording.details, "tare_n": tare_n}
-        found = replace(recording, force_n=recording.force_n - tare_n, details=details)
-        return found, f"{recording.name}: tare of {tare_n:g} N taken off"
-    contact = find_contact(recording, tare_n, threshold_n)
-    details = {**recording.details, "tare_n": contact.tare_n}
-    found = replace(recording, force_n=recording.force_n - contact.tare_n, details=details)
-    line = f"{recording.name}: tare of {contact.tare_n:.4g} N taken off"
-    if not move:
-        return found, line
-    details |= {
-        "contact_position_m": contact.position_m,
-        "contact_uncertainty_m": contact.uncertainty_m,
-        "contact_force_n": contact.threshold_n,
-    }
-    surface_m, doubt_m = contact.position_m, contact.uncertainty_m
-    return replace(found, position_m=found.position_m - surface_m, details=details), (
-        f"{line}, surface at {surface_m * 1e3:.4g} +- {doubt_m * 1e3:.2g} mm, where force passes "
-        f"{contact.threshold_n:.3g} N"
-    )
+    move, contact = options.contact_force is not None, None
+    if move or tare_n is None:
+        contact = find_contact(recording, tare_n, threshold_n)
+        tare_n = contact.tare_n
+    details: dict[str, Any] = {**recording.details, "tare_n": tare_n}
+    position_m, force_n = recording.position_m, recording.force_n - tare_n
+    line = f"{recording.name}: tare of {tare_n:.4g} N taken off"
+    if contact is not None and move:
+        position_m = position_m - contact.position_m
+        details |= {
+            "contact_position_m": contact.position_m,
+            "contact_uncertainty_m": contact.uncertainty_m,
+            "contact_force_n": contact.threshold_n,
+        }
+        line += (
+            f", surface at {contact.position_m * 1e3:.4g} +- {contact.uncertainty_m * 1e3:.2g} mm, "
+            f"where force passes {contact.threshold_n:.3g} N"
+        )
+    return replace(recording, position_m=position_m, force_n=force_n, details=details), line
 
 
 def _stated_n(value: float | str | None, name: str) -> float | None:
-    """Force that was stated, N; None where it is to be found. Raises UsageError for other words."""
+    """Force that was stated, N; None if it is to be found. Raises UsageError for other words."""
     if value is None or value == "auto":
         return None
     if isinstance(value, str) or not np.isfinite(value):
@@ -169,35 +161,34 @@ def _stated_n(value: float | str | None, name: str) -> float | None:
 def on_one_surface(
     recordings: Sequence[Recording], options: Conditioning
 ) -> tuple[list[Recording], str]:
-    """Give recordings of one object the mean surface within the bounds of all, and a line on it.
+    """Shift all recordings of one object to one common surface; also return a note for the user.
 
     A rig keeps its zero from press to press, and each press shows the surface within bounds of its
     own. If they have nothing in common each recording keeps its zero: so it was found, or the
     object had not recovered. At another place the surface may be another: those keep theirs too.
     """
-    found = [recording.details for recording in recordings]
-    met = options.contact_force == "auto" and all("contact_position_m" in each for each in found)
-    placed = any(each.place_m for each in recordings)
-    if not met or placed or len(recordings) < 2:
+    details = [recording.details for recording in recordings]
+    found = all("contact_position_m" in its for its in details) and options.contact_force == "auto"
+    if not found or any(each.place_m for each in recordings) or len(recordings) < 2:
         return list(recordings), ""
-    low_m = max(each["contact_position_m"] - each["contact_uncertainty_m"] for each in found)
-    high_m = min(each["contact_position_m"] + each["contact_uncertainty_m"] for each in found)
+    surfaces_m = np.array([its["contact_position_m"] for its in details])
+    doubts_m = np.array([its["contact_uncertainty_m"] for its in details])
+    low_m, high_m = float((surfaces_m - doubts_m).max()), float((surfaces_m + doubts_m).min())
     if low_m > high_m:
         return list(recordings), (
             "the surfaces differ by more than their bounds: each recording keeps its own as zero"
         )
-    found_m = np.array([each["contact_position_m"] for each in found])
-    weights = 1.0 / np.maximum([each["contact_uncertainty_m"] for each in found], 1e-9) ** 2
-    surface_m = float(np.clip(np.average(found_m, weights=weights), low_m, high_m))
+    mean_m = np.average(surfaces_m, weights=1.0 / np.maximum(doubts_m, 1e-9) ** 2)
+    surface_m = float(np.clip(mean_m, low_m, high_m))
     doubt_m = max(high_m - surface_m, surface_m - low_m)
     shared = {"contact_position_m": surface_m, "contact_uncertainty_m": doubt_m}
     moved = [
         replace(
             recording,
-            position_m=recording.position_m + (each["contact_position_m"] - surface_m),
-            details={**each, **shared},
+            position_m=recording.position_m + (own_m - surface_m),
+            details={**recording.details, **shared},
         )
-        for recording, each in zip(recordings, found, strict=True)
+        for recording, own_m in zip(recordings, surfaces_m.tolist(), strict=True)
     ]
     return moved, (
         f"one surface for all {len(recordings)}, where their bounds meet: "

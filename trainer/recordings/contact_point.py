@@ -59,44 +59,64 @@ class _Press:
 def find_contact(
     recording: Recording, tare_n: float | None = None, threshold_n: float | None = None
 ) -> ContactPoint:
-    """Find the surface; tare and threshold, N, are taken from the data where they are None.
+    """Find the surface; tare and threshold, N, are found in the data if they are None.
 
-    Raises DataError where the recording never leaves the object, or never reaches the threshold.
+    Raises DataError if the recording never leaves the object, or never reaches the threshold.
     """
     position_m, force_n = recording.position_m, recording.force_n
     low_m, travel_m = float(position_m.min()), float(np.ptp(position_m))
-    free_n = force_n[position_m <= low_m + _LOW_SHARE * travel_m]
+    air_m = low_m + _LOW_SHARE * travel_m
+    free_n = force_n[position_m <= air_m]
     if travel_m == 0.0 or len(free_n) < 3:
         raise DataError(f"{recording.name}: moves too little to show where contact begins")
     base_n = float(np.median(free_n)) if tare_n is None else tare_n
     ways = [(position_m[way], force_n[way]) for way in _ways_in(position_m)]
-    bases_n, deviation_n = [base_n] * len(ways), _deviation_n([free_n])
-    if tare_n is None:  # a load cell drifts: each press counts from its own air
-        air_n = [force[way <= low_m + _LOW_SHARE * travel_m] for way, force in ways]
-        shown = [each for each in air_n if len(each) >= _OWN_AIR]
-        bases_n = [float(np.median(e)) if len(e) >= _OWN_AIR else base_n for e in air_n]
-        deviation_n = _deviation_n(shown or [free_n])
-    peak_n = float(force_n.max()) - base_n
-    wanted_n = threshold_n
-    if threshold_n is None:
-        threshold_n = max(
-            _NOISES * deviation_n, _MIN_SHARE_OF_PEAK * peak_n, _COUNTS * _resolution_n(force_n)
-        )
-    touching = force_n > base_n + threshold_n
-    if not touching.any():
+    levels_n = [force[way <= air_m] for way, force in ways] if tare_n is None else []
+    # A load cell drifts: each press that has enough air counts from its own.
+    own_n = [its for its in levels_n if len(its) >= _OWN_AIR]
+    deviation_n = _deviation_n(own_n or [free_n])
+    bases_n = [float(np.median(its)) if len(its) >= _OWN_AIR else base_n for its in levels_n]
+    level_n = threshold_n
+    if level_n is None:
+        least_n = _MIN_SHARE_OF_PEAK * (float(force_n.max()) - base_n)
+        level_n = max(_NOISES * deviation_n, least_n, _COUNTS * _resolution_n(force_n))
+    if not (force_n > base_n + level_n).any():
         raise DataError(
-            f"{recording.name}: force never passes {threshold_n:.3g} N above its {base_n:.4g} N "
+            f"{recording.name}: force never passes {level_n:.3g} N above its {base_n:.4g} N "
             "without contact: give a lower --contact-force"
         )
-    presses = [_passes(*way, its_n, threshold_n) for way, its_n in zip(ways, bases_n, strict=True)]
+    starts_n = bases_n or [base_n] * len(ways)
+    presses = [_passes(*way, its_n, level_n) for way, its_n in zip(ways, starts_n, strict=True)]
     presses = [press for press in presses if press.passes_m]
-    pressed = _slope_npm(position_m, force_n, low_m + _LOW_SHARE * travel_m)
+    _require_air(recording, presses, base_n, level_n)
+    met = _meets_first(presses)
+    # Half a usual step; where the tool met the surface by steps that are longer, half of that one.
+    doubt_m = max(float(np.median(np.abs(np.diff(position_m)))), met.step_m) / 2
+    surface_m = met.passes_m[0]
+    if threshold_n is None:  # a threshold that was stated defines the surface: nothing to go back
+        # A press too light for all levels, as the first of growing ones, does not show the law.
+        most = max(len(press.passes_m) for press in presses)
+        lawful = _meets_first([press for press in presses if len(press.passes_m) == most])
+        back_m, open_m = _way_back_m(lawful.passes_m, _BOUND * deviation_n / level_n)
+        surface_m, doubt_m = surface_m - back_m, max(doubt_m, open_m)
+    return ContactPoint(surface_m, doubt_m, base_n, level_n)
+
+
+def _require_air(
+    recording: Recording, presses: list[_Press], base_n: float, level_n: float
+) -> None:
+    """Raise DataError if force is not level before the presses: the tool is on the object."""
+    position_m, force_n = recording.position_m, recording.force_n
+    low_m, travel_m = float(position_m.min()), float(np.ptp(position_m))
+    begins_m = [p.passes_m[0] for p in presses] + [
+        _meets_first(presses).before_m for _ in presses[:1]
+    ]
+    slope_npm = _slope_npm(position_m, force_n, low_m + _LOW_SHARE * travel_m)
     if (
         not presses
-        or pressed > _LEVEL * peak_n / travel_m
-        or _rise_midway(presses, threshold_n) > _RISES
-        or min(press.passes_m[0] for press in presses) - low_m < _MIN_FREE_SHARE * travel_m
-        or _meets_first(presses).before_m - low_m < _MIN_FREE_SHARE * travel_m
+        or slope_npm > _LEVEL * (float(force_n.max()) - base_n) / travel_m
+        or _rise_midway(presses, level_n) > _RISES
+        or min(*begins_m, _meets_first(presses).before_m) - low_m < _MIN_FREE_SHARE * travel_m
     ):
         other = "position 0 means nothing, import with --zero first or min"
         if base_n < 0.0:
@@ -106,18 +126,6 @@ def find_contact(
             "position), so the surface cannot be found: record from above the object, or, if "
             f"{other}"
         )
-    met = _meets_first(presses)
-    # Half a usual step; where the tool met the surface by steps that are longer, half of that one.
-    usual_m = float(np.median(np.abs(np.diff(position_m))))
-    doubt_m = max(usual_m, met.step_m) / 2
-    surface_m = met.passes_m[0]
-    if wanted_n is None:  # a threshold that was stated defines the surface: nothing to go back
-        # A press too light for all levels, as the first of growing ones, does not show the law.
-        most = max(len(press.passes_m) for press in presses)
-        lawful = _meets_first([press for press in presses if len(press.passes_m) == most])
-        back_m, open_m = _way_back_m(lawful.passes_m, _BOUND * deviation_n / threshold_n)
-        surface_m, doubt_m = surface_m - back_m, max(doubt_m, open_m)
-    return ContactPoint(surface_m, doubt_m, base_n, threshold_n)
 
 
 def _deviation_n(levels_n: list[Samples]) -> float:

@@ -19,15 +19,19 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError, DeviceError, UsageError
-from springpot.trainer.recordings.metadata import (
-    RECORDING_SCHEMA,
-    checked_metadata,
-    metadata_of_json,
-)
 from springpot.trainer.recordings.notices import caution
-from springpot.trainer.recordings.recording import RECORDING_SUFFIX, Recording, Zero
-from springpot.trainer.recordings.recording_hdf5 import write_recording
-from springpot.trainer.recordings.recording_name import require_recording_name
+from springpot.trainer.recordings.recording import (
+    RECORDING_SUFFIX,
+    Recording,
+    Zero,
+    require_recording_name,
+)
+from springpot.trainer.recordings.recording_hdf5 import (
+    RECORDING_SCHEMA,
+    metadata_of_json,
+    recording_of,
+    write_recording,
+)
 
 JOURNAL_SUFFIX = ".journal"
 MIN_SAMPLES = 2  # fewer are no recording
@@ -51,38 +55,32 @@ def _opened(journal: Path, timeout_s: float) -> closing[sqlite3.Connection]:
 
 
 def is_being_recorded(journal: Path) -> bool:
-    """Whether a living process still writes this journal."""
+    """Return whether a living process still writes this journal."""
     try:
-        with sqlite3.connect(
-            f"{journal.absolute().as_uri()}?mode=rw", uri=True, timeout=0
-        ) as store:
+        with _opened(journal, timeout_s=0.0) as store:
             store.execute("BEGIN IMMEDIATE")
-            store.rollback()
-    except sqlite3.OperationalError as error:
+    except sqlite3.DatabaseError as error:
         return "locked" in str(error)
-    except sqlite3.DatabaseError:
-        return False
     return False
 
 
 def require_no_journal(journal: Path) -> None:
-    """Raise UsageError where a journal is there, saying whether somebody still records it."""
+    """Raise UsageError for a journal that is there: it is recorded now, or was interrupted."""
     if not journal.exists():
         return
+    remedy = "choose another name or folder"
     if is_being_recorded(journal):
-        raise UsageError(
-            f"{journal}: another springpot is recording it now: choose another name or folder"
-        )
+        raise UsageError(f"{journal}: another springpot is recording it now: {remedy}")
     raise UsageError(
-        f"{journal}: keeps a recording that was interrupted: choose another name or folder, or "
-        "remove it; `springpot import` makes a recording of it"
+        f"{journal}: keeps a recording that was interrupted: {remedy}, or remove it; `springpot "
+        "import` makes a recording of it"
     )
 
 
 def read_journal(path: Path) -> tuple[Recording, str]:
     """Return the recording that a journal holds, and what is lost of it, in a line or "".
 
-    Raises DataError where it holds no samples, or is still being recorded.
+    Raises DataError for one without samples, or one that is still being recorded.
     """
     if not path.exists():
         raise DataError(f"{path}: no such file: give a recording; `springpot import` makes them")
@@ -94,14 +92,16 @@ def read_journal(path: Path) -> tuple[Recording, str]:
             f"{path}: damaged in its first bytes, or interrupted at the very start: without its "
             "rate and name nothing can be read, remove it"
         )
-    metadata = checked_metadata(str(path), metadata_of_json(str(path), parts[0]))
-    width = 2 + len(metadata.channels)
-    rows = np.frombuffer(b"".join(parts[1:]), dtype="<f8").reshape(-1, width)
+    metadata = metadata_of_json(path, parts[0])
+    try:
+        names = ["position_m", "force_n", *map(str, metadata.get("channels", ()))]
+        rows = np.frombuffer(b"".join(parts[1:]), dtype="<f8").reshape(-1, len(names))
+    except (TypeError, ValueError):
+        raise DataError(f"{path}: its rows are not those of its channels: remove it") from None
     if len(rows) < MIN_SAMPLES:
         raise DataError(f"{path}: interrupted before its first samples: remove it")
     columns = [np.ascontiguousarray(column, dtype=np.float64) for column in rows.T]
-    channels = dict(zip(metadata.channels, columns[2:], strict=True))
-    recording = metadata.recording(str(path), columns[0], columns[1], channels)
+    recording = recording_of(path, metadata, dict(zip(names, columns, strict=True)))
     lost = f"; from {recording.duration_s:.3f} s on it is damaged, and lost" if damaged else ""
     return recording, lost
 
@@ -109,25 +109,16 @@ def read_journal(path: Path) -> tuple[Recording, str]:
 def _whole_parts(path: Path) -> tuple[list[bytes], bool]:
     """Content of the parts up to the first that is damaged or missing, and whether one is."""
     parts: list[bytes] = []
-    try:
-        with _opened(path, timeout_s=5.0) as store:
-            for number, checksum, content in store.execute(
-                "SELECT id, checksum, content FROM part ORDER BY id"
-            ):
-                if number != len(parts) or not _is_whole(checksum, number, content):
-                    return parts, True
-                parts.append(content)
-    except (sqlite3.DatabaseError, OverflowError):
-        return parts, True
-    return parts, False
-
-
-def _is_whole(checksum: object, number: int, content: object) -> bool:
-    return isinstance(content, bytes) and checksum == _checksum(number, content)
-
-
-def _checksum(number: int, content: bytes) -> int:
-    return zlib.crc32(content, number)
+    with suppress(sqlite3.DatabaseError, OverflowError), _opened(path, timeout_s=5.0) as store:
+        for number, checksum, content in store.execute(
+            "SELECT id, checksum, content FROM part ORDER BY id"
+        ):
+            whole = isinstance(content, bytes) and checksum == zlib.crc32(content, len(parts))
+            if number != len(parts) or not whole:
+                return parts, True
+            parts.append(content)
+        return parts, False
+    return parts, True
 
 
 class JournalWriter:
@@ -245,22 +236,20 @@ class JournalWriter:
         caution(f"{self.journal}: what was recorded until now is kept there and can be read")
 
     def _write(self, content: bytes) -> None:
-        checksum = _checksum(self._parts, content)
+        checksum = zlib.crc32(content, self._parts)
         self._execute("INSERT INTO part VALUES (?, ?, ?)", (self._parts, checksum, content))
         self._parts += 1
 
     def _commit(self) -> None:
-        if not self.full:
-            self._execute("COMMIT", ())
+        if not self.full and self._store is not None:
+            if self._store.in_transaction:
+                self._execute("COMMIT")
             self.committed_rows, self._committed_s = self._rows, monotonic()
 
-    def _execute(self, statement: str, values: tuple[object, ...]) -> None:
+    def _execute(self, statement: str, values: tuple[object, ...] = ()) -> None:
         assert self._store is not None, "the journal is closed"
         try:
-            if statement == "COMMIT":
-                self._store.commit()
-            else:
-                self._store.execute(statement, values)
+            self._store.execute(statement, values)
         except sqlite3.Error as error:
             self.full = True
             raise self._failure(error) from None

@@ -1,35 +1,51 @@
 """The place on the surface that a recording pressed: one each, since a model is of presses."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from math import dist
 
 import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
+from springpot.trainer.recordings.formats.column_map import PLACE, split_unit
+from springpot.trainer.recordings.formats.units import factor_to_si
 from springpot.trainer.recordings.recording import Recording
 
-SAME_PLACE_M = 1e-4  # what no printed grid and no stage tells apart
+SAME_PLACE_M = 1e-4  # no printed grid and no stage is finer
 
 Site = tuple[float, float]  # x and y, m
 
 
-def require_one_place(name: str, path_m: Samples) -> tuple[float, float]:
-    """Return x and y of the place where the tool stays, m; a stage that trembles stays.
+def place_m(
+    where: str,
+    header: Sequence[str],
+    read: Callable[[int], Samples],
+    names: tuple[str, str] = PLACE,
+    below: Sequence[str] = (),
+) -> tuple[float, float] | None:
+    """Return x and y of the place that two columns state, m; None without them.
 
-    path_m: x and y of each sample, (n, 2). Raises DataError if the tool moves along the surface.
+    read: the numbers of a column, (n,). below: the row of units. A stage that trembles stays.
+    Raises DataError for one column alone, and if the tool moves along the surface.
     """
-    spans_m = np.ptp(path_m, axis=0)
-    if spans_m.max() > SAME_PLACE_M:
-        ways = ", ".join(
-            f"{axis} {1e3 * along.min():.4g} to {1e3 * along.max():.4g} mm"
-            for axis, along in zip("xy", path_m.T, strict=True)
-        )
+    labels = [split_unit(cell, "position") for cell in header]
+    found_m = []
+    for name in names:
+        for k, (label, own) in enumerate(labels):
+            if name.casefold() in (label.casefold(), header[k].casefold()):
+                unit = own or "".join(below[k : k + 1]).strip("()[]{} ")
+                factor = factor_to_si(unit, "position", f"{where}, column {header[k]!r}")
+                found_m.append(read(k) * factor)
+    if not found_m:
+        return None
+    if len(found_m) != 2:
+        raise DataError(f"{where}: {' and '.join(names)} belong together: give one column of each")
+    if np.ptp(found_m, axis=1).max() > SAME_PLACE_M:
         raise DataError(
-            f"{name}: the tool moves along the surface ({ways}), and a model is of presses of one "
-            "place each: cut it into one file a place"
+            f"{where}: the tool moves along the surface, and a model is of presses of one place "
+            "each: cut it into one file a place"
         )
-    x_m, y_m = np.median(path_m, axis=0).tolist()
+    x_m, y_m = np.median(found_m, axis=1).tolist()
     return x_m, y_m
 
 

@@ -1,6 +1,7 @@
 """A recording: position and force of one press or one session, uniformly sampled, in SI units."""
 
 import hashlib
+import re
 from collections.abc import Hashable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Literal, get_args
@@ -11,7 +12,6 @@ from springpot.codegen.arrays import Samples, kept_numbers
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.plurals import number_of
 from springpot.trainer.plot_axes import axes_for_plot
-from springpot.trainer.recordings.recording_name import require_recording_name
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,9 +22,8 @@ Zero = Literal["none", "first", "min"]
 
 RECORDING_SUFFIX = ".h5"
 FRAME_SOURCE = "frame"  # source of what a table held
-_COLUMNS = {  # of a table, in which "x" alone might be the position
-    **{"x_m": "place_x_m", "y_m": "place_y_m"},
-}
+MAX_NAME_BYTES = 200  # a file name has 255: room for endings
+_UNSAFE = re.compile(r"[^\w.+-]+")
 _MOST_M = 1.0  # no soft object is pressed farther
 SIGN_RULE = (
     "position: penetration from the undeformed surface, positive into the object; "
@@ -85,35 +84,30 @@ class Recording:
         object.__setattr__(self, "dt_s", _seconds(self.dt_s, self.name))
         for channel in ("position_m", "force_n"):
             object.__setattr__(self, channel, kept_numbers(getattr(self, channel), channel))
-        if self.position_m.ndim != 1 or self.position_m.shape != self.force_n.shape:
-            raise DataError(
-                f"{self.name}: position has {self.position_m.shape} samples and force "
-                f"{self.force_n.shape}: give two 1-D channels of one length"
-            )
-        for channel, samples in self.channels.items():
-            if samples.shape != self.position_m.shape:
+        channels = {"position": self.position_m, "force": self.force_n, **self.channels}
+        for channel, samples in channels.items():
+            if samples.ndim != 1 or samples.shape != self.position_m.shape:
                 raise DataError(
                     f"{self.name}: {channel} has {samples.shape} samples and position "
                     f"{self.position_m.shape}: give 1-D channels of one length"
                 )
         if len(self.position_m) < 2:
             raise DataError(f"{self.name}: {len(self.position_m)} rows: a recording needs two")
-        places = (self.place_x_m, self.place_y_m)
-        if places != (None, None) and not all(at is not None and abs(at) <= 1.0 for at in places):
+        place = (self.place_x_m, self.place_y_m)
+        if place != (None, None) and not all(at is not None and abs(at) <= 1.0 for at in place):
             raise DataError(
-                f"{self.name}: place_x_m, place_y_m = {places[0]}, {places[1]}: give both, from "
-                "-1 to 1 m, or neither"
+                f"{self.name}: place_x_m, place_y_m = {place[0]}, {place[1]}: give both, from -1 "
+                "to 1 m, or neither"
             )
-        for channel, samples in (("position", self.position_m), ("force", self.force_n)):
-            bad = np.flatnonzero(~np.isfinite(samples))
+        for channel in ("position", "force"):
+            bad = np.flatnonzero(~np.isfinite(channels[channel]))
             if len(bad):
                 raise DataError(
                     f"{self.name}: {channel} is not finite at row {bad[0]} "
                     f"({number_of(len(bad), 'row')} in all): cut or repair those rows in the source"
                 )
         # Without the outermost hundredths: a spike is held, not refused.
-        low_m, high_m = np.quantile(self.position_m, (0.01, 0.99), method="nearest").tolist()
-        travel_m = high_m - low_m
+        travel_m = np.ptp(np.quantile(self.position_m, (0.01, 0.99), method="nearest"))
         if travel_m > _MOST_M and self.source in ("", FRAME_SOURCE):
             raise DataError(
                 f"{self.name}: position_m spans {travel_m:.4g} m: are these mm? give positions in "
@@ -166,9 +160,12 @@ class Recording:
             raise UsageError("to_frame needs pandas: pip install pandas") from None
         time_s = self.dt_s * np.arange(len(self.force_n))
         columns = {"time_s": time_s, "position_m": self.position_m, "force_n": self.force_n}
-        own = ("time_s", *_COLUMNS)
-        further = {name: its for name, its in self.channels.items() if name not in own}
-        return DataFrame({**columns, **self.place_columns(), **further})
+        if self.place_m is not None:
+            names = ("place_x_m", "place_y_m")
+            columns |= {
+                n: np.full(len(time_s), at) for n, at in zip(names, self.place_m, strict=True)
+            }
+        return DataFrame({**self.channels, **columns})
 
     def plot(self, ax: "Axes | None" = None) -> "Axes":
         """Draw force against position on matplotlib's axes, on new ones if none are given.
@@ -180,17 +177,6 @@ class Recording:
         axes.set(xlabel="position, mm", ylabel="force, N")
         axes.legend(loc="upper left", frameon=False)
         return axes
-
-    def place_columns(self) -> dict[str, Samples]:
-        """Return place_x_m, place_y_m and, if it was measured, the force along them, (n,) each.
-
-        The names are those that an import reads; empty if the place is not known.
-        """
-        found = {_COLUMNS[name]: its for name, its in self.channels.items() if name in _COLUMNS}
-        if self.place_m is not None and not found:
-            places = np.broadcast_to(self.place_m, (len(self.force_n), 2)).T
-            found = dict(zip(_COLUMNS.values(), places, strict=False))
-        return found
 
     @property
     def signs_accepted(self) -> bool:
@@ -212,22 +198,6 @@ class Recording:
     def duration_s(self) -> float:
         """Time from the first sample to one step after the last."""
         return len(self.position_m) * self.dt_s
-
-    def metadata(self) -> dict[str, Any]:
-        """All but the samples, as JSON values."""
-        place = {"place_x_m": self.place_x_m, "place_y_m": self.place_y_m} if self.place_m else {}
-        return {
-            "name": self.name,
-            "dt_s": self.dt_s,
-            "zero": self.zero,
-            "position_delay_s": self.position_delay_s,
-            "force_delay_s": self.force_delay_s,
-            "source": self.source,
-            "details": dict(self.details),
-            "session": self.session,
-            "start_s": self.start_s,
-            **place,
-        }
 
     @property
     def content_hash(self) -> str:
@@ -258,3 +228,29 @@ def _seconds(given: Any, name: str) -> float:
     if not number or not (np.isfinite(given) and given > 0.0):
         raise DataError(f"{name}: dt_s={given!r} is not a time step: give seconds, above 0")
     return float(given)
+
+
+def require_recording_name(name: Any, where: str = "") -> None:
+    """Raise DataError for a name that could lead out of a folder, or could not be printed.
+
+    where: begins the message, as "FILE: ".
+    """
+    if not isinstance(name, str):
+        raise DataError(f"{where}name={name!r}: a recording's name is text: give a str")
+    fits = (
+        0 < len(name.encode("utf-8", "replace")) <= MAX_NAME_BYTES
+        and name.isprintable()  # neither newlines nor bytes that are no text
+        and not name.startswith(".")
+        and not set(name) & set("/\\")
+    )
+    if not fits:
+        raise DataError(
+            f"{where}a recording named {name[:60]!a}: a name is printable, without / and \\, "
+            f"begins with no dot and has 1 to {MAX_NAME_BYTES} bytes: name it otherwise"
+        )
+
+
+def safe_recording_name(text: str) -> str:
+    """Return a name that `require_recording_name` accepts, as near to the text as can be."""
+    safe = _UNSAFE.sub("_", text).strip("._")
+    return safe.encode()[: MAX_NAME_BYTES - 20].decode("utf-8", "ignore") or "recording"

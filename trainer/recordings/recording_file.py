@@ -22,12 +22,11 @@ Recordings = Recording | File | Iterable[Recording | File]  # what a person may 
 def given_recordings(given: Recordings) -> list[Recording]:
     """One recording or several; text and paths are files or folders of them. Raises UsageError."""
     several = [given] if isinstance(given, Recording | str | PathLike) else given
-    # The items of a table are names of its columns, those of an array its rows.
-    table = isinstance(several, Mapping) or hasattr(several, "columns") or hasattr(several, "shape")
-    if table or not isinstance(several, Iterable):
-        raise _no_recording(given)
     found: list[Recording] = []
-    for one in several:
+    # The items of a table are names of its columns, those of an array its rows.
+    if isinstance(several, Mapping) or not isinstance(several, Iterable):
+        raise _no_recording(given)
+    for one in [given] if hasattr(several, "columns") or hasattr(several, "shape") else several:
         if isinstance(one, Recording):
             found.append(one)
         elif isinstance(one, str | PathLike):
@@ -38,76 +37,56 @@ def given_recordings(given: Recordings) -> list[Recording]:
 
 
 def _no_recording(given: object) -> UsageError:
-    """Say of what was given in place of a recording how it becomes one."""
-    kind = type(given).__name__
+    remedy = "read_recordings reads files and folders"
     if isinstance(given, Mapping) and all(isinstance(one, Recording) for one in given.values()):
-        return UsageError(f"{kind} of recordings: give a list of them, list(recordings.values())")
-    if isinstance(given, Mapping) or hasattr(given, "columns"):
-        return UsageError(f"{kind} is no recording: Recording.from_frame makes one of a table")
-    if hasattr(given, "shape"):
-        return UsageError(
-            f"{kind} is no recording: Recording(name, position_m, force_n, dt_s) makes one"
-        )
-    return UsageError(f"{kind} is no recording: read_recordings reads files and folders")
+        remedy = "give a list of them, list(recordings.values())"
+    elif isinstance(given, Mapping) or hasattr(given, "columns"):
+        remedy = "Recording.from_frame makes one of a table"
+    elif hasattr(given, "shape"):
+        remedy = "Recording(name, position_m, force_n, dt_s) makes one"
+    return UsageError(f"{type(given).__name__} is no recording: {remedy}")
 
 
 def read_recording(path: Path) -> Recording:
     """Read one recording, or recover what a crash left of it and say so.
 
-    path: an HDF5 file, or a journal. Raises DataError with the file's name where it cannot be used.
+    path: an HDF5 file, or a journal. Raises DataError with the file's name if it cannot be used.
     """
-    if path.suffix == JOURNAL_SUFFIX or (not path.exists() and journal_of(path).exists()):
-        return _recovered(journal_of(path))
-    from springpot.codegen.model.model_file import MODEL_SUFFIX
-
-    if path.suffix == MODEL_SUFFIX:
-        raise DataError(f"{path}: a model, not a recording: {_GIVE}")
+    journal = journal_of(path)
+    if path.suffix == JOURNAL_SUFFIX or (not path.exists() and journal.exists()):
+        found, lost = read_journal(journal)
+        message = (
+            f"recovered {found.duration_s:.3f} s from the journal of a recording that was "
+            f"interrupted{lost}"
+        )
+        caution(f"{journal}: {message}")
+        return replace(found, details={**found.details, "recovered": message})
     try:
         require_regular(path)
+        return read_hdf5(path)
     except FileNotFoundError:
         raise DataError(f"{path}: no such file: {_GIVE}") from None
     except OSError as error:
         raise DataError(f"{path}: cannot be read ({error.strerror}): {_GIVE}") from None
-    return read_hdf5(path)
-
-
-def _recovered(path: Path) -> Recording:
-    found, lost = read_journal(path)
-    message = (
-        f"recovered {found.duration_s:.3f} s from the journal of a recording that was "
-        f"interrupted{lost}"
-    )
-    caution(f"{path}: {message}")
-    return replace(found, details={**found.details, "recovered": message})
 
 
 def read_recordings(paths: Iterable[Path]) -> list[Recording]:
     """Read files and folders of recordings, folders in the order of their files' names.
 
-    Journals that a crash left in a folder are recovered.
-    """
-    return [read_recording(file) for file in recording_files(paths)]
-
-
-def recording_files(paths: Iterable[Path]) -> list[Path]:
-    """Return the files behind arguments that are files and folders of recordings.
-
-    Raises DataError for a folder without any.
+    Journals that a crash left in a folder are recovered. Raises DataError for an empty folder.
     """
     files: list[Path] = []
     for path in paths:
         files += _in_folder(path) if path.is_dir() else [path]
-    return files
+    return [read_recording(file) for file in files]
 
 
 def _in_folder(folder: Path) -> list[Path]:
     files = list(folder.glob(f"*{RECORDING_SUFFIX}"))
     for journal in folder.glob(f"*{JOURNAL_SUFFIX}"):
-        finished = journal.with_name(journal.name.removesuffix(JOURNAL_SUFFIX) + RECORDING_SUFFIX)
+        finished = journal.with_suffix(RECORDING_SUFFIX)
         if finished in files:
-            caution(
-                f"{journal}: left out, its recording was finished in {finished.name}: remove it"
-            )
+            caution(f"{journal}: left out, {finished.name} is this recording, finished: remove it")
         else:
             files.append(journal)
     if not files:

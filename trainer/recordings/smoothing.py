@@ -1,14 +1,13 @@
 """Offline smoothing of recordings: the paper's zero-phase moving average (section III-C)."""
 
-import dataclasses
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Samples
 from springpot.trainer.recordings.recording import Recording
 
-_MIN_SAMPLES = 3
 MAX_SMOOTHED = 0.25  # of the shortest recording
 _FLATTENED = 0.03  # of a peak: an impact of 30 ms once lost half of its own
 _HALVINGS = 3
@@ -17,25 +16,30 @@ _NOISE_OF_STEPS = 0.605  # 1 / (0.6745 sqrt 6), of the median of second differen
 
 
 def smoothing_samples(smooth_s: float, dt_s: float) -> int:
-    """Odd number of samples nearest to `smooth_s`; 1 (no smoothing) where that is under three."""
-    samples = 2 * round((smooth_s / dt_s - 1) / 2) + 1
-    return samples if samples >= _MIN_SAMPLES else 1
+    """Return the odd number of samples nearest to `smooth_s`; 1 (no smoothing) if under three."""
+    return max(1, 2 * round((smooth_s / dt_s - 1) / 2) + 1)
 
 
 def smoothed(recording: Recording, smooth_s: float) -> Recording:
-    """Centred moving average of both channels over `smooth_s`; ends repeat the end samples."""
+    """Return the centred moving average over `smooth_s`; ends repeat the end samples."""
     samples = smoothing_samples(smooth_s, recording.dt_s)
+
+    def average(values: Samples) -> Samples:
+        """Running sum, as scipy.ndimage.uniform_filter1d: what replays recordings has no scipy."""
+        padded = np.pad(values, samples // 2, mode="edge")
+        first = np.add.accumulate(padded[:samples])[-1]
+        changes = padded[samples:] - padded[:-samples]
+        return np.asarray(np.add.accumulate(np.append(first, changes)) / samples)
+
     if samples == 1:
         return recording
-    return dataclasses.replace(
-        recording,
-        position_m=_average(recording.position_m, samples),
-        force_n=_average(recording.force_n, samples),
+    return replace(
+        recording, position_m=average(recording.position_m), force_n=average(recording.force_n)
     )
 
 
 def longest_smoothing_s(recordings: Sequence[Recording], most_s: float) -> float:
-    """The longest of most_s, its half, ... that takes noise and no peak; 0 where none does."""
+    """Return the longest of most_s, its half, ... that takes noise and no peak; 0 if none does."""
     longest_s = min(most_s, MAX_SMOOTHED * min(each.duration_s for each in recordings))
     peaks_n = [float(np.abs(each.force_n).max()) for each in recordings]
     strong = [
@@ -53,15 +57,6 @@ def longest_smoothing_s(recordings: Sequence[Recording], most_s: float) -> float
     return 0.0
 
 
-def _noise_n(force_n: NDArray[np.float64]) -> float:
+def _noise_n(force_n: Samples) -> float:
     """Standard deviation of white noise on a smooth force, from its second differences."""
     return _NOISE_OF_STEPS * float(np.median(np.abs(np.diff(force_n, 2, prepend=0.0))))
-
-
-def _average(values: NDArray[np.float64], samples: int) -> NDArray[np.float64]:
-    """Running sum, as scipy.ndimage.uniform_filter1d: what replays recordings has no scipy."""
-    padded = np.pad(values, samples // 2, mode="edge")
-    first = np.add.accumulate(padded[:samples])[-1]
-    changes = padded[samples:] - padded[:-samples]
-    averaged: NDArray[np.float64] = np.add.accumulate(np.append(first, changes)) / samples
-    return averaged

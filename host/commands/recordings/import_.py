@@ -14,8 +14,7 @@ from springpot.codegen.errors import UsageError
 from springpot.codegen.progress import counted
 from springpot.host.console.options import NOT_NEGATIVE, PATH, FiniteRange
 from springpot.host.console.output import json_option, print_json, progress_bar, say
-from springpot.trainer.recordings.formats.column_map import MAP_EXAMPLE, parse_map
-from springpot.trainer.recordings.formats.csv.decimals import DecimalMark
+from springpot.trainer.recordings.formats.column_map import MAP_EXAMPLE, DecimalMark, parse_map
 
 if TYPE_CHECKING:
     from springpot.trainer.recordings.formats.importing import ImportResult
@@ -147,14 +146,14 @@ def _read(
 
     named: files that a person has given one by one: each is a recording, or refused.
     """
-    from springpot.trainer.recordings.formats.csv.csv_missing import OtherTableError
+    from springpot.trainer.recordings.formats.csv_layout import NoRecordingError
 
     results: dict[Path, ImportResult] = {}
-    others: list[OtherTableError] = []
+    others: list[NoRecordingError] = []
     for file in counted(files, "reading"):
         try:
             results[file] = read(file)
-        except OtherTableError as error:
+        except NoRecordingError as error:
             if file in named:
                 raise
             others.append(error)

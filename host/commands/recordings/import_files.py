@@ -7,7 +7,6 @@ from pathlib import Path
 
 from springpot.codegen.errors import UsageError
 from springpot.host.console.output import say
-from springpot.trainer.recordings.formats.csv.csv_text import has_numbers
 from springpot.trainer.recordings.recording import RECORDING_SUFFIX, Recording
 from springpot.trainer.recordings.recording_file import write_recording
 
@@ -30,7 +29,7 @@ def listed(paths: Sequence[Path]) -> list[Path]:
             found.append(path)
             continue
         there = sorted(f for f in path.iterdir() if f.is_file() and not f.name.startswith("."))
-        inside = [file for file in there if _may_be_recording(file)]
+        inside = [file for file in there if file.suffix.casefold() in _OF_RECORDINGS]
         if not inside:
             kinds = ", ".join(sorted(_OF_RECORDINGS))
             raise UsageError(f"{path}: no file in this folder ends in {kinds}: name the files")
@@ -40,12 +39,6 @@ def listed(paths: Sequence[Path]) -> list[Path]:
             say(f"{path}: left out, no recordings: {', '.join(others[:_MAX_NAMED])}{more}")
         found += inside
     return found
-
-
-def _may_be_recording(file: Path) -> bool:
-    """Tell a file of a folder by its ending; a .txt without a row of numbers is prose."""
-    ending = file.suffix.casefold()
-    return ending in _OF_RECORDINGS and (ending != ".txt" or has_numbers(file))
 
 
 def write_all(out: Path, recordings: list[Recording]) -> list[Path]:

@@ -109,7 +109,8 @@ def test_a_folder_is_the_files_in_it(tmp_path: Path) -> None:
     (tmp_path / "d.csv").write_text(TABLE)
     found = run(folder, tmp_path / "d.csv", "--out", tmp_path / "out")
     assert found.exit_code == 0, found.exception
-    assert "left out, no recordings: LICENSE.txt, README, notes.md, rig.json\n" in found.stderr
+    assert "left out, no recordings: README, notes.md, rig.json\n" in found.stderr
+    assert f"left out, no recording: {folder / 'LICENSE.txt'}: found no column" in found.stderr
     assert found.stderr.count("time = column 1") == 1
     assert "a.CSV and 2 more: time = column 1" in found.stderr
     assert found.stdout.count("position grows into the object") <= 1

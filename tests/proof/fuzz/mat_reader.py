@@ -20,8 +20,7 @@ from scipy.io import savemat
 from support.files.malformed import TIME_S
 
 from springpot.codegen.errors import DataError
-from springpot.trainer.recordings.formats import array_process, arrays
-from springpot.trainer.recordings.reader_limits import limit_reader
+from springpot.trainer.recordings.formats import arrays
 
 
 def seeds() -> Iterator[tuple[str, bytes]]:
@@ -45,7 +44,7 @@ def seeds() -> Iterator[tuple[str, bytes]]:
 
 def read(content: bytes, folder: Path) -> None:
     """Import it, its arrays read here."""
-    with mock.patch.object(arrays, "read_apart", _here):
+    with mock.patch.object(arrays, "_npz_apart", _here):
         as_users(content, folder)
 
 
@@ -54,12 +53,12 @@ def as_users(content: bytes, folder: Path) -> None:
     read_import(content, folder, "a.mat")
 
 
-def _here(path: Path, _: str, kind: str) -> bytes:
+def _here(path: Path, kind: str) -> bytes:
     """What the process of its own does, but for its limits."""
     if not _survives(path, kind):
         raise DataError(f"{path}: it crashes the reader")
     try:
-        return array_process.arrays_as_npz(path, kind)
+        return arrays.arrays_as_npz(path, kind)
     except Exception as error:  # whatever the libraries raise on a damaged file
         raise DataError(f"{path}: {error}") from None
 
@@ -75,8 +74,8 @@ def _survives(path: Path, kind: str) -> bool:
     for number in (signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS, signal.SIGFPE, signal.SIGILL):
         signal.signal(number, signal.SIG_DFL)
     with contextlib.suppress(Exception):
-        limit_reader(path)
-        array_process.arrays_as_npz(path, kind)
+        arrays.limit_reader(path)
+        arrays.arrays_as_npz(path, kind)
     os._exit(0)
 
 

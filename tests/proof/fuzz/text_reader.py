@@ -44,6 +44,6 @@ READER = Reader(
         "nan", "inf", "-1e308", "1e-320", "\\xff\\xfe", "\\xef\\xbb\\xbf", "#", "\\x22", ";",
         "\\x09",
         "\\xc2\\xb5m", "%", "1_0", "\\x0b", "\\x1c", "\\xc2\\x85",
-        "10:12:00.5", "1,007.5", "1.007,5", "***End_of_Header***", "End of test", "Time,x,force",
+        "10:12:00.5", "1,007.5", "1.007,5", "End of test", "Time,x,force",
     ),
 )  # fmt: skip

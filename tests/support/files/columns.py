@@ -14,8 +14,10 @@ def write_columns(path: Path, recording: Recording) -> Path:
         "time_s": recording.dt_s * np.arange(len(recording.force_n)),
         "position_m": recording.position_m,
         "force_N": recording.force_n,
-        **recording.place_columns(),
     }
+    if recording.place_m is not None:
+        place = np.broadcast_to(recording.place_m, (len(recording.force_n), 2)).T
+        columns |= dict(zip(("place_x_m", "place_y_m"), place, strict=True))
     if path.suffix == ".mat":
         savemat(path, columns, oned_as="column")
     else:

@@ -10,7 +10,7 @@ from support.derivatives import fir_derivatives
 from support.small import DEPTH_M, DT_S, press, recording, small_fit, training
 
 from springpot import Recording
-from springpot.codegen.errors import DataError
+from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.forest.leaves import quantised_leaves
 from springpot.codegen.model.model_file import model_hash
 from springpot.trainer.kinds import fit_model
@@ -188,3 +188,15 @@ def test_memory_grows_with_few_numbers_a_sample(kind):
     few, many = 60_000, 110_000
     held = (peak_bytes(kind, many) - peak_bytes(kind, few)) / (many - few)
     assert held < 8 * NUMBERS, f"{held:.0f} bytes a sample"
+
+
+def test_the_default_smoothing_gives_way_to_short_presses() -> None:
+    short = [
+        Recording(item.name, item.position_m[:80], item.force_n[:80], item.dt_s)
+        for item in training()
+    ]
+    fit = fit_model("hammerstein", "x", short, FitOptions())
+    assert fit.model.provenance["smooth_s"] <= 0.25 * short[0].duration_s
+    assert any("smoothed over" in line for line in fit.warnings)
+    with pytest.raises(UsageError, match=r"--smooth-s 0\.03"):
+        fit_model("hammerstein", "x", short, FitOptions(smooth_s=0.03))

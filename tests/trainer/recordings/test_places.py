@@ -53,7 +53,7 @@ def test_columns_of_other_names_are_a_place_if_they_are_named(
         return
     (read,) = import_file(tmp_path / "a.csv", None, "none", None, options).recordings
     assert read.place_m == pytest.approx((0.005, -0.01))
-    with pytest.raises(DataError, match="'a' and 'b': correct --place"):
+    with pytest.raises(DataError, match="--place"):
         import_file(tmp_path / "a.csv", None, "none", None, ImportOptions(place_m=("a", "b")))
 
 

@@ -18,7 +18,6 @@ from support.small import training
 
 import springpot
 from springpot import Recording, check_recordings
-from springpot.trainer.recordings.formats.importing import import_file
 from springpot.trainer.recordings.quality.channels import channel_findings
 from springpot.trainer.recordings.quality.cycles import find_cycles
 from springpot.trainer.recordings.quality.finding import three_digits
@@ -258,20 +257,6 @@ def test_a_slow_test_is_logged_slowly(
     text = "\n".join(["time_s,position_mm,force_N", *lines]) + "\n"
     result = run_import(tmp_path, text, *options)
     assert ("samples a second" in result.stderr) == doubted
-
-
-@pytest.mark.parametrize("stamps", ["{h:02}:{m:02}:{s:02}", "2025-11-24 {h:02}:{m:02}:{s:02}"])
-def test_stamps_of_a_clock_are_no_numbers_of_samples(stamps: str, tmp_path: Path) -> None:
-    """However fast the press and however long the log: only numbers may be in another unit."""
-    for count in (60, 9000):
-        depth_mm = 10.0 * np.sin(np.arange(count) / 10.0) ** 2
-        lines = [
-            f"{stamps.format(h=k // 3600, m=k // 60 % 60, s=k % 60)},{x:.4f},{3 * x:.4f}"
-            for k, x in enumerate(depth_mm)
-        ]
-        file = tmp_path / "a.csv"
-        file.write_text("\n".join(["Time,position_mm,force_N", *lines]) + "\n")
-        assert "unit" not in kinds(*import_file(file, None, "none", None).recordings)
 
 
 def test_check_refuses_with_status_3_after_its_report(tmp_path: Path) -> None:

@@ -10,8 +10,8 @@ from support.small import press, recording
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.importing import import_file
 from springpot.trainer.recordings.journal import JournalWriter
+from springpot.trainer.recordings.recording import MAX_NAME_BYTES, safe_recording_name
 from springpot.trainer.recordings.recording_file import read_recording, write_recording
-from springpot.trainer.recordings.recording_name import MAX_NAME_BYTES, safe_recording_name
 
 HOSTILE = ["", ".", "..", "/tmp/x", "../x", "a/b", "a\\b", ".hidden", "a\nb", "\x1b[31m", "a\0b",
            "\ud800", "x" * 300, "\u202etxt"]  # fmt: skip

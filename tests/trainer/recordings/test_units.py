@@ -34,6 +34,7 @@ from springpot.trainer.recordings.quality.units import glance
         ("gf", "force", 9.80665e-3),
         ("kgf", "force", 9.80665),
         ("lbf", "force", 4.4482216152605),
+        ("kg", "force", 9.80665),
         ("n", "force", 1.0),
         ("KN", "force", 1e3),
         ("Millimetre", "position", 1e-3),
@@ -56,9 +57,10 @@ def test_a_factor_multiplies_its_unit(factor: float, unit: str) -> None:
         ("", "force", "no unit of force"),
         ("18", "force", "no unit of force"),
         ("furlong", "position", "'furlong' is not a unit of position"),
-        ("MN", "force", "did you mean mN?"),
-        ("mn", "force", "did you mean mN?"),
-        ("kg", "force", "did you mean kgf?"),
+        ("MN", "force", "'MN' is not a unit of force"),
+        ("mn", "force", "'mn' is not a unit of force"),
+        ("kPa", "force", "the specimen's height and area before"),
+        ("%", "position", "the specimen's height and area before"),
         ("mm", "force", "'mm' is not a unit of force"),
         ("0mm", "position", "a factor of 0"),
     ],
@@ -74,6 +76,8 @@ def test_map() -> None:
         "position": Column("Engineering Strain", "33mm"),
         "force": Column(3, "18N"),
     }
+    for text, rate_hz in (("10Hz", 10.0), ("1 kHz", 1000.0), ("2.5e3Hz", 2500.0)):
+        assert parse_map(f"time={text}")["time"].rate_hz == rate_hz
     assert parse_map("force=Engineering Stress (MPa)") == {
         "force": Column("Engineering Stress (MPa)")
     }

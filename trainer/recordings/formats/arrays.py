@@ -1,113 +1,130 @@
-"""MAT (v5, v7.3) and HDF5 files of any layout: one array a channel, by name or map."""
+"""MAT (v5, v7.3) and HDF5 files of any layout: one array a channel, by name or map.
+
+Their libraries can crash, hang or ask for any amount of memory on a damaged file. So this module
+reads them in a process of its own, with limits, which prints the arrays as one NPZ.
+"""
 
 import io
-from dataclasses import dataclass
+import os
+import resource
+import subprocess
+import sys
+from collections.abc import Iterator, Mapping, Sequence
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
+from springpot.codegen.regular_file import max_unpacked_bytes
 from springpot.trainer.recordings.formats.column_map import (
     MAP_EXAMPLE,
-    ColumnMap,
+    FileRequest,
     guess_column,
     split_unit,
-    stated_rate_hz,
 )
-from springpot.trainer.recordings.formats.csv.csv_missing import wanted_columns
-from springpot.trainer.recordings.formats.csv.csv_units import pair_columns
-from springpot.trainer.recordings.formats.file_request import FileRequest
-from springpot.trainer.recordings.formats.raw_channels import RawChannels
-from springpot.trainer.recordings.formats.units import Quantity, Unit, choose_unit
-from springpot.trainer.recordings.places import require_one_place
-from springpot.trainer.recordings.reader_limits import read_apart
+from springpot.trainer.recordings.formats.sampling import RawChannels
+from springpot.trainer.recordings.formats.units import Quantity, choose_unit
+from springpot.trainer.recordings.places import place_m
 
 _MAX_SHOWN = 12
+_MAX_COLUMNS = 32
+_MAX_RATIO = 256  # a recording of nothing but zeros shrinks by 230
+_MAX_BYTES, _LEAST_BYTES = 8 << 30, 1 << 30  # of the process, libraries included
+_MAX_CPU_S, _LEAST_CPU_S, _TIMEOUT_S = 120, 4, 150.0
+_SCALES = {"scale_factor": 1.0, "conversion": 1.0, "add_offset": 0.0, "offset": 0.0}
+Found = tuple[str, str, str, object]  # as `_Array`
+_FILLS = ("_FillValue", "missing_value")
 
 
-@dataclass(frozen=True, eq=False)
-class _Array:
+class _Array(NamedTuple):
+    """A vector; other: the attribute that says that its numbers are not the values, or ""."""
+
     name: str
     unit: str
+    other: str
     values: Samples
 
+    @property
+    def label(self) -> str:
+        """Last part of the name: groups and structures are named after rigs."""
+        return self.name.replace(".", "/").rpartition("/")[2]
 
-def read_mat_arrays(path: Path, request: FileRequest) -> tuple[list[RawChannels], str]:
-    """Read one recording from a MAT file of version 5, as `read_hdf5_arrays`."""
-    return _read_arrays(path, "mat", request.columns)
 
-
-def read_hdf5_arrays(path: Path, request: FileRequest) -> tuple[list[RawChannels], str]:
-    """Read one recording from an HDF5 file of any layout, or a MAT file of version 7.3.
+def read_arrays(path: Path, kind: str, request: FileRequest) -> tuple[RawChannels, str]:
+    """Read one recording from a file of the kind "mat" (version 5) or "hdf5" (MAT 7.3 too).
 
     A channel is a vector, or a column of a matrix as `data[2]`; structures and groups are named
-    as `rig.force` and `rig/force`. Raises DataError naming file and array where a channel or its
+    as `rig.force` and `rig/force`. Raises DataError naming file and array if a channel or its
     unit is missing or ambiguous, or lengths differ.
     """
-    return _read_arrays(path, "hdf5", request.columns)
-
-
-def _read_arrays(path: Path, kind: str, columns: ColumnMap) -> tuple[list[RawChannels], str]:
     arrays = _load(path, kind)
-    options = wanted_columns(columns)
-    chosen = {quantity: _choose(path, arrays, quantity, columns) for quantity in options}
-    lengths = {quantity: len(array.values) for quantity, array in chosen.items()}
-    if len(set(lengths.values())) > 1:
-        found = ", ".join(f"{chosen[q].name!r} {n}" for q, n in lengths.items())
+    chosen = {quantity: _choose(path, arrays, quantity, request) for quantity in request.wanted}
+    if len({len(array.values) for array in chosen.values()}) > 1:
+        found = ", ".join(f"{array.name!r} {len(array.values)}" for array in chosen.values())
         raise DataError(f"{path}: channels of different lengths ({found}): correct --map")
-    units = {q: _unit(path, q, array, columns) for q, array in chosen.items()}
+    units = {}
+    for q, array in chosen.items():
+        texts = {
+            "map": request.columns[q].unit if q in request.columns else None,
+            "attribute": array.unit,
+            "name": None if array.label.endswith("]") else split_unit(array.label, q)[1],
+        }
+        units[q] = choose_unit(texts, q, f"{path}, array {array.name!r}", array.name)
     scaled = {q: array.values * units[q].to_si for q, array in chosen.items()}
-    found = ", ".join(
+    guess = f"{kind.upper()} file: " + ", ".join(
         f"{q} = {array.name!r} in {units[q].text} ({units[q].origin})"
         for q, array in chosen.items()
     )
-    metadata: dict[str, Any] = {q: unit.metadata() for q, unit in units.items()}
-    rate_hz = stated_rate_hz(columns)
-    if rate_hz is not None:
-        scaled["time"] = np.arange(len(scaled["force"])) / rate_hz
-        metadata["time"] = {"unit": f"{rate_hz:g} Hz", "from": "map"}
-        found = f"time = samples counted at the stated {rate_hz:g} Hz, {found}"
-    guess = f"{kind.upper()} file: {found}"
-    raw = RawChannels(
-        name=path.stem,
+    metadata = {q: unit.metadata() for q, unit in units.items()}
+    count = len(scaled["force"])
+    if request.rate_hz is not None:
+        scaled["time"] = np.arange(count) / request.rate_hz
+        metadata["time"] = {"unit": f"{request.rate_hz:g} Hz", "from": "map"}
+        guess += f", time = samples counted at the stated {request.rate_hz:g} Hz"
+    labels, below = [array.label for array in arrays], [array.unit for array in arrays]
+    return RawChannels(
         time_s=scaled["time"],
         position_m=scaled["position"],
         force_n=scaled["force"],
-        time_digit_s=0.0,
+        rows=np.arange(1, count + 1),
         source=str(path),
-        line_of=lambda sample: sample + 1,
         details={"columns": guess, "units": metadata},
-        place_m=_place_m(path, arrays, len(scaled["force"])),
-    )
-    return [raw], guess
+        place_m=place_m(str(path), labels, lambda k: arrays[k].values, request.place, below),
+    ), guess
 
 
-def _place_m(path: Path, arrays: list[_Array], samples: int) -> tuple[float, float] | None:
-    """Place that arrays such as place_x_mm and place_y_mm state, m; None without them."""
-    names, units = _labels(arrays), [array.unit for array in arrays]
-    place = pair_columns(path, names, units, "place", "position")
-    for index, _ in place:
-        if len(arrays[index].values) != samples:
-            raise DataError(
-                f"{path}: {arrays[index].name!r} has {len(arrays[index].values)} samples, force "
-                f"{samples}: give as many"
-            )
-    found = [arrays[index].values * to_si for index, to_si in place]
-    return require_one_place(str(path), np.column_stack(found)) if found else None
+def _choose(
+    path: Path, arrays: Sequence[_Array], quantity: Quantity, request: FileRequest
+) -> _Array:
+    column = request.columns.get(quantity)
+    what = "has no array"
+    if column is None:
+        found = [arrays[k] for k in guess_column([array.label for array in arrays], quantity)]
+    else:
+        stated = str(column.header_or_number).strip("/")
+        found = [a for k, a in enumerate(arrays, 1) if stated in (a.name, str(k))]
+        what += f" {stated!r}"
+    if len(found) == 1 and found[0].other:
+        raise DataError(
+            f"{path}, array {found[0].name!r}: its {found[0].other} is not applied here: read it "
+            "in Python and pass the values to springpot.Recording.from_frame"
+        )
+    if len(found) == 1:
+        return found[0]
+    if found:
+        what = "may be " + ", ".join(repr(array.name) for array in found)
+    shown = ", ".join(repr(array.name) for array in arrays[:_MAX_SHOWN])
+    raise DataError(f"{path}: {quantity} {what}; it holds {shown}: pass --map {MAP_EXAMPLE}")
 
 
 def _load(path: Path, kind: str) -> list[_Array]:
-    if kind == "mat" and find_spec("scipy") is None:
-        raise ModuleNotFoundError("MAT files are read by scipy", name="scipy")
-    module = "springpot.trainer.recordings.formats.array_process"
-    with np.load(io.BytesIO(read_apart(path, module, kind)), allow_pickle=False) as stored:
-        names, units = stored["names"], stored["units"]
+    with np.load(io.BytesIO(_npz_apart(path, kind)), allow_pickle=False) as stored:
         arrays = [
-            _Array(str(name), str(unit), stored[f"a{k}"])
-            for k, (name, unit) in enumerate(zip(names, units, strict=True))
+            _Array(name, unit, other, stored[f"a{k}"])
+            for k, (name, unit, other) in enumerate(stored["texts"].reshape(-1, 3).tolist())
         ]
     if not arrays:
         raise DataError(
@@ -117,42 +134,106 @@ def _load(path: Path, kind: str) -> list[_Array]:
     return arrays
 
 
-def _choose(path: Path, arrays: list[_Array], quantity: Quantity, columns: ColumnMap) -> _Array:
-    column = columns.get(quantity)
-    names = [array.name for array in arrays]
-    shown = ", ".join(map(repr, names[:_MAX_SHOWN])) + (", ..." if names[_MAX_SHOWN:] else "")
-    if column is None:
-        found = _guess(arrays, quantity)
-        if len(found) == 1:
-            return found[0]
-        what = "may be " + ", ".join(repr(a.name) for a in found) if found else "has no array"
-        raise DataError(f"{path}: {quantity} {what}; it holds {shown}: pass --map {MAP_EXAMPLE}")
-    if isinstance(column.header_or_number, int):
-        if column.header_or_number > len(arrays):
-            raise DataError(f"{path}: --map {quantity}={column.header_or_number}: it holds {shown}")
-        return arrays[column.header_or_number - 1]
-    options = column.header_or_number.strip("/")
-    exact = [array for array in arrays if array.name == options]
-    if len(exact) != 1:
-        raise DataError(f"{path}: --map {quantity}: no array {options!r}; it holds {shown}")
-    return exact[0]
+def _npz_apart(path: Path, kind: str) -> bytes:
+    """Run this module on the file. Raises DataError if the process refuses it, or is ended."""
+    if kind == "mat" and find_spec("scipy") is None:
+        raise ModuleNotFoundError("MAT files are read by scipy", name="scipy")
+    try:
+        done = subprocess.run(
+            [sys.executable, "-m", __name__, path, kind], capture_output=True, check=False,
+            timeout=_TIMEOUT_S,
+            env=os.environ | {"OPENBLAS_NUM_THREADS": "1"},  # each thread counts as memory
+        )  # fmt: skip
+    except subprocess.TimeoutExpired:
+        why = "reading it does not end"
+    else:
+        if not done.returncode:
+            return done.stdout
+        lines = done.stderr.decode(errors="replace").strip().splitlines()
+        why = lines[-1] if lines and done.returncode > 0 else "it crashes the reader"
+    raise DataError(f"{path}: damaged or of another format ({why}): export it again")
 
 
-def _guess(arrays: list[_Array], quantity: Quantity) -> list[_Array]:
-    return [arrays[index] for index in guess_column(_labels(arrays), quantity)]
+def arrays_as_npz(path: Path, kind: str) -> bytes:
+    """Return the vectors of a file as an NPZ; raises whatever the file's library does."""
+    if kind == "mat":
+        from scipy.io import loadmat
+
+        found = list(_nested("", loadmat(path, simplify_cells=True)))
+    else:
+        found = _of_hdf5(path)
+    texts: list[tuple[str, str, str]] = []
+    stored: dict[str, Samples] = {}
+    for name, unit, other, value in found:
+        if np.asarray(value).dtype.kind not in "fiu":
+            continue
+        array = np.squeeze(np.asarray(value)).astype(np.float64)
+        columns = {}
+        if array.ndim == 1 and len(array) > 1:
+            columns[name] = array
+        elif array.ndim == 2 and min(array.shape) <= _MAX_COLUMNS:
+            across = array.T if array.shape[0] >= array.shape[1] else array  # time is longer
+            columns = {f"{name}[{k}]": its for k, its in enumerate(across, 1)}
+        for label, values in columns.items():
+            stored[f"a{len(texts)}"] = values
+            texts.append((label, unit, other))
+    unpacked_bytes = sum(its.nbytes for its in stored.values())
+    if unpacked_bytes > max_unpacked_bytes(path.stat().st_size, _MAX_RATIO):
+        raise ValueError("more numbers than a file of its size can hold")
+    memory = io.BytesIO()
+    np.savez(memory, allow_pickle=False, texts=np.array(texts, dtype=str), **stored)
+    return memory.getvalue()
 
 
-def _labels(arrays: list[_Array]) -> list[str]:
-    """Last parts of the names: groups and structures are named after rigs."""
-    return [array.name.replace(".", "/").rpartition("/")[2] for array in arrays]
+def _nested(name: str, value: object) -> Iterator[Found]:
+    """Yield the arrays of structures and cells."""
+    if isinstance(value, Mapping):
+        for key, inner in value.items():
+            if not key.startswith("__"):
+                yield from _nested(f"{name}.{key}" if name else key, inner)
+    elif isinstance(value, list) or (isinstance(value, np.ndarray) and value.dtype == object):
+        for k, inner in enumerate(value.flat if isinstance(value, np.ndarray) else value, 1):
+            yield from _nested(f"{name}({k})", inner)
+    else:
+        yield name, "", "", value
 
 
-def _unit(path: Path, quantity: Quantity, array: _Array, columns: ColumnMap) -> Unit:
-    column = columns.get(quantity)
-    label = array.name.replace(".", "/").rpartition("/")[2]
-    found = {
-        "map": column.unit if column else None,
-        "attribute": array.unit,
-        "name": split_unit(label, quantity)[1] if not label.endswith("]") else None,
-    }
-    return choose_unit(found, quantity, f"{path}, array {array.name!r}", array.name)
+def _of_hdf5(path: Path) -> list[Found]:
+    import h5py
+
+    found: list[Found] = []
+
+    def visit(name: str, node: object) -> None:
+        if not isinstance(node, h5py.Dataset) or name.startswith("#"):
+            return
+        texts = [node.attrs[a] for a in ("unit", "units", "Unit", "Units") if a in node.attrs]
+        unit = texts[0] if texts else ""
+        unit = unit.decode("utf-8", "replace") if isinstance(unit, bytes) else str(unit)
+        if node.dtype.names:
+            found.extend((f"{name}.{f}", "", "", node[f]) for f in node.dtype.names)
+        elif node.dtype.kind in "fiu" and node.ndim <= 2:
+            value, attributes = node[()], dict(node.attrs)
+            others = [a for a, its in _SCALES.items() if np.any(attributes.get(a, its) != its)]
+            others += [a for a in _FILLS if a in attributes and np.any(value == attributes[a])]
+            found.append((name, unit, "".join(others[:1]), value))
+
+    with h5py.File(path, "r") as file:
+        file.visititems(visit)
+    return found
+
+
+def limit_reader(path: Path) -> None:
+    """Limit this process to the memory and time that reading a file of its size may take."""
+    mib = path.stat().st_size >> 20
+    max_bytes = min(_MAX_BYTES, _LEAST_BYTES + (mib << 28))
+    cpu_s = min(_MAX_CPU_S, _LEAST_CPU_S + mib)
+    resource.setrlimit(resource.RLIMIT_AS, (max_bytes, max_bytes))
+    resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s))
+
+
+if __name__ == "__main__":
+    limit_reader(Path(sys.argv[1]))
+    try:
+        sys.stdout.buffer.write(arrays_as_npz(Path(sys.argv[1]), sys.argv[2]))
+    except Exception as error:  # whatever the libraries raise on a damaged file
+        sys.exit(" ".join(f"{type(error).__name__}: {error}".split())[:300])

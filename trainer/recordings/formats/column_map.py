@@ -6,8 +6,8 @@ What the map leaves out is guessed from the words and units in a header.
 import re
 import shlex
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from pathlib import Path
+from dataclasses import dataclass, field
+from typing import Literal
 
 from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.recordings.formats.units import (
@@ -16,54 +16,42 @@ from springpot.trainer.recordings.formats.units import (
     Quantity,
     Unit,
     choose_unit,
+    is_of_specimen,
     is_unit,
-    is_weight,
 )
 
+DecimalMark = Literal["point", "comma"]
 MAP_EXAMPLE = "time=COL:s,position=COL:mm,force=COL:N"
+PLACE = ("place_x", "place_y")
 # A header may hold commas ("Time, s"): only a comma before the next channel's name separates.
 _NEXT_CHANNEL = re.compile(rf",(?=\s*(?:{'|'.join(QUANTITIES)})\s*=)")
 _RATE = re.compile(r"(\d+\.?\d*(?:[eE][+-]?\d+)?)\s*(k?)Hz")
-_LABELS: dict[Quantity, set[str]] = {
-    "time": {"time", "t", "timestamp"},
-    "position": {
-        *("position", "pos", "displacement", "disp", "depth", "penetration", "indentation"),
-        *("compression", "extension", "stroke", "x", "z"),
+# Words of a header in rows of falling rank: of rigs; of texture analysers, indenters, LabVIEW and
+# testing machines in German, French, Spanish, Italian; words that may be a date or a strain, too.
+_LABELS: tuple[dict[Quantity, str], ...] = (
+    {
+        "time": "time t timestamp",
+        "position": "position pos displacement disp depth penetration indentation compression "
+        "extension stroke x z",
+        "force": "force load f fz",
     },
-    "force": {"force", "load", "f", "fz"},
-}
-# Of texture analysers, indenters (penetration depth, normal force), LabVIEW and testing machines in
-# German, French, Spanish and Italian: taken where no word above is found.
-_OTHER_LABELS: dict[Quantity, set[str]] = {
-    "time": {"zeit", "prüfzeit", "temps", "tiempo", "tempo", "elapsed", "x_value"},
-    "position": {
-        *("distance", "travel", "crosshead", "weg", "standardweg", "traversenweg", "eindringtiefe"),
-        *("verlängerung", "verformung", "verschiebung", "kompressionsweg", "traverse", "pd"),
-        *("déplacement", "deplacement", "enfoncement", "desplazamiento", "spostamento"),
-        *("kompressionsverschiebung", "deformation", "deflection"),
+    {
+        "time": "zeit prüfzeit temps tiempo tempo elapsed x_value",
+        "position": "distance travel crosshead weg standardweg traversenweg eindringtiefe traverse "
+        "verlängerung verformung verschiebung kompressionsweg kompressionsverschiebung pd "
+        "déplacement deplacement enfoncement desplazamiento spostamento deformation deflection",
+        "force": "kraft standardkraft prüfkraft kompressionskraft last fn charge fuerza carga "
+        "forza carico",
     },
-    "force": {
-        *("kraft", "standardkraft", "prüfkraft", "kompressionskraft", "last", "fn", "charge"),
-        *("fuerza", "carga", "forza", "carico"),
+    {
+        "time": "date datetime datum uhrzeit clock",
+        "position": "stauchung druckweg",
+        "force": "druckkraft",
     },
-}
-# Date and time in one column, and German words that may be a strain: taken where no other is found.
-_LAST_LABELS: dict[Quantity, set[str]] = {
-    "time": {"date", "datetime", "datum", "uhrzeit", "clock"},
-    "position": {"stauchung", "druckweg"},
-    "force": {"druckkraft"},
-}
+)
 # "Compression stress" and "Extension rate" are neither positions nor forces.
-_NOT_A_LABEL = {
-    "stress",
-    "strain",
-    "rate",
-    "speed",
-    "velocity",
-    "setpoint",
-    "command",
-    "place",
-    "dimension",
+_NO_LABELS = {
+    *("stress", "strain", "rate", "speed", "velocity", "setpoint", "command", "place", "dimension"),
 }
 _BRACKETED_UNIT = re.compile(r"(.*?)[\s_,/]*[(\[{]\s*([^()\[\]{}]+?)\s*[)\]}]")
 _SEPARATED_UNIT = re.compile(r"(.+?)\s*[,/]\s*([^,/]+)")
@@ -87,27 +75,33 @@ class Column:
 ColumnMap = Mapping[Quantity, Column]
 
 
-def stated_rate_hz(columns: ColumnMap) -> float | None:
-    """Rate that the map states in place of a column of time, Hz."""
-    return columns["time"].rate_hz if "time" in columns else None
+@dataclass(frozen=True)
+class FileRequest:
+    """What a person states about a file; the reader guesses the rest.
 
+    decimal: the mark of decimals in text. place: headers of two columns, where the object was
+    pressed.
+    """
 
-def map_option(columns: ColumnMap) -> str:
-    """Write columns as `--map` takes them, quoted for a shell."""
-    parts = [
-        f"{q}={columns[q].header_or_number}" + (f":{columns[q].unit}" if columns[q].unit else "")
-        if columns[q].rate_hz is None
-        else f"{q}={columns[q].rate_hz:g}Hz"
-        for q in QUANTITIES
-        if q in columns
-    ]
-    return shlex.quote(",".join(parts))
+    columns: ColumnMap = field(default_factory=dict)
+    decimal: DecimalMark | None = None
+    place: tuple[str, str] = PLACE
+
+    @property
+    def rate_hz(self) -> float | None:
+        """Rate that the map states in place of a column of time."""
+        return self.columns["time"].rate_hz if "time" in self.columns else None
+
+    @property
+    def wanted(self) -> tuple[Quantity, ...]:
+        """Channels that are read from columns: all, or all but time if a rate is stated."""
+        return QUANTITIES if self.rate_hz is None else QUANTITIES[1:]
 
 
 def parse_map(text: str) -> dict[Quantity, Column]:
-    """Read the text of `--map`. Channels that it leaves out are guessed from the headers.
+    """Read the text of `--map`; the last colon separates a column from its unit.
 
-    The last colon separates a column from its unit. Raises UsageError for text of another form.
+    Raises UsageError for text of another form.
     """
     columns: dict[Quantity, Column] = {}
     for part in _NEXT_CHANNEL.split(text):
@@ -118,10 +112,15 @@ def parse_map(text: str) -> dict[Quantity, Column]:
         if quantity in columns:
             raise UsageError(f"--map: {quantity} is given twice: give it once")
         rate_hz = stated_hz(rest) if quantity == "time" else None
-        if rate_hz is not None:
-            columns[quantity] = Column("", rate_hz=rate_hz)
-        else:
-            columns[quantity] = _parse_column(rest, quantity)
+        header, colon, unit = (piece.strip() for piece in rest.rpartition(":"))
+        if not colon:
+            header, unit = unit, ""
+        if not header:
+            raise UsageError(f"--map: {quantity} has no column: write {MAP_EXAMPLE}")
+        if header.isdecimal() and int(header) == 0:
+            raise UsageError(f"--map: {quantity}: columns are counted from 1, not 0")
+        column = Column(int(header) if header.isdecimal() else header, unit or None)
+        columns[quantity] = column if rate_hz is None else Column("", rate_hz=rate_hz)
     return columns
 
 
@@ -139,41 +138,27 @@ def stated_hz(text: str) -> float | None:
     return rate_hz
 
 
-def _parse_column(text: str, quantity: Quantity) -> Column:
-    header, colon, unit = (piece.strip() for piece in text.rpartition(":"))
-    if not colon:
-        header, unit = unit, ""
-    if not header:
-        raise UsageError(f"--map: {quantity} has no column: write {MAP_EXAMPLE}")
-    if not header.isdecimal():
-        return Column(header, unit or None)
-    if int(header) == 0:
-        raise UsageError(f"--map: {quantity}: columns are counted from 1, not 0")
-    return Column(int(header), unit or None)
-
-
 def split_unit(header: str, quantity: Quantity) -> tuple[str, str | None]:
-    """Split "Time (s)", "Load [N]", "Time, s" or "position_mm" into label and unit.
-
-    A longer header than any channel's is a label as it is: the patterns take the square of its
-    length.
-    """
-    if len(header) > _MAX_HEADER:
+    """Split "Time (s)", "Load [N]", "Time, s" or "position_mm" into label and unit."""
+    if header == "X_Value" and quantity == "time":
+        return header, "s"  # LabVIEW writes its unit nowhere
+    if len(header) > _MAX_HEADER:  # the patterns take the square of its length
         return header, None
     for pattern in (_BRACKETED_UNIT, _SEPARATED_UNIT):
         if match := pattern.fullmatch(header):
             return match[1], match[2]
     match = _APPENDED_UNIT.fullmatch(header)
-    if match and (is_unit(match[2], quantity) or is_weight(match[2], quantity)):
+    if match and (is_unit(match[2], quantity) or is_of_specimen(match[2], quantity)):
         return match[1], match[2]
     return header, None
 
 
 def guess_column(row: Sequence[str], quantity: Quantity) -> list[int]:
-    """Prefer a label that is one of the known words to one that only contains such a word.
+    """Return the columns that may be a channel, from 0: those of the best label in a header.
 
-    A column in a unit of another quantity is no candidate. Without a word, a symbol in a unit of
-    this one is ("s [mm]").
+    A label that is a known word goes before one that only contains such a word. A column in a unit
+    of another quantity is no candidate. Without a word, a symbol in a unit of this one is
+    ("s [mm]").
     """
     others = [q for q in QUANTITIES if q != quantity]
     own = {i: cell for i, cell in enumerate(row) if not any(_in_unit_of(cell, q) for q in others)}
@@ -184,12 +169,13 @@ def guess_column(row: Sequence[str], quantity: Quantity) -> list[int]:
     words = {
         i: set(re.split(r"[\W\d_]+", label.replace("x_value", ""))) for i, label in labels.items()
     }
-    elsewhere = set[str]().union(*(_LABELS[q] for q in others))
-    for known in (_LABELS[quantity], _OTHER_LABELS[quantity], _LAST_LABELS[quantity]):
+    elsewhere = {word for q in others for word in _LABELS[0][q].split()}
+    for rank in _LABELS:
+        known = set(rank[quantity].split())
         exact = [i for i, label in labels.items() if label in known]
         if exact:
             return exact
-        found = [i for i, w in words.items() if w & known and not w & _NOT_A_LABEL]
+        found = [i for i, w in words.items() if w & known and not w & _NO_LABELS]
         if found:  # an indentation force is a force
             return [i for i in found if not words[i] & elsewhere] or found
     return [i for i, cell in own.items() if len(labels[i]) < 3 and _in_unit_of(cell, quantity)]
@@ -201,15 +187,16 @@ def _in_unit_of(header: str, quantity: Quantity) -> bool:
 
 
 def column_units(
-    path: Path,
-    header: list[str],
-    chosen: dict[Quantity, int],
+    where: str,
+    header: Sequence[str],
+    chosen: Mapping[Quantity, int],
     columns: ColumnMap,
-    unit_row: dict[Quantity, str],
+    below: Mapping[Quantity, str],
 ) -> dict[Quantity, Unit]:
-    """The units of the map, which must not contradict the file's, or of the header or unit row.
+    """Return the units of the map, which must not contradict the file's, or those of the file.
 
-    header: empty where there is none. chosen: columns from 0. unit_row: the units below the header.
+    where: begins a message. header: empty without one. chosen: columns from 0. below: units in the
+    row below the header.
     Raises DataError for a unit that is unknown or contradicts, and once for all that are missing.
     """
     labels = {q: header[index] if index < len(header) else "" for q, index in chosen.items()}
@@ -218,23 +205,28 @@ def column_units(
         q: {
             "map": named[q].unit,
             "header": split_unit(labels[q], q)[1],
-            "row of units": unit_row.get(q),
+            "row of units": below.get(q),
         }
         for q in chosen
     }
-    where = {
-        q: f"column {index + 1}{f' {labels[q]!r}' if labels[q] else ''}"
-        for q, index in chosen.items()
-    }
+    at = {q: f"column {i + 1}{f' {labels[q]!r}' * bool(labels[q])}" for q, i in chosen.items()}
     missing = [q for q in chosen if not any(places[q].values())]
     if missing:
         wanted = {**columns, **{q: Column(named[q].header_or_number, "UNIT") for q in missing}}
+        option = shlex.quote(",".join(_stated(q, wanted[q]) for q in QUANTITIES if q in wanted))
         raise DataError(
-            f"{path}, {', '.join(where[q] for q in missing)}: no unit of {', of '.join(missing)}: "
-            f"pass --map {map_option(wanted)}, with a unit such as "
+            f"{where}, {', '.join(at[q] for q in missing)}: no unit of {', of '.join(missing)}: "
+            f"pass --map {option}, with a unit such as "
             f"{', '.join(COMMON_UNITS[q] for q in missing)} for each UNIT"
         )
     return {
-        q: choose_unit(places[q], q, f"{path}, {where[q]}", str(named[q].header_or_number))
+        q: choose_unit(places[q], q, f"{where}, {at[q]}", str(named[q].header_or_number))
         for q in chosen
     }
+
+
+def _stated(quantity: Quantity, column: Column) -> str:
+    """One channel as `--map` has it."""
+    if column.rate_hz is not None:
+        return f"{quantity}={column.rate_hz:g}Hz"
+    return f"{quantity}={column.header_or_number}" + f":{column.unit}" * bool(column.unit)

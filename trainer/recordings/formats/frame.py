@@ -2,7 +2,6 @@
 
 from collections.abc import Hashable, Mapping, Sequence
 from datetime import UTC, datetime
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,10 +9,9 @@ import numpy as np
 from springpot.codegen.arrays import Samples, given_numbers
 from springpot.codegen.errors import UsageError
 from springpot.trainer.recordings.formats.column_map import split_unit, stated_hz
-from springpot.trainer.recordings.formats.csv.csv_units import pair_columns
-from springpot.trainer.recordings.formats.raw_channels import RawChannels
+from springpot.trainer.recordings.formats.sampling import RawChannels
 from springpot.trainer.recordings.formats.units import FRAME_NAME, Quantity, choose_unit
-from springpot.trainer.recordings.places import require_one_place
+from springpot.trainer.recordings.places import place_m
 from springpot.trainer.recordings.recording import FRAME_SOURCE
 
 _MAX_SHOWN = 200  # letters of all names
@@ -50,16 +48,22 @@ def frame_channels(frame: Any, name: str, columns: Mapping[Quantity, Hashable]) 
         unit = choose_unit(texts, quantity, where, str(label), in_python=True)
         scaled[quantity] = given_numbers(values, where) * unit.to_si
         units[quantity] = unit.metadata()
-    force_n = scaled["force"]
-    time_s = scaled["time"] if rate_hz is None else np.arange(len(force_n)) / rate_hz
-    place = pair_columns(Path(name), [str(label) for label in labels], [], "place", "position")
-    path_m = [given_numbers(np.asarray(frame[labels[i]]), f"{name}, {labels[i]}") * to_si
-              for i, to_si in place]  # fmt: skip
+    count = len(scaled["force"])
     return RawChannels(
-        name, time_s, scaled["position"], force_n, digit_s, FRAME_SOURCE, lambda sample: sample,
-        {"units": units}, require_one_place(name, np.column_stack(path_m)) if path_m else None,
+        time_s=scaled["time"] if rate_hz is None else np.arange(count) / rate_hz,
+        position_m=scaled["position"],
+        force_n=scaled["force"],
+        rows=np.arange(count),
+        source=FRAME_SOURCE,
+        time_digit_s=digit_s,
+        details={"units": units},
+        place_m=place_m(
+            name,
+            [str(label) for label in labels],
+            lambda k: given_numbers(np.asarray(frame[labels[k]]), f"{name}, {labels[k]}"),
+        ),
         in_python=True,
-    )  # fmt: skip
+    )
 
 
 def _labels(frame: Any) -> list[Hashable]:
@@ -101,7 +105,7 @@ def _missing(quantity: Quantity, column: Hashable, labels: Sequence[Hashable], f
 
 
 def _without_zone(column: Any) -> np.ndarray[Any, Any]:
-    """Dates of Python or pandas, which numpy keeps as objects, as numpy's own, in UTC."""
+    """Dates of Python or pandas, which numpy holds as objects, as numpy's own, in UTC."""
     values = np.asarray(column)
     if values.dtype.kind != "O" or not all(isinstance(each, datetime) for each in values.flat):
         return values

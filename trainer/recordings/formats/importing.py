@@ -1,6 +1,5 @@
 """Files from outside -> recordings: chooses the reader by what is in the file."""
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -11,30 +10,32 @@ from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.regular_file import require_regular
 from springpot.codegen.short_repr import short_repr
 from springpot.trainer.recordings.conditioning import Conditioning, condition
-from springpot.trainer.recordings.formats.column_map import ColumnMap
-from springpot.trainer.recordings.formats.csv.decimals import DecimalMark
-from springpot.trainer.recordings.formats.file_request import FileRequest
-from springpot.trainer.recordings.formats.raw_channels import RawChannels
-from springpot.trainer.recordings.formats.sampling import to_recording
-from springpot.trainer.recordings.formats.uneven_tail import tail_note
-from springpot.trainer.recordings.formats.units import factor_to_si
+from springpot.trainer.recordings.formats.arrays import read_arrays
+from springpot.trainer.recordings.formats.column_map import ColumnMap, DecimalMark, FileRequest
+from springpot.trainer.recordings.formats.csv_file import read_csv
+from springpot.trainer.recordings.formats.sampling import (
+    RawChannels,
+    sampling_notes,
+    to_recording,
+)
+from springpot.trainer.recordings.formats.units import factor_to_si, parts_of
 from springpot.trainer.recordings.journal import JOURNAL_SUFFIX
-from springpot.trainer.recordings.recording import Recording, Zero, zero_word
+from springpot.trainer.recordings.recording import Recording, Zero, safe_recording_name, zero_word
 from springpot.trainer.recordings.recording_file import read_recording
 from springpot.trainer.recordings.recording_hdf5 import is_recording
-from springpot.trainer.recordings.recording_name import safe_recording_name
 
+_BEGINS = "+-.0123456789"  # a number
 _START_BYTES = 520  # a user block of HDF5 is 512 of them
 _HDF5, _MAT5, _MAT73 = b"\x89HDF\r\n\x1a\n", b"MATLAB 5.0 MAT-file", b"MATLAB 7.3 MAT-file"
-_OTHERS = {  # how files begin that Python reads: docs/how-to/import.md
+_OTHERS = {  # how files begin that are neither arrays nor a table as text: docs/how-to/import.md
     b"PK\x03\x04": "an Excel workbook (pandas)",
+    b"\xd0\xcf\x11\xe0": "an old Excel or Office file (pandas)",
     b"TDSm": "a TDMS file (npTDMS)",
     b"LOGG": "a log of CAN frames (cantools)",
     b"<Mach-1 File>": "a text of Mach-1 (numpy)",
+    b"{\\rtf": "formatted text (RTF)",
+    b"%PDF": "a PDF",
 }
-_NUMBER = r"\s*([+-]?(?:\d+\.?\d*|\.\d+))\s*"
-_PLACE = re.compile(rf"{_NUMBER}([a-z]*)\s*,{_NUMBER}([a-z]+)\s*")
-_HEADERS = re.compile(r"\s*([^\W\d][^,]*?)\s*,\s*([^\W\d][^,]*?)\s*")
 
 
 @dataclass(frozen=True)
@@ -55,14 +56,6 @@ class ImportOptions:
     place_m: tuple[float, float] | tuple[str, str] | None = None
     __repr__ = short_repr
 
-    @property
-    def columns_of_place(self) -> tuple[str, str] | None:
-        """Headers of the columns that say where the object was pressed, if they were given."""
-        match self.place_m:
-            case (str() as x, str() as y):
-                return x, y
-        return None
-
 
 @dataclass(frozen=True)
 class ImportResult:
@@ -79,7 +72,7 @@ def import_file(
     resample_hz: float | None,
     options: ImportOptions | None = None,
 ) -> ImportResult:
-    """Read every recording of one file, in SI units.
+    """Read the recording of one file, in SI units.
 
     mapping: columns and units; what it leaves out is guessed from the headers.
     zero: subtract nothing, the first sample or the smallest one, of each channel.
@@ -88,61 +81,48 @@ def import_file(
     """
     if resample_hz is not None and not 0.0 < resample_hz < np.inf:
         raise UsageError(f"--resample-hz: {resample_hz} is not a rate: give a number above 0")
-    options = options or ImportOptions()
-    found = _imported(path, mapping, zero_word(zero), resample_hz, options)
-    if options.place_m is None:
-        return found
-    if options.columns_of_place:
-        if not all(each.place_x_m is not None for each in found.recordings):
-            raise UsageError(f"{path}: --place: only a table has columns of a place: state x and y")
-        return found
-    x_m, y_m = map(float, options.place_m)
-    placed = [replace(each, place_x_m=x_m, place_y_m=y_m) for each in found.recordings]
-    return replace(found, recordings=placed)
-
-
-def _imported(
-    path: Path,
-    mapping: ColumnMap | None,
-    zero: Zero,
-    resample_hz: float | None,
-    options: ImportOptions,
-) -> ImportResult:
+    options, zero = options or ImportOptions(), zero_word(zero)
     if path.is_dir():
         raise DataError(f"{path}: a folder: name its files, such as {path}/*.csv")
     try:
         require_regular(path)
-        with path.open("rb") as file:
-            start = file.read(_START_BYTES)
-        if path.suffix == JOURNAL_SUFFIX or is_recording(path):
-            return _import_again(path, mapping, zero, resample_hz, options)
-        request = FileRequest(
-            mapping or {}, options.decimal, resample_hz is not None, options.columns_of_place
-        )
-        raws, guess = _read(path, start, request)
+        own = path.suffix == JOURNAL_SUFFIX or is_recording(path)
+        if own and (mapping or zero != "none" or resample_hz is not None):
+            raise UsageError(
+                f"{path}: is a springpot recording already: only --contact-force, --tare, "
+                "--mass-kg, delays, --align and --place apply to it"
+            )
+        if own:
+            recording, notes = read_recording(path), ["a springpot recording"]
+        else:
+            match options.place_m:
+                case (str() as x, str() as y):
+                    request = FileRequest(mapping or {}, options.decimal, (x, y))
+                case _:
+                    request = FileRequest(mapping or {}, options.decimal)
+            raw, guess = _read(path, request)
+            name = safe_recording_name(path.stem)
+            recording = to_recording(raw, name, zero, resample_hz)
+            notes = [guess, *sampling_notes(recording)]
     except OSError as error:
         raise DataError(f"{path}: {error.strerror}: give a file that can be read") from None
-    names = _unique([raw.name for raw in raws])
-    recordings = []
-    for raw, name in zip(raws, names, strict=True):
-        recording = to_recording(raw, name, zero, resample_hz)
-        recording, messages = condition(recording, options.conditioning)
-        recordings.append(recording)
-        first = str(recording.details.get("first_row_cut", ""))
-        notes = (first, tail_note(recording), *messages)
-        guess += "".join(f"; {note}" for note in notes if note)
-    return ImportResult(recordings, f"{path}: {guess}")
+    recording, messages = condition(recording, options.conditioning)
+    match options.place_m:
+        case (float() | int() as x_m, float() | int() as y_m):
+            recording = replace(recording, place_x_m=float(x_m), place_y_m=float(y_m))
+        case (x, y) if recording.place_m is None:
+            raise DataError(f"{path}: no header has columns {x!r} and {y!r}: correct --place")
+    return ImportResult([recording], f"{path}: {'; '.join([*notes, *messages])}")
 
 
-def _read(path: Path, start: bytes, request: FileRequest) -> tuple[list[RawChannels], str]:
+def _read(path: Path, request: FileRequest) -> tuple[RawChannels, str]:
     """Read a file of other programs: arrays by how it begins, else text."""
-    from springpot.trainer.recordings.formats import arrays
-    from springpot.trainer.recordings.formats.csv.csv_text import read_csv
-
+    with path.open("rb") as file:
+        start = file.read(_START_BYTES)
     if start.startswith(_MAT5):
-        return arrays.read_mat_arrays(path, request)
+        return read_arrays(path, "mat", request)
     if start.startswith((_HDF5, _MAT73)) or _HDF5 in start[512:]:
-        return arrays.read_hdf5_arrays(path, request)
+        return read_arrays(path, "hdf5", request)
     for begins, what in _OTHERS.items():
         if start.removeprefix(b"\xef\xbb\xbf").startswith(begins):
             raise DataError(
@@ -152,44 +132,23 @@ def _read(path: Path, start: bytes, request: FileRequest) -> tuple[list[RawChann
     return read_csv(path, request)
 
 
-def _import_again(
-    path: Path,
-    mapping: ColumnMap | None,
-    zero: Zero,
-    resample_hz: float | None,
-    options: ImportOptions,
-) -> ImportResult:
-    """Take a recording of springpot's own, to condition it."""
-    if mapping or zero != "none" or resample_hz is not None:
-        raise UsageError(
-            f"{path}: is a springpot recording already: only --contact-force, --tare, --mass-kg, "
-            "delays, --align and --place apply to it"
-        )
-    recording, messages = condition(read_recording(path), options.conditioning)
-    return ImportResult(
-        [recording], f"{path}: a springpot recording" + "".join(f"; {t}" for t in messages)
-    )
-
-
 def place_or_columns(text: str) -> tuple[float, float] | tuple[str, str]:
     """Read the text of `--place`: a place as `parse_place`, or two headers, such as x_mm,y_mm."""
-    headers = _HEADERS.fullmatch(text)
-    return (headers[1], headers[2]) if headers else parse_place(text)
+    x, _, y = (part.strip() for part in text.partition(","))
+    headers = x[:1].isalpha() and y[:1].isalpha() and "," not in y
+    return (x, y) if headers else parse_place(text)
 
 
 def parse_place(text: str) -> tuple[float, float]:
-    """Read x and y, m, from a text such as 5,10mm or 5mm,1cm.
-
-    Raises UsageError for anything else.
-    """
-    found = _PLACE.fullmatch(text)
-    if found is None:
+    """Read x and y, m, from a text such as 5,10mm or 5mm,1cm; UsageError for anything else."""
+    x, _, y = text.partition(",")
+    (x_size, x_unit), (y_size, unit) = parts_of(x), parts_of(y)
+    if not (x.strip()[:1] in _BEGINS and y.strip()[:1] in _BEGINS and x.strip() and y.strip()):
         raise UsageError(f"--place {text}: give x and y with a unit, such as 5,10mm")
-    x, x_unit, y, unit = found.groups()
     try:
         return (
-            float(x) * factor_to_si(x_unit or unit, "position", f"--place {text}"),
-            float(y) * factor_to_si(unit, "position", f"--place {text}"),
+            x_size * factor_to_si(x_unit or unit, "position", f"--place {text}"),
+            y_size * factor_to_si(unit, "position", f"--place {text}"),
         )
     except DataError as error:
         raise UsageError(str(error)) from None
@@ -208,16 +167,3 @@ def one_session(recordings: Sequence[Recording], rest_s: float) -> list[Recordin
         found.append(replace(recording, session=name, start_s=start_s))
         start_s += recording.duration_s + rest_s
     return found
-
-
-def _unique(names: list[str]) -> list[str]:
-    """Names fit for file systems, numbered where they came before."""
-    unique: list[str] = []
-    for name in names:
-        safe = safe_recording_name(name)
-        numbered, count = safe, 1
-        while numbered in unique:
-            count += 1
-            numbered = f"{safe}-{count}"
-        unique.append(numbered)
-    return unique

@@ -1,31 +1,77 @@
-"""From time-stamped samples to a recording: what is refused, and resampling on request."""
+"""From time-stamped samples to a recording: what is refused, and resampling on request.
 
-from dataclasses import replace
+Machines begin or end a test between two samples: a first row that alone is out of step is cut,
+and last rows that are out of step are interpolated onto the steps before them.
+"""
+
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Samples
+from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.errors import DataError
 from springpot.codegen.plurals import number_of
-from springpot.trainer.recordings.formats.missing_samples import (
-    GAP_STEPS,
-    RUN,
-    at,
-    require_finite,
-    require_no_gaps,
-    rounding_s,
-)
-from springpot.trainer.recordings.formats.raw_channels import RawChannels, without_odd_first
-from springpot.trainer.recordings.formats.uneven_tail import last_even_sample, on_grid, tail_grid
 from springpot.trainer.recordings.recording import Recording, Zero, zero_word
 
 MIN_ROWS = 3
 STEP_TOLERANCE = 0.01
 MAX_UPSAMPLING = 20  # beyond it nearly every sample would be invented
-# Mean steps over so many samples are compared too: a change of rate can hide in rounded stamps.
-_DRIFT_STEPS = 100
-_FEW = 0.1  # of the rows
+_DRIFT_STEPS = 100  # a change of rate can hide in rounded stamps, but not in their mean
+_GAP_STEPS = 1.5  # a step longer than this many usual steps may be a gap
+_MISSING = 0.5  # of a step: three in a row that are longer by more lack a sample
+_RUN = 5  # steps: so many alike are a rate
+_MANY_STEPS = 30
+_EVEN_STEPS, _TAIL_SHARE = 20, 0.05  # steps before an uneven end, and its share of all
+
+
+@dataclass(frozen=True, eq=False)
+class RawChannels:
+    """Time-stamped samples as a file has them, in SI units, unchecked.
+
+    time_s, position_m, force_n: shape (n,), float64. rows: of the file, from 1, shape (n,).
+    time_digit_s: one unit in the last printed digit of the time stamps; 0 if none was printed.
+    source: file, for messages and for the recording. place_m: x and y.
+    in_python: a refusal names arguments of `Recording.from_frame`, not options of a command.
+    """
+
+    time_s: Samples
+    position_m: Samples
+    force_n: Samples
+    rows: Indices
+    source: str
+    time_digit_s: float = 0.0
+    details: dict[str, Any] = field(default_factory=dict)
+    place_m: tuple[float, float] | None = None
+    in_python: bool = False
+
+    def part(self, which: slice) -> "RawChannels":
+        """Return some of the samples."""
+        parts = {q: getattr(self, q)[which] for q in ("time_s", "position_m", "force_n", "rows")}
+        return replace(self, **parts)
+
+    def bits_s(self) -> float:
+        """Return what the last bits of a double can change of a step."""
+        return 4.0 * float(np.spacing(np.abs(self.time_s[[0, -1]]).max()))
+
+    def is_off(self, steps_s: Samples, usual_s: float = 0.0, span: int = 1) -> NDArray[np.bool_]:
+        """Return which steps, means of `span` steps, are not the usual one (0: their median)."""
+        usual_s = usual_s or float(np.median(steps_s))
+        slack_s = STEP_TOLERANCE * usual_s + (self.time_digit_s + self.bits_s()) / span
+        return np.asarray(np.abs(steps_s - usual_s) > slack_s)
+
+    def refusal(self, bad: Indices, first: int, what: str, remedy: str) -> DataError:
+        """Return an error that names the first of the bad samples, or the one so many behind."""
+        where, many = f"{self.source}, row {self.rows[bad[0] + first]}", number_of(len(bad), "row")
+        return DataError(f"{where}: {what} ({many} in all): {remedy}")
+
+    def option(self, name: str, value: str) -> str:
+        """Return an option as it is typed: resample_hz=100, --resample-hz 100."""
+        if self.in_python:
+            return f"{name}={value}"
+        return f"--{name.replace('_', '-')} {value}"
 
 
 def to_recording(
@@ -33,130 +79,155 @@ def to_recording(
 ) -> Recording:
     """Check the samples, resample them if `resample_hz` is given, subtract the zero.
 
-    Raises DataError naming the row: not finite, time that stands still, goes back, has gaps or,
+    Raises DataError naming the row: not finite; time that stands still, goes back, has gaps or,
     without `resample_hz`, uneven steps before the file's end; too few rows; channels that are not
-    three arrays of one shape (n,). What was done is kept in `details`.
+    arrays of one shape (n,). `details` says what was done.
     """
-    _check_shapes(raw)
-    require_finite(raw)
-    _check_order(raw)
-    if resample_hz is None:
-        raw = without_odd_first(raw, _slack_s(raw, 1))
-    require_no_gaps(raw)
-    details = {**raw.details, "sampling": _sampling(raw)}
-    given = {"position_m": raw.position_m, "force_n": raw.force_n}
-    last_even = None if resample_hz else _last_even(raw)
-    if last_even is not None:
-        grid_s, details["sampling"]["tail"] = tail_grid(raw.time_s, last_even)
-        details["sampling"]["tail"]["from_row"] = raw.line_of(last_even + 1)
-        channels = {k: on_grid(raw.time_s, its, grid_s, last_even) for k, its in given.items()}
-        dt_s = float(grid_s[-1] - grid_s[0]) / (len(grid_s) - 1)
-    elif resample_hz is None:
-        _check_even(raw)
-        channels = given
-        dt_s = float(raw.time_s[-1] - raw.time_s[0]) / (len(raw.time_s) - 1)
-    else:
-        grid_s = _grid(raw, resample_hz)
-        channels = {k: np.interp(grid_s, raw.time_s, its) for k, its in given.items()}
-        dt_s = 1.0 / resample_hz
-        details |= {
-            "resampled_hz": resample_hz,
-            "resampled_by": "linear interpolation",
-            "source_rows": len(raw.time_s),
-            "source_median_step_s": float(np.median(np.diff(raw.time_s))),
-        }
-    position_m, force_n = channels.pop("position_m"), channels.pop("force_n")
-    zero = zero_word(zero)
-    if zero != "none":
-        pick = np.min if zero == "min" else lambda samples: samples[0]
-        details |= {
-            "zero_position_m": float(pick(position_m)),
-            "zero_force_n": float(pick(force_n)),
-        }
-        position_m, force_n = position_m - pick(position_m), force_n - pick(force_n)
-    place_x_m, place_y_m = raw.place_m or (None, None)
-    return Recording(
-        name, position_m, force_n, dt_s, zero, source=raw.source, details=details,
-        channels=channels, place_x_m=place_x_m, place_y_m=place_y_m,
-    )  # fmt: skip
-
-
-def _sampling(raw: RawChannels) -> dict[str, Any]:
-    """Metadata about the time stamps that uniform samples no longer show."""
-    steps_s = np.diff(raw.time_s)
-    usual_s = float(np.median(steps_s))
-    return {
-        "median_step_s": usual_s,
-        "shortest_step_s": float(steps_s.min()),
+    _require_samples(raw)
+    details, steps_s = dict(raw.details), np.diff(raw.time_s)
+    off = raw.is_off(steps_s)
+    if resample_hz is None and len(steps_s) > _EVEN_STEPS and off[0] and not off[1:].any():
+        details["first_row_cut"] = (
+            f"row {raw.rows[0]} comes {steps_s[0]:.4g} s before the next one, where steps are "
+            f"{np.median(steps_s):.4g} s: cut"
+        )
+        raw, steps_s = raw.part(slice(1, None)), steps_s[1:]
+    _require_no_gaps(raw, steps_s)
+    sampling: dict[str, Any] = {
         "longest_step_s": float(steps_s.max()),
+        "shortest_step_s": float(steps_s.min()),
         "jitter_rms_s": float(np.sqrt(np.mean((steps_s - steps_s.mean()) ** 2))),
         "stamp_digit_s": raw.time_digit_s,
     }
+    details["sampling"] = sampling
+    if resample_hz is None:
+        grid_s, even = _even_grid(raw, steps_s)
+        dt_s = float(grid_s[-1] - grid_s[0]) / (len(grid_s) - 1)
+        if even < len(raw.time_s):
+            sampling["tail"] = {
+                "rows": len(raw.time_s) - even,
+                "from_row": int(raw.rows[even]),
+                "left_out_s": max(0.0, float(raw.time_s[-1]) - float(grid_s[-1])),
+            }
+    else:
+        grid_s, even, dt_s = _grid(raw, resample_hz), 0, 1.0 / resample_hz
+        details["resampled_hz"] = resample_hz
+    position_m, force_n = (
+        np.append(samples[:even], np.interp(grid_s[even:], raw.time_s, samples))
+        for samples in (raw.position_m, raw.force_n)
+    )
+    zero = zero_word(zero)
+    if zero != "none":
+        pick = np.min if zero == "min" else lambda samples: samples[0]
+        zero_m, zero_n = float(pick(position_m)), float(pick(force_n))
+        details |= {"zero_position_m": zero_m, "zero_force_n": zero_n}
+        position_m, force_n = position_m - zero_m, force_n - zero_n
+    place_x_m, place_y_m = raw.place_m or (None, None)
+    return Recording(
+        name, position_m, force_n, dt_s, zero, source=raw.source, details=details,
+        place_x_m=place_x_m, place_y_m=place_y_m,
+    )  # fmt: skip
 
 
-def _last_even(raw: RawChannels) -> int | None:
-    last_even = last_even_sample(raw.time_s, _slack_s(raw, 1), raw.time_digit_s + rounding_s(raw))
-    if last_even is not None:
-        channels = (raw.time_s, raw.position_m, raw.force_n)
-        time_s, position_m, force_n = (samples[: last_even + 1] for samples in channels)
-        _check_even(replace(raw, time_s=time_s, position_m=position_m, force_n=force_n))
-    return last_even
+def sampling_notes(recording: Recording) -> list[str]:
+    """Return a line about a first row that was cut, and one about an uneven end."""
+    notes = [recording.details[key] for key in ("first_row_cut",) if key in recording.details]
+    if tail := recording.details["sampling"].get("tail"):
+        notes.append(
+            f"the end, {number_of(tail['rows'], 'row')} from row {tail['from_row']} on, is not in "
+            f"step with the rows before: interpolated onto their {recording.rate_hz:.6g} Hz, and "
+            f"the last {tail['left_out_s']:.3g} s left out"
+        )
+    return notes
 
 
-def _slack_s(raw: RawChannels, span: int) -> float:
-    usual_s = float(np.median(np.diff(raw.time_s)))
-    return STEP_TOLERANCE * usual_s + (raw.time_digit_s + rounding_s(raw)) / span
-
-
-def _check_shapes(raw: RawChannels) -> None:
+def _require_samples(raw: RawChannels) -> None:
+    """Refuse what is no array of numbers in the order of time."""
     channels = {"time": raw.time_s, "position": raw.position_m, "force": raw.force_n}
     shapes = {name: np.shape(found) for name, found in channels.items()}
-    arrays = all(isinstance(found, np.ndarray) for found in channels.values())
-    if not arrays or raw.time_s.ndim != 1 or len(set(shapes.values())) > 1:
-        told = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
-        raise DataError(f"{raw.source}: {told}: give three 1-D numpy arrays of one length")
-
-
-def _check_order(raw: RawChannels) -> None:
+    if raw.time_s.ndim != 1 or len(set(shapes.values())) > 1:
+        found = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
+        raise DataError(f"{raw.source}: {found}: give three 1-D arrays of one length")
+    for channel, samples in channels.items():
+        bad = np.flatnonzero(~np.isfinite(samples))
+        if len(bad):
+            remedy = "cut those rows in the source; in the middle, import the parts"
+            if len(bad) == len(samples):
+                remedy = "no row has a number there: choose another column"
+            raise raw.refusal(bad, 0, f"{channel} is empty or not a finite number", remedy)
     if len(raw.time_s) < MIN_ROWS:
         raise DataError(
             f"{raw.source}: {len(raw.time_s)} rows of numbers: a recording needs {MIN_ROWS} or more"
         )
     bad = np.flatnonzero(np.diff(raw.time_s) <= 0.0)
     if len(bad):
-        usual_s = float(np.median(np.diff(raw.time_s)))
-        # Of rows in disorder, or stamps that stand, the usual step says nothing.
-        few = len(bad) < _FEW * len(raw.time_s)
-        hz = _round_hz(1.0 / usual_s) if few else "RATE"
-        rate = f"time='{hz}Hz'" if raw.in_python else f"--map time={hz}Hz"
         before_s, here_s = raw.time_s[bad[0]], raw.time_s[bad[0] + 1]
         what = "stands still at" if here_s == before_s else f"goes back from {before_s:.9g} s to"
-        raise DataError(
-            f"{at(raw, bad[0] + 1)}: time {what} {here_s:.9g} s "
-            f"({number_of(len(bad), 'such row')}): correct the time stamps in the source, cut "
-            f"it there or, where every row is one step, state the rate in place of the "
-            f"column: {rate}"
+        rate = "time='RATEHz'" if raw.in_python else "--map time=RATEHz"
+        remedy = (
+            "correct the stamps in the source, cut it there or, if every row is one step, state "
+            f"the rate in place of the column: {rate}"
         )
+        raise raw.refusal(bad, 1, f"time {what} {here_s:.9g} s", remedy)
 
 
-def _check_even(raw: RawChannels) -> None:
-    median_s = float(np.median(np.diff(raw.time_s)))
+def _require_no_gaps(raw: RawChannels, steps_s: Samples) -> None:
+    median_s = usual_s = float(np.median(steps_s))
+    # Stamps rounded to about one step (70 Hz as 0.01, 0.03, 0.04, 0.06 s) have double steps all
+    # along: of many, the mean is the better measure of what is usual.
+    if len(steps_s) >= _MANY_STEPS:
+        usual_s = max(usual_s, float(np.mean(steps_s)))
+    # A logger that slows down, as for a relaxation, has long steps; no step is much longer than the
+    # one before, or the rate changes and each of the next ones is as long.
+    before_s = np.append(usual_s, steps_s[:-1])
+    after_s = sliding_window_view(np.append(steps_s[1:], np.zeros(_RUN)), _RUN).min(axis=1)
+    known_s = np.maximum(usual_s, np.maximum(before_s, after_s))
+    # A stamp that is late makes one step long and the next one short: no sample is missing.
+    three_s = np.convolve(np.pad(steps_s, 1, constant_values=usual_s), np.ones(3), "valid")
+    missing = three_s > (3.0 + _MISSING) * usual_s
+    bad = np.flatnonzero((steps_s > _GAP_STEPS * known_s + raw.bits_s()) & missing)
+    if len(bad):
+        what = f"gap of {steps_s[bad[0]]:.6g} s where steps are {median_s:.6g} s"
+        raise raw.refusal(bad, 1, what, "cut the recording there and import the parts")
+
+
+def _even_grid(raw: RawChannels, steps_s: Samples) -> tuple[Samples, int]:
+    """Stamps in step to the file's end, and how many of the file's are.
+
+    Raises DataError if more than the end is out of step.
+    """
+    time_s, off = raw.time_s, raw.is_off(steps_s)
+    # If the other rows are regular to the last printed digit, the first one out of step is found
+    # exactly.
+    digits_s = 1.5 * (raw.time_digit_s + raw.bits_s())
+    exactly = off | (np.abs(steps_s - np.median(steps_s)) > digits_s)
+    for flags in (exactly, off) if off.any() else ():
+        last = int(np.argmax(flags))
+        if last >= _EVEN_STEPS and len(steps_s) - last <= max(1.0, _TAIL_SHARE * len(steps_s)):
+            _require_even(raw.part(slice(last + 1)))
+            begin_s = float(time_s[0])
+            step_s = (float(time_s[last]) - begin_s) / last
+            count = int((float(time_s[-1]) - begin_s) / step_s + 1e-6) + 1
+            return begin_s + step_s * np.arange(count, dtype=np.float64), last + 1
+    _require_even(raw)
+    return time_s, len(time_s)
+
+
+def _require_even(raw: RawChannels) -> None:
     mean_hz, fine_hz = _rates_hz(raw)
-    hz = fine_hz if fine_hz > GAP_STEPS * mean_hz else mean_hz  # of a logger that slows down
-    remedy = f"nothing is resampled unasked, pass {_option(raw, _round_hz(hz))}"
-    for span in (1, _DRIFT_STEPS):
-        if span >= len(raw.time_s):
-            continue
+    hz = fine_hz if fine_hz > _GAP_STEPS * mean_hz else mean_hz  # of a logger that slows down
+    for span in (1, _DRIFT_STEPS) if len(raw.time_s) > _DRIFT_STEPS else (1,):
         steps_s = (raw.time_s[span:] - raw.time_s[:-span]) / span
-        usual_s = median_s if span == 1 else float(np.mean(np.diff(raw.time_s)))
-        slack_s = STEP_TOLERANCE * usual_s + (raw.time_digit_s + rounding_s(raw)) / span
-        bad = np.flatnonzero(np.abs(steps_s - usual_s) > slack_s)
+        usual_s = float(np.median(steps_s)) if span == 1 else 1.0 / mean_hz
+        bad = np.flatnonzero(raw.is_off(steps_s, usual_s, span))
         if len(bad):
             what = "the time step" if span == 1 else f"the mean of the last {span} time steps"
-            raise DataError(
-                f"{at(raw, bad[0] + span)}: {what} is {steps_s[bad[0]]:.6g} s where "
-                f"{usual_s:.6g} s is usual ({number_of(len(bad), 'such row')}): {remedy}"
-            )
+            # A rate as a person states it: steps that vary have no more digits.
+            option = raw.option("resample_hz", f"{hz:.0f}" if hz >= 100.0 else f"{hz:.3g}")
+            raise raw.refusal(
+                bad, span, f"{what} is {steps_s[bad[0]]:.6g} s where {usual_s:.6g} s is usual",
+                f"nothing is resampled unasked, pass {option}",
+            )  # fmt: skip
 
 
 def _rates_hz(raw: RawChannels) -> tuple[float, float]:
@@ -164,37 +235,21 @@ def _rates_hz(raw: RawChannels) -> tuple[float, float]:
 
     A stamp that is late makes one step long and the next one short.
     """
-    few = min(RUN, len(raw.time_s) - 1)
+    few = min(_RUN, len(raw.time_s) - 1)
     steps_s = (raw.time_s[few:] - raw.time_s[:-few]) / few
-    mean_s = float(np.mean(np.diff(raw.time_s)))
-    return 1.0 / mean_s, 1.0 / float(np.quantile(steps_s, 0.1))
+    return 1.0 / float(np.mean(np.diff(raw.time_s))), 1.0 / float(np.quantile(steps_s, 0.1))
 
 
 def _grid(raw: RawChannels, rate_hz: float) -> Samples:
-    span_s = float(raw.time_s[-1] - raw.time_s[0])
-    source_hz = max(_rates_hz(raw))
-    if rate_hz > MAX_UPSAMPLING * source_hz:
+    """Time stamps at a rate."""
+    span_s, source_hz = float(raw.time_s[-1] - raw.time_s[0]), max(_rates_hz(raw))
+    # 1e-6 of a step: rounding may put the last sample a hair before the grid's.
+    count = int(span_s * rate_hz + 1e-6) + 1
+    if rate_hz > MAX_UPSAMPLING * source_hz or count < MIN_ROWS:
+        wanted = "a higher" if count < MIN_ROWS else "a lower"
         raise DataError(
             f"{raw.source}: {rate_hz:g} Hz is more than {MAX_UPSAMPLING} times its own "
-            f"{source_hz:.6g} Hz: give a lower {_option(raw)}"
+            f"{source_hz:.6g} Hz, or leaves fewer than {MIN_ROWS} samples: give {wanted} rate, "
+            f"{raw.option('resample_hz', 'RATE')}"
         )
-    # 1e-6 of a step: the last sample is kept when rounding puts it a hair before the grid's.
-    count = int(span_s * rate_hz + 1e-6) + 1
-    if count < MIN_ROWS:
-        raise DataError(
-            f"{raw.source}: {span_s:.6g} s at {rate_hz:g} Hz leave {number_of(count, 'sample')}: "
-            f"give a higher {_option(raw)}"
-        )
-    grid_s: Samples = raw.time_s[0] + np.arange(count) / rate_hz
-    return grid_s
-
-
-def _round_hz(rate_hz: float) -> str:
-    """A rate as a person states it: steps that vary have no more digits."""
-    return f"{rate_hz:.0f}" if rate_hz >= 100.0 else f"{rate_hz:.3g}"
-
-
-def _option(raw: RawChannels, rate_hz: str = "") -> str:
-    """How the rate to resample at is given."""
-    name, equals = ("resample_hz", "=") if raw.in_python else ("--resample-hz", " ")
-    return f"{name}{equals}{rate_hz}" if rate_hz else name
+    return np.asarray(raw.time_s[0] + np.arange(count) / rate_hz)

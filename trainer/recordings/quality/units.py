@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from springpot.trainer.recordings.formats.units import CLOCK, FRAME_NAME
+from springpot.trainer.recordings.formats.units import FRAME_NAME
 from springpot.trainer.recordings.quality.finding import Finding, refusal, three_digits, warning
 from springpot.trainer.recordings.recording import Recording
 
@@ -106,6 +106,5 @@ def _slow_on_purpose(recording: Recording, found: Glance) -> bool:
     whole = sampling.get("longest_step_s") == sampling.get("shortest_step_s") == 1.0
     numbered = not 0.0 < sampling.get("stamp_digit_s", 0.0) < 1.0
     numbered |= whole and recording.duration_s > _LONG_S
-    stamps = recording.details.get("units", {}).get("time", {}).get("from")
-    asked = stamps == CLOCK or "resampled_hz" in recording.details
-    return asked or (found.speed_mps < _QUASI_STATIC_MPS and not numbered)
+    slow = found.speed_mps < _QUASI_STATIC_MPS and not numbered
+    return slow or "resampled_hz" in recording.details

@@ -90,6 +90,34 @@ def test_hdf5_of_another_layout(tmp_path: Path) -> None:
         load(file, "time=run/t:s,force=run/F[1]:N")
 
 
+@pytest.mark.parametrize(
+    ("attribute", "value", "refused"),
+    [
+        ("scale_factor", 0.5, True),
+        ("scale_factor", 1.0, False),
+        ("add_offset", 2.0, True),
+        ("conversion", np.array([1e-3]), True),
+        ("_FillValue", 0.0, True),
+        ("_FillValue", -999.0, False),
+    ],
+)
+def test_numbers_that_are_not_the_values_are_refused(
+    attribute: str, value: float, refused: bool, tmp_path: Path
+) -> None:
+    """As netCDF-4 and NWB store them."""
+    with h5py.File(tmp_path / "a.h5", "w") as opened:
+        for name, values in (("time_s", TIME_S), ("z_mm", POSITION_MM), ("force_N", FORCE_N)):
+            opened[name] = values
+        opened["force_N"].attrs[attribute] = value
+        opened["other"] = TIME_S
+        opened["other"].attrs["scale_factor"] = 2.0
+    if refused:
+        with pytest.raises(DataError, match=f"array 'force_N': its {attribute} is not applied"):
+            load(tmp_path / "a.h5")
+    else:
+        assert_samples(load(tmp_path / "a.h5"))
+
+
 @pytest.mark.parametrize("kind", ["mat", "mat73", "h5"])
 def test_damaged_arrays_give_one_line(tmp_path: Path, kind: str) -> None:
     file = tmp_path / "a.mat"

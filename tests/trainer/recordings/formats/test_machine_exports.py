@@ -6,14 +6,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.messages import refusing
-from support.small import press, soft_force, training
+from support.small import press, soft_force
 
-from springpot import Recording
-from springpot.codegen.errors import DataError, UsageError
-from springpot.trainer.kinds import fit_model
-from springpot.trainer.models.fit import FitOptions
+from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.column_map import guess_column, parse_map, split_unit
-from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
+from springpot.trainer.recordings.formats.importing import import_file
 
 POSITION_M = press(1.0)
 FORCE_N = soft_force(POSITION_M)
@@ -42,19 +39,13 @@ EXPORTS = {
 }
 
 
-def require_press(file: Path, map_text: str = "", options: ImportOptions | None = None) -> None:
-    """Assert that a file holds the press of this module."""
-    mapping = parse_map(map_text) if map_text else None
-    (found,) = import_file(file, mapping, "none", None, options).recordings
-    np.testing.assert_allclose(found.position_m, POSITION_M, atol=1e-9)
-    np.testing.assert_allclose(found.force_n, FORCE_N, rtol=1e-6, atol=1e-6)
-
-
 @pytest.mark.parametrize("machine", EXPORTS)
 def test_exports_come_in_without_a_map(tmp_path: Path, machine: str) -> None:
     """Layouts of public recordings: tests/host/commands/test_real_layouts.py."""
     (tmp_path / "press.csv").write_text(EXPORTS[machine], encoding="utf-8")
-    require_press(tmp_path / "press.csv")
+    (found,) = import_file(tmp_path / "press.csv", None, "none", None).recordings
+    np.testing.assert_allclose(found.position_m, POSITION_M, atol=1e-9)
+    np.testing.assert_allclose(found.force_n, FORCE_N, rtol=1e-6, atol=1e-6)
 
 
 def test_a_known_word_goes_before_one_of_another_trade() -> None:
@@ -95,7 +86,6 @@ def test_an_indenter_s_table_stands_below_a_blank_line(tmp_path: Path, map_text:
 REFUSED = {
     "other words": ("a;b;c\n1,5;2;3\n1,6;3;4\n", ("'a', 'b', 'c'", "--map")),
     "an old workbook": ("\xd0\xcf\x11\xe0", ("Excel", "CSV")),
-    "JSON": ('{"time": [0, 1]}', ("JSON", "CSV")),
     "RTF": ("{\\rtf1 1,2,3}", ("RTF", "CSV")),
 }
 
@@ -109,72 +99,3 @@ def test_what_is_no_recording_is_named(tmp_path: Path, what: str) -> None:
         import_file(file, None, "none", None)
     with refusing(DataError, tmp_path, "a folder: name its files"):
         import_file(tmp_path, None, "none", None)
-
-
-def test_a_row_with_too_many_cells_is_still_refused(tmp_path: Path) -> None:
-    file = tmp_path / "press.csv"
-    text = table("time_s,position_mm,force_N", (1.0, 1e-3, 1.0), end=",").splitlines()
-    text[7] += "5"
-    file.write_text("\n".join(text))
-    with pytest.raises(DataError, match="row 8: 4 cells"):
-        import_file(file, None, "none", None)
-
-
-def test_the_default_smoothing_gives_way_to_short_presses() -> None:
-    short = [
-        Recording(item.name, item.position_m[:80], item.force_n[:80], item.dt_s)
-        for item in training()
-    ]
-    fit = fit_model("hammerstein", "x", short, FitOptions())
-    assert fit.model.provenance["smooth_s"] <= 0.25 * short[0].duration_s
-    assert any("smoothed over" in line for line in fit.warnings)
-    with pytest.raises(UsageError, match=r"--smooth-s 0\.03"):
-        fit_model("hammerstein", "x", short, FitOptions(smooth_s=0.03))
-
-
-def even(first_s: float, rows: int = 400) -> str:
-    """A press at 250 Hz with a first row that comes so much before the second."""
-    time_s = np.append(0.0, first_s + 4e-3 * np.arange(rows - 1))
-    position_m = press(1.0)[:rows]
-    lines = [
-        f"{t:.5f},{x * 1e3:.6f},{1e3 * x:.6f}" for t, x in zip(time_s, position_m, strict=True)
-    ]
-    return "\n".join(["time_s,position_mm,force_N", *lines]) + "\n"
-
-
-@pytest.mark.parametrize("first_s", [2.08e-3, 0.5e-3, 0.3])
-def test_a_first_row_that_is_out_of_step_is_cut(first_s: float, tmp_path: Path) -> None:
-    """Interpolation onto it would blur every other sample, and lower the noise floor."""
-    file = tmp_path / "press.csv"
-    file.write_text(even(4e-3))
-    whole = import_file(file, None, "none", None).recordings[0]
-    assert "first_row_cut" not in whole.details
-    file.write_text(even(first_s))
-    found = import_file(file, None, "none", None)
-    assert "row 2 comes" in found.guess
-    assert found.guess.endswith("where steps are 0.004 s: cut")
-    np.testing.assert_array_equal(found.recordings[0].force_n, whole.force_n[1:])
-    assert found.recordings[0].dt_s == pytest.approx(4e-3)
-
-
-@pytest.mark.parametrize(
-    ("header", "chosen"),
-    [
-        ("Time (s),Way (mm),Nominal_stress_kPa", "time=1,position=2,force=3:N"),
-        ("Time (s),Way (mm),Nominal_stress_kPa", "time=1,position=2,force=3:-1N"),
-        ("Time (s),Way (mm),Load (kPa)", "time=1,position=2,force=3:N"),
-        ("Time (s),Strain,Load (N)", "time=1,position=2:mm,force=3"),
-        ("Time (s),Way [-],Load (N)", "time=1,position=2:m,force=3"),
-    ],
-)
-def test_a_stress_is_no_force_unless_somebody_says_so(
-    header: str, chosen: str, tmp_path: Path
-) -> None:
-    file = tmp_path / "press.csv"
-    file.write_text(table(header, (1.0, 1e-3, 1.0)))
-    with pytest.raises(DataError, match=r"height and area before.* after all, .*=COL:1") as told:
-        import_file(file, parse_map(chosen), "none", None)
-    said = re.search(r"after all, (\w+)=COL:(1\w+)", str(told.value))
-    stated = re.sub(rf"({said[1]}=\d)[^,]*", rf"\1:{said[2]}", chosen)
-    (found,) = import_file(file, parse_map(stated), "none", None).recordings
-    assert len(found.force_n) == len(FORCE_N)

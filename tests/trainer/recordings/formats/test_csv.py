@@ -1,0 +1,234 @@
+"""CSV files -> recordings: what is understood, and what is refused with file and row.
+
+Layouts of public recordings: tests/host/commands/test_real_layouts.py.
+"""
+
+import re
+import shlex
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+from support.files.imported import GOOD, load, refusal
+
+from springpot.codegen.errors import DataError
+from springpot.trainer.recordings.formats.column_map import parse_map
+from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
+
+COMMA, HEAD = GOOD.replace(",", ";").replace(".", ","), "time_s;position_m;force_N\n"
+ROWS = GOOD.partition("\n")[2]
+
+
+@pytest.mark.parametrize(
+    ("header", "delimiter", "mapping"),
+    [
+        ("\ufefftime ms\tdisplacement mm\tforce N", "\t", ""),
+        ('"Time, ms","Extension (mm)","Load, N"', ",", ""),
+        ("TIME_MS,POSITION_MM,FORCE_N", ",", ""),
+        ("Time (Msec),Depth (Millimetres),Load (Newton)", ",", ""),
+        ("t,x,f", ",", "time=t:ms,position=x:mm,force=f:N"),
+        ("t (s),x (m),f (N)", ",", "time=1:0.001s,position=2:0.001m,force=3:N"),
+        ("", ",", "time=1:ms,position=2:mm,force=3:N"),
+    ],
+)
+def test_headers(tmp_path: Path, header: str, delimiter: str, mapping: str) -> None:
+    body = [delimiter.join(map(str, row)) for row in [(0, 0, 0), (10, 1, 2), (20, 2, 4)]]
+    found = load(tmp_path, "\n".join([header, *body] if header else body), mapping)
+    np.testing.assert_allclose(found.position_m, [0.0, 0.001, 0.002])
+    assert found.force_n.tolist() == [0.0, 2.0, 4.0]
+    assert found.dt_s == pytest.approx(0.01)
+
+
+@pytest.mark.parametrize(
+    ("header", "mapping", "says", "force_n"),
+    [
+        ("time_s,position_m,Force [mN]", "force=Force [mN]:N", "its header says mN", 1.0),
+        ("time_s,position_m,Force [mN]", "force=Force [mN]:-1N", "its header says mN", -1.0),
+        ("time_s,position_m,Force [mN]", "force=Force [mN]:2kN", "its header says mN", 2000.0),
+        ("time,position,force\ns,mm,kN", "force=force:N", "its row of units says kN", 1.0),
+        ("time_s,position_m,load_kPa", "force=3:N", "a unit of stress", 18.0),
+        ("time_s,position_m,load_kPa", "force=3:-1N", "a unit of stress", 18.0),
+    ],
+)
+def test_a_map_that_contradicts_the_file_is_refused_with_what_to_pass(
+    header: str, mapping: str, says: str, force_n: float, tmp_path: Path
+) -> None:
+    message = refusal(tmp_path, f"{header}\n{ROWS}", mapping)
+    assert f"{says}" in message
+    remedy = shlex.split(message.partition("--map ")[2])[0].rstrip(",")
+    found = load(tmp_path, f"{header}\n{ROWS}", remedy)
+    assert found.force_n.tolist() == pytest.approx([k * force_n for k in range(5)])
+
+
+def test_units_that_are_missing_are_asked_for_at_once(tmp_path: Path) -> None:
+    text = f"Time,Depth,Load\n{ROWS}"
+    for stated, asked in (
+        ("position=Depth:mm", "time=Time:UNIT,position=Depth:mm,force=Load:UNIT"),
+        ("time=1000Hz", "time=1000Hz,position=Depth:UNIT,force=Load:UNIT"),
+    ):
+        message = refusal(tmp_path, text, stated)
+        assert f"--map {asked}, with a unit such as" in message
+        units = iter(["s", "N"] if "Time:" in asked else ["mm", "N"])
+        found = load(tmp_path, text, re.sub("UNIT", lambda _: next(units), asked))  # noqa: B023
+        assert found.position_m[-1] == pytest.approx(0.4e-3)
+
+
+@pytest.mark.parametrize("delimiter", [",", ";", "|", "\t", " "])
+@pytest.mark.parametrize("names", ["time_s position_mm force_N", "t x f", "t[s] x[mm] F[N]"])
+@pytest.mark.parametrize("mark", ["# ", "#", "## "])
+@pytest.mark.parametrize("above", ["", "pressed by me, twice\n"])
+def test_a_header_that_numpy_savetxt_writes(
+    tmp_path: Path, delimiter: str, names: str, mark: str, above: str
+) -> None:
+    """A mark of comments is no part of a header, nor of what a map names."""
+    header = above + names.replace(" ", delimiter).replace("[", " [")
+    table = np.c_[np.arange(4.0), np.arange(4.0), np.arange(4.0)]
+    np.savetxt(tmp_path / "a.csv", table, "%.18e", delimiter, header=header, comments=mark)
+    maps = ["time=t:s,position=x:mm,force=f:N", f"time={mark}t:s,position=x:mm,force=f:N"]
+    for mapping in maps if names == "t x f" else [""]:
+        found = load(tmp_path, (tmp_path / "a.csv").read_text(), mapping)
+        np.testing.assert_array_equal(found.position_m, np.arange(4.0) * 1e-3)
+        np.testing.assert_array_equal(found.force_n, np.arange(4.0))
+
+
+def test_a_mark_above_numbers_of_its_own_is_a_header(tmp_path: Path) -> None:
+    text = "# time_s position_m force_N\n" + "".join(f"{k} {k}.5 {k} {2 * k}\n" for k in range(4))
+    assert load(tmp_path, text).position_m.tolist() == [0.0, 1.0, 2.0, 3.0]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (GOOD.replace("0.1,1\n", "nan,1\n"), "row 3: position is empty or not a finite number"),
+        (GOOD.replace("0.1,1\n", ",1\n"), "row 3: position is empty or not a finite number"),
+        (GOOD.replace("0.001", "\n\n0.001").replace("0.003,", "0.002,"), "row 7: time stands"),
+        (GOOD.replace("0.003,", "0.0015,"), "row 5: time goes back from 0.002 s to 0.0015 s"),
+        (GOOD.replace("0.002,0.2,2\n", ""), "row 4: gap of 0.002 s"),
+        (GOOD.replace(",", ";").replace("0.2;2", "0,2;2"), "row 4, column 2: '0,2' is not a"),
+        (GOOD.replace("0.1,1\n", "0.1,1_0\n"), "row 3, column 3: '1_0' is not a number"),
+        (COMMA.replace("0,002;0,2", "0,002;1.0,2"), "'1.0,2' is not a number with a decimal comma"),
+        (HEAD + "0;1;1,000\n1;2;2,000\n2;3;3,000\n", "row 2: '1,000' may be a decimal comma or"),
+        (HEAD + '0;1.5;"1,007.5"\n1;2.5;9\n2;3.5;9\n', "row 2, column 3: '1,007.5' is not a"),
+        (HEAD + "0;1,5;1.007,5\n1;2,5;9\n2;3,5;9\n", "row 2, column 3: '1.007,5' is not a"),
+        (HEAD + "0;1.5;1 007.5\n1;2.5;9\n2;3.5;9\n", "row 2, column 3: '1 007.5' is not a"),
+        (HEAD + "10:12:00;1;1\n10:12:01;2;2\n10:12:02;3;3\n", "row 2: '10:12:00' is a clock's"),
+        (HEAD + "0;1;1\n10:12:01;2;2\n10:12:02;3;3\n", "row 3, column 1: '10:12:01' is not a"),
+        (GOOD.replace("0.1,1\n", "0.1,1,7\n"), "row 3: 4 cells, the header and the rows above"),
+        (GOOD[: GOOD.index("0.002")], "2 rows of numbers: a recording needs 3"),
+        (GOOD[: GOOD.index("0.000")], "0 rows of numbers"),
+        ("", "the file is empty"),
+        (GOOD.replace("force_N", "stress_Pa"), "found no column of force in row 1"),
+        (ROWS, "found no column of time or of position or of force"),
+        (GOOD.replace("time_s", "load_N"), "found no column of time"),
+        (GOOD.replace("time_s,", "load_N,"), "found no column of time"),
+        (GOOD.replace("force_N", "force_mn"), "--map force=force_mn:UNIT, with"),
+        (GOOD.encode().replace(b"0.2", b"0\0002"), "row 4: a NUL character"),
+        (GOOD.encode().replace(b"0.2", b"0\xb52"), "row 4, column 2: '0\u00b52' is not a number"),
+        (GOOD.encode().replace(b"0.2", b"0\x812"), "row 4: byte 0x81 is not utf-8"),
+        (("mü," + GOOD.replace("\n", "\n0,")).encode() + b"\xb5", "row 7: byte 0xb5 is not utf-8"),
+        ("time_s,position_m,load_N,force_N\n0,0,9,0\n", "force may be column 3 'load_N', 4 'fo"),
+    ],
+)
+def test_refused(tmp_path: Path, text: str | bytes, message: str) -> None:
+    assert message in refusal(tmp_path, text)
+
+
+ENDS = {
+    "a mark": ['"Ende der Prüfung"'],
+    "blank lines and results": ["", "End of test", "Maximum load,8.12,N", "Work (J),0.12"],
+    "a table of results": ["", "Maximum (N),Modulus (MPa),Work (J)", "8.12,0.21,3.4", ""],
+    "a table below its title": ["Results", "Maximum (N),Modulus (MPa),Work (J)", "8.12,0.21,3.4"],
+    "statistics": ["", "Cycle,Peak (N)", "1,8.1", "2,8.0", "3,7.9", "Mean,8.0"],
+    "results with numbers in their names": ["Load at 10 %,8.12,N", "Cycle 2,8.0,7.9"],
+    "a rule": ["", "-----", "Operator;me"],
+    "a date": ["", "Saved,11/24/2026 4:20:01 PM"],
+}
+
+
+def pressed(first: int, count: int) -> list[str]:
+    """Rows at 50 Hz from a sample on: position is its number in mm, force twice that in N."""
+    return [f"{k / 50:.2f},{k}.5,{2 * k}.25" for k in range(first, first + count)]
+
+
+@pytest.mark.parametrize("name", ENDS)
+def test_text_behind_the_numbers_is_left_out(name: str, tmp_path: Path) -> None:
+    lines = ["Time (s),Position (mm),Force (N)", *pressed(0, 30), *ENDS[name], ""]
+    (tmp_path / "a.csv").write_text("\n".join(lines))
+    found = import_file(tmp_path / "a.csv", None, "none", None)
+    assert found.recordings[0].force_n[[0, -1]].tolist() == [0.25, 58.25]
+    row = 32 + (not ENDS[name][0])
+    assert re.search(f"left out: (text|other columns) from row {row} on, '", found.guess)
+
+
+DAMAGED = ["0.2,OVERLOAD,4", "0.2,3.5", "0.2,,4.25", "0.2x,3.5,4.25", "paused", "paused,,",
+           "x,3.5,4.25", "operator,pressed,pause", ",3.5,4.25"]  # fmt: skip
+
+
+@pytest.mark.parametrize("damaged", DAMAGED)
+@pytest.mark.parametrize("behind", [30, 2, 1, 0])
+def test_a_damaged_row_is_refused(damaged: str, behind: int, tmp_path: Path) -> None:
+    """At the very end, words are text behind the numbers."""
+    lines = ["time_s,position_mm,force_N", *pressed(0, 10), damaged, *pressed(11, behind)]
+    if behind or damaged in DAMAGED[:4]:
+        assert "row 12" in refusal(tmp_path, "\n".join(lines))
+
+
+@pytest.mark.parametrize(
+    "title", [["", "Hold", "Time,Position,Force", "s,mm,N"], ["", "pause", ""]]
+)
+def test_a_second_table_is_refused_with_what_to_do(title: list[str], tmp_path: Path) -> None:
+    lines = ["time_s,position_mm,force_N", *pressed(0, 10), *title, *pressed(11, 30)]
+    message = refusal(tmp_path, "\n".join(lines))
+    assert "row 13: " in message and "cut the file into one table each" in message
+    assert len(load(tmp_path, "\n".join(lines[:11])).force_n) == 10
+
+
+@pytest.mark.parametrize(("delimiter", "quote"), [(";", ""), (",", '"')])
+def test_a_decimal_comma_can_be_stated(delimiter: str, quote: str, tmp_path: Path) -> None:
+    file = tmp_path / "rig.csv"
+    rows = "".join(f"{k};{k};{quote}{k + 1},500{quote}\n" for k in range(3))
+    file.write_text(f"{HEAD}{rows}".replace(";", delimiter))
+    with pytest.raises(DataError, match="pass --decimal comma"):
+        import_file(file, None, "none", None)
+    (stated,) = import_file(file, None, "none", None, ImportOptions("comma")).recordings
+    assert stated.force_n.tolist() == [1.5, 2.5, 3.5]
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
+@given(
+    st.lists(st.floats(-1e9, 1e9), min_size=3, max_size=30),
+    st.sampled_from([",", ";", "\t"]),
+    st.sampled_from(["\n", "\r\n"]),
+)
+def test_numbers_arrive_bit_for_bit(
+    tmp_path: Path, values: list[float], delimiter: str, newline: str
+) -> None:
+    table = [("time_s", "position_m", "force_N"), *((k, v, -v) for k, v in enumerate(values))]
+    text = newline.join(delimiter.join(map(str, row)) for row in table)
+    for more in ("", f"{newline}End of test"):  # in bulk, and cell by cell
+        recording = load(tmp_path, text + more)
+        assert recording.position_m.tolist() == values
+        assert recording.force_n.tolist() == [-v for v in values]
+
+
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
+@given(st.binary(max_size=200))
+def test_any_bytes_give_one_line(tmp_path: Path, noise: bytes) -> None:
+    refusal(tmp_path, GOOD.encode() + b"0.1,x,\n" + noise)
+
+
+def test_stamps_that_lost_a_digit_need_a_stated_rate(shared_data: Path) -> None:
+    """After 40.9 s these files count on with 40.10, 40.11: printed stamps that go back."""
+    strain = "position=Engineering Strain:33mm,force=Engineering Stress (MPa):18N"
+    files = sorted((shared_data / "elastomer_tension").glob("*.csv"))
+    assert len(files) == 5
+    for file in files:
+        result = import_file(file, parse_map(f"time=10Hz,{strain}"), "none", None)
+        assert result.recordings[0].rate_hz == pytest.approx(10.0)
+    result = import_file(files[3], parse_map(f"time=10Hz,{strain}"), "none", None)
+    assert len(result.recordings[0].position_m) == 705
+    assert "differs in 298 rows from row 426 on: there it says 39.8 s" in result.guess
+    with pytest.raises(DataError, match=r"row 426: time goes back .*--map time=RATEHz"):
+        import_file(files[3], parse_map(strain), "none", None)

@@ -1,1 +1,0 @@
-"""CSV files, and the sheets of workbooks: their text, layout, numbers and table."""

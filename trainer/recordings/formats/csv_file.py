@@ -1,0 +1,243 @@
+"""CSV files: one table of numbers in columns, below one header and perhaps a row of units."""
+
+import csv
+import io
+import warnings
+from collections.abc import Sequence
+from contextlib import suppress
+from decimal import Decimal, InvalidOperation
+from pathlib import Path
+
+import numpy as np
+
+from springpot.codegen.arrays import Indices, Samples
+from springpot.codegen.errors import DataError
+from springpot.codegen.plurals import number_of
+from springpot.trainer.recordings.formats.column_map import (
+    FileRequest,
+    guess_column,
+    split_unit,
+)
+from springpot.trainer.recordings.formats.csv_layout import (
+    COMMA_TO_POINT,
+    Cells,
+    Layout,
+    NoRecordingError,
+    cells,
+    find_layout,
+    is_number,
+    is_value,
+)
+from springpot.trainer.recordings.formats.sampling import MIN_ROWS, RawChannels
+from springpot.trainer.recordings.formats.units import factor_to_si
+from springpot.trainer.recordings.places import place_m
+
+_LAST_LINES = 2000  # with a fixed number of significant digits, the last stamps have the fewest
+_MAX_EXPONENT = 300
+_SHOWN = 40  # letters of a line in a message
+
+
+def read_csv(path: Path, request: FileRequest) -> tuple[RawChannels, str]:
+    """Read the table of a file, and how the file was understood.
+
+    Raises DataError naming file and row for bytes that are no text, missing columns or units, rows
+    of another length, cells without a number and text in the middle of numbers.
+    """
+    lines, encoding = _lines(path)
+    layout = find_layout(path, lines, request)
+    table = _Table(path, lines, layout)
+    scaled = {q: table.column(i) * layout.units[q].to_si for q, i in layout.columns.items()}
+    units = {q: unit.metadata() for q, unit in layout.units.items()}
+    rate_hz, count = request.rate_hz, len(table.rows)
+    guess = layout.guess() + encoding + table.left_out
+    if rate_hz is not None:
+        scaled["time"] = np.arange(count) / rate_hz
+        units["time"] = {"unit": f"{rate_hz:g} Hz", "from": "map"}
+        beside = _beside(table, rate_hz)
+        guess = f"time = rows counted at the stated {rate_hz:g} Hz{beside}; {guess}"
+    return RawChannels(
+        time_s=scaled["time"],
+        position_m=scaled["position"],
+        force_n=scaled["force"],
+        rows=table.rows,
+        source=str(path),
+        time_digit_s=table.printed_digit_s() if "time" in layout.columns else 0.0,
+        details={"columns": guess, "units": units},
+        place_m=place_m(str(path), layout.header, table.column, request.place, layout.below),
+    ), guess
+
+
+def _lines(path: Path) -> tuple[list[str], str]:
+    """Lines of a text, and a note on an encoding that is not UTF-8.
+
+    Bytes that are no UTF-8 are Windows-1252 if nothing before them speaks for UTF-8.
+    """
+    content, note = path.read_bytes(), ""
+    try:
+        if content.startswith((b"\xff\xfe", b"\xfe\xff")):
+            text, note = content.decode("utf-16"), "; UTF-16 text"
+        else:
+            text = content.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        before = content[: error.start]
+        try:
+            if error.encoding != "utf-8" or not before.isascii():
+                raise
+            text, note = content.decode("cp1252"), "; not UTF-8, read as Windows-1252"
+        except UnicodeDecodeError:
+            row = before.count(b"\n") + 1
+            raise DataError(
+                f"{path}, row {row}: byte 0x{content[error.start]:02x} is not {error.encoding} "
+                "text: save the file in UTF-8"
+            ) from None
+    if "\0" in text:
+        row = text[: text.index("\0")].count("\n") + 1
+        raise DataError(f"{path}, row {row}: a NUL character: export it as CSV in UTF-8")
+    if not text.strip():
+        raise NoRecordingError(f"{path}: the file is empty: give a header and rows of numbers")
+    return io.StringIO(text, newline=None).readlines(), note
+
+
+class _Table:
+    """The rows of numbers below a header: in bulk, or cell by cell where a row must be named.
+
+    rows: number of each row in the file, from 1. left_out: a note on text behind the numbers.
+    """
+
+    def __init__(self, path: Path, lines: Sequence[str], layout: Layout) -> None:
+        self.path, self.lines, self.layout, self.left_out = path, lines, layout, ""
+        self._cells: list[Cells] | None = None
+        self._mark = COMMA_TO_POINT if layout.decimal == "comma" else {}
+        self._numbers = self._in_bulk()
+        rows = [k for k, line in enumerate(lines[layout.first :], layout.first + 1) if line.strip()]
+        if self._numbers.shape != (len(rows), layout.width):
+            rows = self._read_cells()
+        self.rows: Indices = np.array(rows, dtype=np.intp)
+
+    def column(self, index: int) -> Samples:
+        """Return the numbers of a column, (n,), NaN for an empty cell.
+
+        Raises DataError for the first cell that holds something else.
+        """
+        if self._cells is None:
+            return self._numbers[:, index]
+        found = [row[index].strip() for row in self._cells]
+        for row, cell in zip(self.rows, found, strict=True):
+            if cell and not is_number(cell, self.layout.decimal):
+                raise DataError(
+                    f"{self.path}, row {row}, column {index + 1}: {cell!r} is not a number with a "
+                    f"decimal {self.layout.decimal}, as the others are, and without separators of "
+                    "thousands: correct it in the source"
+                )
+        return np.array([float(cell.translate(self._mark) or "nan") for cell in found])
+
+    def _in_bulk(self) -> Samples:
+        """All columns, (rows, columns), (0, 0) if a cell holds no number."""
+        lines = self.lines[self.layout.first :]
+        if self._mark:
+            lines = [line.translate(self._mark) for line in lines]
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("ignore")  # a file without rows is refused with short ones
+                return np.loadtxt(
+                    lines, delimiter=self.layout.delimiter, comments=None, quotechar='"', ndmin=2
+                )
+        except ValueError:
+            return np.empty((0, 0))
+
+    def _read_cells(self) -> list[int]:
+        """Read the rows as text up to the file's end, or to text behind them."""
+        layout, rows = self.layout, []
+        table = self._cells = list[Cells]()
+        reader = csv.reader(
+            self.lines[layout.first :], delimiter=layout.delimiter, skipinitialspace=True
+        )
+        try:
+            for found in reader:
+                line = layout.first + reader.line_num
+                # A delimiter at the end of each row begins no cell.
+                ended = len(found) == layout.width + 1 and not found[-1].strip()
+                row = found[:-1] if ended else found
+                if len(row) != layout.width and not any(map(str.strip, row)):
+                    continue
+                if _is_text(row, layout):
+                    self._leave_out(line)
+                    break
+                if len(row) != layout.width:
+                    raise DataError(
+                        f"{self.path}, row {line}: {number_of(len(row), 'cell')}, the header and "
+                        f"the rows above have {layout.width}: correct or cut that row in the source"
+                    )
+                rows.append(line)
+                table.append(row)
+        except csv.Error as error:
+            line = layout.first + reader.line_num
+            raise DataError(
+                f"{self.path}, row {line}: {error}: correct that row in the source"
+            ) from None
+        while rows and not any(table[-1][i].strip() for i in layout.columns.values()):
+            table.pop()  # delimiters alone, as spreadsheets leave them
+            rows.pop()
+        return rows
+
+    def _leave_out(self, line: int) -> None:
+        """Note the text that begins in a line, or refuse it if the numbers go on behind it.
+
+        A title or an empty line, and fewer rows than a recording has, is a table of results.
+        """
+        behind = [cells(text, self.layout.delimiter) for text in self.lines[line - 1 :]]
+        numbers = [k for k, row in enumerate(behind) if len(row) >= self.layout.width
+                   and all(is_value(row[i]) for i in self.layout.columns.values())]  # fmt: skip
+        words = " ".join(self.lines[line - 1].replace('"', "").split())
+        words = repr(words if len(words) <= _SHOWN else f"{words[:_SHOWN]}...")
+        titled = not self.lines[line - 2].strip() or bool(numbers and any(behind[1 : numbers[0]]))
+        if numbers and not (titled and len(numbers) < MIN_ROWS):
+            raise DataError(
+                f"{self.path}, row {line}: {words} stands in the middle of numbers: correct that "
+                "row, or cut the file into one table each, or read it in Python and pass its "
+                "columns to springpot.Recording.from_frame"
+            )
+        what = "other columns" if numbers else "text"
+        self.left_out = f"; left out: {what} from row {line} on, {words}"
+
+    def printed_digit_s(self) -> float:
+        """Return one unit in the last printed digit of the time column, s; 0 without one."""
+        exponents = []
+        for line in self.lines[self.layout.first :][-_LAST_LINES:]:
+            row = cells(line, self.layout.delimiter)
+            for cell in row[self.layout.columns["time"] :][:1]:
+                with suppress(InvalidOperation):  # no number
+                    exponents.append(Decimal(cell.translate(self._mark)).as_tuple().exponent)
+        printed = [each for each in exponents if isinstance(each, int)]
+        digit = 10.0 ** min(_MAX_EXPONENT, *printed) if printed else 0.0
+        return digit * abs(self.layout.units["time"].to_si)
+
+
+def _is_text(row: Cells, layout: Layout) -> bool:
+    """Tell a row of words from one of numbers in which something is wrong.
+
+    The first channel's cell is a word, 'Maximum load', '8.12', 'N': one without digits, or that
+    begins with two letters. If it stands alone in its row, it is text if it is no number.
+    """
+    first = "".join(row[min(layout.columns.values()) :][:1]).strip()
+    full = [cell.strip() for cell in row if cell.strip()]
+    word = len(full) == 1 or not any(map(str.isdigit, first)) or first[:2].isalpha()
+    return word and not all(map(is_value, full))
+
+
+def _beside(table: _Table, rate_hz: float) -> str:
+    """Compare a column of time that is not read with the stated rate; a note if it differs."""
+    for index in guess_column(table.layout.header, "time")[:1]:
+        with suppress(DataError):  # it holds more than numbers
+            unit = split_unit(table.layout.header[index], "time")[1]
+            time_s = table.column(index) * (factor_to_si(unit, "time", "") if unit else 1.0)
+            counted_s = np.arange(len(time_s)) / rate_hz
+            off = np.flatnonzero(np.abs(time_s - time_s[:1] - counted_s) > 0.5 / rate_hz)
+            if len(off):
+                first, rows = off[0], number_of(len(off), "row")
+                return (
+                    f", not read from column {index + 1}, which differs in {rows} from row "
+                    f"{table.rows[first]} on: there it says {time_s[first] - time_s[0]:g} s after "
+                    f"the first row, the count {counted_s[first]:g} s"
+                )
+    return ""

@@ -1,0 +1,281 @@
+"""Where a CSV file's header, columns, units and first row of numbers are: stated, else guessed."""
+
+import csv
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from springpot.codegen.errors import DataError
+from springpot.trainer.recordings.formats.column_map import (
+    MAP_EXAMPLE,
+    Column,
+    DecimalMark,
+    FileRequest,
+    column_units,
+    guess_column,
+)
+from springpot.trainer.recordings.formats.units import (
+    QUANTITIES,
+    Quantity,
+    Unit,
+    is_of_specimen,
+    is_unit,
+)
+
+Cells = list[str]
+Found = tuple[dict[Quantity, list[int]], int, Cells]  # columns that may be a channel, in which row
+# A point in a file of decimal commas is a mistake, or separates thousands: made unreadable here.
+COMMA_TO_POINT = str.maketrans({",": ".", ".": "!"})
+_DELIMITERS = {"\t": "tab", ";": "semicolon", ",": "comma", "|": "bar", " ": "space"}
+_HEAD_LINES = 400
+_MAX_COLUMNS = 1024
+_SHOWN = 12  # columns in a message
+_COMMENT = re.compile(r"\s*#+ *(?=[^\s,;|])")
+_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")
+_HINTS = {
+    "modul": "moduli over frequency or temperature are no recording: export the samples of the "
+    "test, position and force over time",
+    "stress|spannung|contrainte": "stress and strain are neither force nor position: put the "
+    "specimen's height and area before the unit, position=COL:33mm of a strain and 33 mm, "
+    "force=COL:18N of MPa and 18 mm2",
+}
+
+
+class NoRecordingError(DataError):
+    """A file has neither a position nor a force: in a folder it is left out."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Layout of a table: cells to a row, index of the first line of numbers, columns from 0.
+
+    below: the row of units below the header, empty without one.
+    """
+
+    delimiter: str
+    width: int
+    first: int
+    header: Cells
+    below: Cells
+    columns: Mapping[Quantity, int]
+    units: Mapping[Quantity, Unit]
+    decimal: DecimalMark
+
+    def guess(self) -> str:
+        """Write how the file was understood, and which columns are not read."""
+        labels = dict(enumerate(self.header))
+        found = ", ".join(
+            f"{q} = column {i + 1} {f'{labels[i]!r} ' if labels.get(i) else ''}in "
+            f"{self.units[q].text}"
+            for q, i in self.columns.items()
+        )
+        comma = ", decimal comma" if self.decimal == "comma" else ""
+        unread = [repr(n) for k, n in labels.items() if n and k not in self.columns.values()]
+        return (
+            f"{found}; {_DELIMITERS[self.delimiter]} between cells{comma}, numbers from row "
+            f"{self.first + 1}" + f"; not read: {', '.join(unread[:_SHOWN])}" * bool(unread)
+        )
+
+
+def find_layout(path: Path, lines: Sequence[str], request: FileRequest) -> Layout:
+    """Find the layout from the file's first lines; what is requested overrides the guess.
+
+    Raises DataError if a column or a unit is missing, unknown or ambiguous: NoRecordingError if
+    the header has neither a position nor a force.
+    """
+    head, wanted, columns = lines[:_HEAD_LINES], request.wanted, request.columns
+    stated = [columns[q].header_or_number for q in wanted if q in columns]
+    numbers = [each - 1 for each in stated if isinstance(each, int)]
+    if len(numbers) == len(wanted):
+        return _layout_by_numbers(path, head, dict(zip(wanted, numbers, strict=True)), request)
+    hidden = [name.casefold() for name in request.place]
+    best: Found = ({}, 0, [])
+    for index in range(len(head)):
+        for delimiter, row in _split(head, index):
+            names = ["" if cell.casefold() in hidden else cell for cell in row]
+            found = {q: its for q in wanted if (its := _candidates(names, q, columns.get(q)))}
+            if len(found) == len(wanted) <= len(row):
+                for quantity, its in found.items():
+                    if len(its) == 1:
+                        continue
+                    shown = ", ".join(f"{i + 1} {row[i]!r}" for i in its[:_SHOWN])
+                    place = ", or name those of the place, --place X,Y" * (quantity == "position")
+                    raise DataError(
+                        f"{path}, row {index + 1}: {quantity} may be column {shown}: choose by "
+                        f"number, --map {quantity}={its[0] + 1}:UNIT{place}"
+                    )
+                chosen = {q: its[0] for q, its in found.items()}
+                return _layout(path, head, delimiter, row, index + 1, chosen, request)
+            if len(found) > len(best[0]):
+                best = (found, index, row)
+    raise _missing(path, head, best, request)
+
+
+def _layout_by_numbers(
+    path: Path, head: Sequence[str], chosen: Mapping[Quantity, int], request: FileRequest
+) -> Layout:
+    """Find the first row with numbers in all columns; the row above it is the header."""
+    header_index = -1
+    for index in range(len(head)):
+        for delimiter, row in _split(head, index):
+            if len(row) > max(chosen.values()) and all(is_value(row[i]) for i in chosen.values()):
+                header = cells(_unmarked(head[header_index]), delimiter) * (header_index >= 0)
+                values = [i for i in chosen.values() if i < len(header) and is_value(header[i])]
+                if 2 * len(values) > len(chosen):
+                    raise DataError(
+                        f"{path}, row {header_index + 1}: numbers in some of the columns only: "
+                        "correct or cut that row in the source"
+                    )
+                return _layout(path, head, delimiter, header, header_index + 1, chosen, request)
+        header_index = index if head[index].strip() else header_index
+    raise _missing(path, head, ({}, 0, []), request)
+
+
+def _candidates(row: Cells, quantity: Quantity, column: Column | None) -> list[int]:
+    if column is None:
+        return guess_column(row, quantity)
+    if isinstance(column.header_or_number, int):
+        return [column.header_or_number - 1] if column.header_or_number <= len(row) else []
+    stated = column.header_or_number
+    options = (stated, _unmarked(stated))
+    exact = [i for i, cell in enumerate(row) if cell in options]
+    folded = [option.casefold() for option in options]
+    return exact or [i for i, cell in enumerate(row) if cell.casefold() in folded]
+
+
+def _layout(
+    path: Path,
+    head: Sequence[str],
+    delimiter: str,
+    header: Cells,
+    first: int,
+    chosen: Mapping[Quantity, int],
+    request: FileRequest,
+) -> Layout:
+    if len(set(chosen.values())) < len(chosen):
+        raise DataError(f"{path}: two channels would come from one column: correct --map")
+    rows = [k for k in range(first, len(head)) if head[k].strip()] or [len(head)]
+    below = cells(_unmarked("".join(head[rows[0] : rows[0] + 1])), delimiter)
+    if header and header[-1].casefold() in ("", "comment") and len(below) == len(header) - 1:
+        header = header[:-1]  # a column without cells, or a delimiter at the header's end, is none
+    width = len(header) if max(chosen.values()) < len(header) else len(below)
+    units = {q: "".join(below[i : i + 1]).strip("()[]{} ") for q, i in chosen.items()}
+    known = [is_unit(unit, q) or is_of_specimen(unit, q) for q, unit in units.items()]
+    other = [is_unit(unit, o) and not is_unit(unit, q) for q, unit in units.items()
+             for o in QUANTITIES]  # fmt: skip
+    if any(known) and not any(other) and not any(map(is_value, units.values())):
+        rows = rows[1:] or [len(head)]
+    else:
+        units, below = {}, []
+    numbers = [
+        (k + 1, row[i])
+        for k in rows
+        for row in [cells("".join(head[k : k + 1]), delimiter)]
+        for i in chosen.values()
+        if i < len(row)
+    ]
+    if "time" in chosen and numbers and ":" in numbers[0][1]:
+        raise DataError(
+            f"{path}, row {numbers[0][0]}: {numbers[0][1]!r} is a clock's time, no number: state "
+            "the rate, --map time=RATEHz, or read the file with pandas and pass the table to "
+            "springpot.Recording.from_frame"
+        )
+    return Layout(
+        delimiter, width, rows[0], header, below, chosen,
+        column_units(str(path), header, chosen, request.columns, units),
+        request.decimal or _decimal_mark(path, numbers),
+    )  # fmt: skip
+
+
+def _decimal_mark(path: Path, numbers: Sequence[tuple[int, str]]) -> DecimalMark:
+    """Mark of decimals in cells of numbers, each with its row: that of most of them."""
+    commas = [(row, cell) for row, cell in numbers if "," in cell and is_number(cell, "comma")]
+    if len(commas) <= sum("." in cell and is_number(cell) for _, cell in numbers):
+        return "point"
+    if all(_THOUSANDS.fullmatch(cell) for _, cell in commas):
+        row, cell = commas[0]
+        raise DataError(
+            f"{path}, row {row}: {cell!r} may be a decimal comma or a separator of thousands: pass "
+            "--decimal comma, or take the separators out, as pandas.read_csv(thousands=',') does"
+        )
+    return "comma"
+
+
+def _missing(path: Path, head: Sequence[str], found: Found, request: FileRequest) -> DataError:
+    """Say which channels the likeliest header lacks, and what to pass."""
+    there, index, row = found
+    tables = ((k, its) for k in range(len(head)) for _, its in _split(head, k))
+    first = next((k for k, its in tables if all(map(is_value, its))), None)
+    if first is not None and not there:  # other words: the fullest row above the first of numbers
+        above = [(k, its) for k in range(max(first - 3, 0), first) for _, its in _split(head, k)]
+        index, row = max(above, key=lambda each: sum(map(bool, each[1])), default=(index, row))
+    names = ", ".join(map(repr, row[:_SHOWN])) + ", ..." * (len(row) > _SHOWN)
+    header = f" in row {index + 1}, which has {names}" * bool(row)
+    missing = [q for q in request.wanted if q not in there]
+    stated = {q: request.columns[q].header_or_number for q in missing if q in request.columns}
+    kind = DataError
+    if not there.keys() - {"time"} and not stated and (row or first is None):
+        kind = NoRecordingError
+        for words, hint in _HINTS.items():
+            if re.search(words, names, re.I):
+                return kind(f"{path}: {hint}: found{header[3:]}")
+    remedy = f"pass --map {MAP_EXAMPLE}, where COL is a header or a column's number"
+    if missing == ["time"] and row:
+        remedy = (
+            "if its samples were taken evenly, pass --map time=RATEHz, RATE how many in a second; "
+            "without it nobody knows how fast the object was pressed"
+        )
+    channels = " or of ".join(q + f" ({stated.get(q)!r})" * (q in stated) for q in missing)
+    return kind(f"{path}: found no column of {channels}{header}: {remedy}")
+
+
+def _split(head: Sequence[str], index: int) -> Iterator[tuple[str, Cells]]:
+    """Yield each delimiter that may separate the cells of a line, and the cells.
+
+    A space does so only above a row of as many numbers, or in one: sentences have spaces, too. A
+    mark of comments, as numpy.savetxt writes it, is no part of a header, unless it has a column.
+    """
+    line = head[index]
+    for delimiter in _DELIMITERS:
+        for text in dict.fromkeys((_unmarked(line), line)):
+            row = cells(text, delimiter)
+            if 2 <= len(row) <= _MAX_COLUMNS:
+                below = cells("".join(head[index + 1 : index + 2]), " ")
+                if delimiter != " " or (len(below) == len(row) and all(map(is_value, below))):
+                    yield delimiter, row
+                    break
+
+
+def _unmarked(line: str) -> str:
+    """A line without a comment's mark."""
+    return _COMMENT.sub("", line, 1)
+
+
+def cells(line: str, delimiter: str) -> Cells:
+    """Split one line; quoted cells keep their delimiters. None if one is too long for a cell."""
+    try:
+        rows = list(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
+    except csv.Error:
+        return []
+    found: Cells = []
+    for cell in (cell.strip() for cell in rows[0]) if rows else ():
+        if delimiter == " " and found and cell.startswith(("[", "(")):
+            found[-1] += f" {cell}"  # "time [s]" is one cell
+        else:
+            found.append(cell)
+    return found
+
+
+def is_number(cell: str, decimal: DecimalMark = "point") -> bool:
+    """Return whether a cell is a number, NaN and infinity included."""
+    try:
+        float(cell.translate(COMMA_TO_POINT) if decimal == "comma" else cell)
+    except ValueError:
+        return False
+    return "_" not in cell and cell.isascii()  # Python reads 1_000 and other scripts' digits
+
+
+def is_value(cell: str) -> bool:
+    """Return whether a cell is a number with either mark of decimals."""
+    return is_number(cell) or is_number(cell, "comma")
