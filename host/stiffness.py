@@ -8,7 +8,7 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.types import JsonObject
-from springpot.trainer.recordings.quality.motion import turning_points
+from springpot.trainer.recordings.motion import turning_points
 from springpot.trainer.recordings.recording import Recording
 
 STIFFNESS_JND = 0.15  # just noticeable difference, of the stiffness: about so much

@@ -76,14 +76,12 @@ def fit_model(
 ) -> "Fit":
     """Fit one model. `validation` decides only for rbf-fd with select "paper".
 
-    Raises UsageError for an unknown kind, DataError where the recordings do not fit together or
-    are no object's.
+    recordings: those that `check_recordings` gives as `checked`, or others without spikes.
+    Raises UsageError for an unknown kind, DataError where the recordings do not fit together.
     """
     from springpot.trainer.models.training_set import training_set
-    from springpot.trainer.recordings.quality.signs import require_signs
 
     options, warnings = _default_smoothing(recordings, options)
-    require_signs(recordings)  # whole ones: a piece may be a hold alone, which shows no sign
     kind = _kind_of_places(kind, recordings)
     data = training_set(recordings, options.smooth_s)
     data = replace(data, warnings=(*data.warnings, *warnings))
@@ -95,13 +93,17 @@ def _kind_of_places(kind: str, recordings: "Sequence[Recording]") -> str:
 
     Raises UsageError for another one, DataError if only some recordings have a place.
     """
-    from springpot.trainer.recordings.quality.places import sites_of
+    from springpot.trainer.recordings.places import sites_of
 
     sites = sites_of(recordings)
     if len(sites) < 2:
         return kind
-    if any(recording.place_m is None for recording in recordings):
-        raise DataError("some recordings have a place and others none: see springpot check")
+    for recording in recordings:
+        if recording.place_m is None:
+            raise DataError(
+                f"{recording.name}: no place, and others have one: import it with --place X,Y, or "
+                "leave it out"
+            )
     if kind not in (AUTO, HAMMERSTEIN.name):
         raise UsageError(
             f"{kind}: has no map, and these recordings are of {len(sites)} places: give --model "

@@ -100,8 +100,7 @@ def import_recordings(
             [given_path(file) for file in files], mapping, zero, resample_hz, options, rest_s
         )
     notice("\n".join([*found.guesses.values(), *found.notes]))
-    warn_of_quality(found.recordings)
-    return found.recordings
+    return warn_of_quality(found.recordings).checked
 
 
 def read_model(path: File) -> Model:

@@ -115,13 +115,11 @@ def train(
     from springpot.host.console.quality import warn_of_quality
     from springpot.trainer.kinds import fit_model
 
-    training = _some(recordings)
-    said = {finding.text for finding in warn_of_quality(training).findings}
+    training = warn_of_quality(_some(recordings)).checked
     with errors_in_python():
         fit = fit_model(kind, name or kind, training, options, given_recordings(validation))
     for line in fit.warnings:
-        if line not in said:
-            warnings.warn(in_python(line), UserWarning, stacklevel=2)
+        warnings.warn(in_python(line), UserWarning, stacklevel=2)
     return fit
 
 
@@ -264,8 +262,10 @@ def bench(
     """
     from springpot.host.bench.bench import Bench, run_bench
     from springpot.host.bench.splits import holdout
+    from springpot.host.console.quality import warn_of_quality
 
-    training, testing = _some(recordings), given_recordings(validation)
+    training = warn_of_quality(_some(recordings)).checked
+    testing = given_recordings(validation)
     if not testing:
         training, testing = holdout(training, seed)
     asked = Bench(tuple(training), tuple(testing), target, seed, tuple(models))

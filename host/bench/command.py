@@ -50,8 +50,7 @@ def bench(
     from springpot.host.console.quality import report_quality
     from springpot.host.validation.seen import seen_line
 
-    training = read_recordings(*recordings)
-    report_quality(training)
+    training = report_quality(recordings).checked
     if validation:
         testing = read_recordings(*validation)
     else:

@@ -19,7 +19,7 @@ def report_quality(
 ) -> QualityReport:
     """Say the warnings and which way is in, by default on standard error.
 
-    recordings: or files and folders of them; `given` of the report has what was read.
+    recordings: or files and folders of them; `checked` of the report has them without spikes.
 
     Raises DataError at a refusal.
     """

@@ -17,6 +17,7 @@ from springpot.trainer.models.passive.passive_fit import fit_passive
 from springpot.trainer.models.predict import regressor_force
 from springpot.trainer.models.rf_fd import PAPER_ORDERS, fractional_features
 from springpot.trainer.models.training_set import TrainingSet, training_set
+from springpot.trainer.recordings.quality.spikes import hold_spikes
 from springpot.trainer.recordings.recording_file import Recordings, given_recordings
 
 KIND = "ensemble"
@@ -70,7 +71,8 @@ def ensemble_data(
     >>> features.shape[1], len(features) == len(force_n)
     (10, True)
     """
-    data = training_set(given_recordings(recordings), smooth_s)
+    held = [hold_spikes(recording)[0] for recording in given_recordings(recordings)]
+    data = training_set(held, smooth_s)
     rows = data.rows(fraction, seed)
     found = _scaled(data, _features(features, data.dt_s), rows), data.force_n(rows)
     return (*found, data.owner(rows)) if return_groups else found
@@ -93,7 +95,8 @@ def from_ensemble(
     >>> from_ensemble(forest, recordings).kind
     'ensemble'
     """
-    data = training_set(given_recordings(recordings), smooth_s)
+    held = [hold_spikes(recording)[0] for recording in given_recordings(recordings)]
+    data = training_set(held, smooth_s)
     features = _features(features, data.dt_s)
     rows = np.unique(np.linspace(0, data.rows_total - 1, _CHECKED_ROWS).astype(np.intp))
     scale = _scale(data)

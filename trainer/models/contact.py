@@ -8,8 +8,8 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.codegen.model.model import Contact
 from springpot.trainer.recordings.contact_point import find_contact
-from springpot.trainer.recordings.quality.noise_floor import sensor_noise_n
 from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.sensor import sensor_noise_n
 from springpot.trainer.recordings.smoothing import smoothed, smoothing_samples
 
 _LOWEST = 0.02  # of the depth: where an object's force is 0 if position 0 is its surface

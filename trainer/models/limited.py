@@ -8,7 +8,7 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.codegen.model.model import Model
 from springpot.trainer.models.predict import predict_each_n
-from springpot.trainer.recordings.quality.places import Site, site_words
+from springpot.trainer.recordings.places import Site, site_words
 from springpot.trainer.recordings.recording import Recording
 
 _DEEP = 1.5  # times the trained depth: from here on it is said

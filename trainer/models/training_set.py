@@ -18,7 +18,6 @@ from springpot.trainer.features.values import feature_values
 from springpot.trainer.models.contact import contact_of, depth_m, surface_warning
 from springpot.trainer.models.motion import DepthMotion, motions
 from springpot.trainer.recordings.formats.sampling import MAX_UPSAMPLING
-from springpot.trainer.recordings.quality.spikes import hold_spikes
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.smoothing import MAX_SMOOTHED, smoothed
 
@@ -157,9 +156,7 @@ def training_set(
     contact: of the whole that these are a part of; by default what these show.
     """
     dt_s = common_time_step(recordings)
-    held, spikes = zip(*(hold_spikes(recording) for recording in recordings), strict=True)
-    recordings = held
-    warnings = [spike.text for found in spikes for spike in found]
+    warnings = []
     if contact is None:
         contact = contact_of(recordings)
         if contact == "always" and recordings[0].zero == "none":

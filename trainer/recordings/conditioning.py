@@ -8,7 +8,7 @@ import numpy as np
 
 from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.recordings.contact_point import find_contact
-from springpot.trainer.recordings.quality.signs import require_signs
+from springpot.trainer.recordings.quality.signs import sign_doubts
 from springpot.trainer.recordings.recording import Recording
 
 _SMOOTH_S = 0.02  # over which acceleration is taken from positions
@@ -61,8 +61,9 @@ def condition(recording: Recording, options: Conditioning) -> tuple[Recording, l
         try:
             recording, line = _from_contact(recording, options)
         except DataError:
-            if not options.accept_signs:
-                require_signs([recording])  # a turned sign is the cause, and has another remedy
+            if not options.accept_signs:  # a turned sign is the cause, and has another remedy
+                for doubt in sign_doubts([recording]):
+                    raise DataError(doubt) from None
             raise
         messages.append(line)
     if options.accept_signs:

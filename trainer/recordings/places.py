@@ -1,6 +1,7 @@
 """The place on the surface that a recording pressed: one each, since a model is of presses."""
 
 from collections.abc import Callable, Sequence
+from math import dist
 
 import numpy as np
 
@@ -8,8 +9,11 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.column_map import PLACE, split_unit
 from springpot.trainer.recordings.formats.units import factor_to_si
+from springpot.trainer.recordings.recording import Recording
 
 SAME_PLACE_M = 1e-4  # no printed grid and no stage is finer
+
+Site = tuple[float, float]  # x and y, m
 
 
 def place_m(
@@ -43,3 +47,22 @@ def place_m(
         )
     x_m, y_m = np.median(found_m, axis=1).tolist()
     return x_m, y_m
+
+
+def sites_of(recordings: Sequence[Recording]) -> dict[Site, list[int]]:
+    """Numbers of the recordings of each site, in the order of recording.
+
+    Recordings without a place are of no site.
+    """
+    sites: dict[Site, list[int]] = {}
+    for number, recording in enumerate(recordings):
+        if recording.place_m is not None:
+            here = recording.place_m
+            known = next((site for site in sites if dist(site, here) < SAME_PLACE_M), here)
+            sites.setdefault(known, []).append(number)
+    return sites
+
+
+def site_words(site: Site) -> str:
+    """Write a site as messages show it, in mm."""
+    return f"({1e3 * site[0]:.4g}, {1e3 * site[1]:.4g}) mm"

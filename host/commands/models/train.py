@@ -117,13 +117,11 @@ def train(
     options = FitOptions(**of_fit)
     testing = given_recordings(validation)
     report = report_quality(recordings)
-    training = report.given
-    said = {finding.text for finding in report.findings}
+    training = report.checked
     with progress_bar(f"fitting {kind} on {number_of(len(training), 'recording')}"):
         fit = fit_model(kind, out.stem.split(".")[0], training, options, testing)
     for line in fit.warnings:
-        if line not in said:
-            say(f"warning: {line}")
+        say(f"warning: {line}")
     result = training_result(fit) | _written(fit, out)
     compared_s = options.smooth_s if smooth_validation else 0.0
     found, figures = errors(fit, training, testing, compared_s) if testing else (None, {})

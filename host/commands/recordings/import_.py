@@ -119,7 +119,7 @@ def import_(
         say(note)
     recordings = found.recordings
     report = report_quality(recordings)
-    rows = _rows(write_all(out, recordings), report)
+    rows = _rows(write_all(out, report.checked), report)
     if not as_json:
         _show(rows)
         return
@@ -145,7 +145,7 @@ def _say_guesses(guesses: Mapping[Path, str]) -> None:
 
 def _rows(files: Sequence[Path], report: QualityReport) -> list[dict[str, Any]]:
     """Figures of each recording, with the file that it is in."""
-    from springpot.trainer.recordings.quality.plausible import glance
+    from springpot.trainer.recordings.quality.units import glance
 
     pairs = zip(files, report.recordings, report.checked, strict=True)
     return [

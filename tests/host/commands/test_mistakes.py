@@ -12,7 +12,6 @@ from support.files.recording_files import pressed_object
 from support.in_process import spring
 from support.paths import ROOT
 
-from springpot.trainer.recordings.quality.spikes import hold_spikes
 from springpot.trainer.recordings.recording_file import read_recordings
 
 TABLE = tomllib.loads((ROOT / "tests/data/mistakes.toml").read_text("utf-8"))
@@ -33,10 +32,9 @@ CASES = list(cases())
 def error(folder: Path, facts: dict[str, Any]) -> float:
     """Error of the recorded force along the recorded motion, rms over the peak of either."""
     (recording,) = read_recordings([folder])
-    held = hold_spikes(recording)[0]
-    true_n = pressed_object(facts).force(held.position_m, held.dt_s)
-    peak_n = max(float(np.abs(held.force_n).max()), float(true_n.max()))
-    return float(np.sqrt(np.mean((held.force_n - true_n) ** 2))) / peak_n
+    true_n = pressed_object(facts).force(recording.position_m, recording.dt_s)
+    peak_n = max(float(np.abs(recording.force_n).max()), float(true_n.max()))
+    return float(np.sqrt(np.mean((recording.force_n - true_n) ** 2))) / peak_n
 
 
 @pytest.mark.parametrize(("mistake", "name"), CASES, ids=lambda part: part)

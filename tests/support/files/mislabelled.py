@@ -72,9 +72,6 @@ def _signs() -> Iterator[Mislabelled]:
             yield Mislabelled(f"{kind}-both-{zero_name}", text, options, "refused", "--map")
     x, f = motion("presses"), true_force_n(motion("presses"))
     yield Mislabelled("height", _csv(120.0 - 1e3 * x, f), ("--zero", "min"), "refused", "position=")
-    # The file's author has taken the minimum off both channels already: only the shape is left.
-    shape = _csv(-1e3 * x + 1e3 * x.max(), -f + f.max())
-    yield Mislabelled("zeroed-in-the-source", shape, (), "warned", "softening")
     yield Mislabelled("tared-load", _csv(1e3 * x, f - 20.0), ("--tare", "auto"), "right")
 
 

@@ -63,7 +63,7 @@ def test_other_kinds_few_sites_and_missing_places_are_refused() -> None:
     with pytest.raises(DataError, match="at 4 places, these are of 2"):
         fit_model("hammerstein", "map", whole[:2], FitOptions())
     nowhere = Recording("lost", whole[0].position_m, whole[0].force_n, DT_S)
-    with pytest.raises(DataError, match="others none"):
+    with pytest.raises(DataError, match="lost: no place"):
         fit_model("auto", "map", [*whole, nowhere], FitOptions())
 
 

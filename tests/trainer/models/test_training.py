@@ -83,11 +83,9 @@ def test_unscaled_metres_would_not_do() -> None:
 def test_recordings_that_do_not_fit_together_are_refused() -> None:
     good = training()[0]
     moved = dataclasses.replace(good, name="moved", zero="min")
-    outward = dataclasses.replace(good, name="outward", position_m=-good.position_m)
     as_a_rate = dataclasses.replace(good, name="q", dt_s=1.0 / good.dt_s)
     for given, told in (
         ([good, moved], "moved was imported with --zero"),
-        ([outward], "--map position=COL:-1mm"),
         ([good, as_a_rate], "give time, and dt_s, in s"),
         ([], "no recordings"),
     ):

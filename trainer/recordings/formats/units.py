@@ -13,7 +13,6 @@ from springpot.codegen.errors import DataError
 Quantity = Literal["time", "position", "force"]
 QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
 FRAME_NAME = "column's name"  # origin of a unit that a table in memory states
-CLOCK = "clock stamps"
 COMMON_UNITS: dict[Quantity, str] = {"time": "s or ms", "position": "mm or m", "force": "N or mN"}
 
 _GRAVITY_MPS2 = 9.80665  # standard gravity, exact by definition

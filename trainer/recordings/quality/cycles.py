@@ -1,234 +1,156 @@
-"""Cyclic recordings: frequency, stiffness, energy lost a cycle, and how these repeat."""
+"""Cycles of a motion: frequency, stiffness, loss angle; and the delay of force behind position.
 
+Energy lost a cycle mixes the material's loss and the channels' skew. They part by frequency: the
+loss angle of soft solids changes slowly, about linearly with the logarithm of frequency; skew takes
+off an angle proportional to frequency. With fewer than five cyclic recordings, or less than a
+factor of four in frequency, the two look alike and nothing is estimated.
+"""
+
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
-from springpot.trainer.recordings.quality.motion import turning_points
-from springpot.trainer.recordings.quality.tone import (
-    TONE_SHARE,
-    even_drift,
-    find_frequency,
-    fundamental,
-    tone_residual,
-)
+from springpot.codegen.types import JsonObject
+from springpot.trainer.recordings.motion import turning_points
+from springpot.trainer.recordings.quality.finding import Finding, warning
 from springpot.trainer.recordings.recording import Recording
 
-_CUT_TOLERANCE = 0.15  # of a cycle: cutting rests takes a little of the first and the last one
-_OFF_CENTRE = 0.1  # of the amplitude: a cycle about another mean is on the way in
-_MIN_CYCLES = 3  # that are left without it
 _EVEN_STROKES = (0.1, 0.02)  # of the whole travel: what counts as a stroke, large ones first
-_SAME_WAY, _SAME_TIME = 0.1, 0.3
-_CLOSED = 0.05  # of the travel
-SAME_PRESS = 0.02  # of the range of position or of force: rms difference of repeats
-_CURVE = 7  # degree: tissue stiffens tenfold within a tenth of its depth
+_FEWEST, _SAME_WAY, _SAME_TIME = 3, 0.1, 0.3  # cycles; of a stroke's way and time
+_CUT = 0.15  # of a cycle: turns are found a little inside the first and the last one
+_ONE_TONE = 0.5  # of the position's variance that one tone must explain
 _MAX_SAMPLES = 200_000
+_MIN_POINTS, _MIN_SPAN = 5, 4.0  # frequencies, and the highest over the lowest
+_AMPLITUDES = 0.2  # of their logarithm: beyond that the loss may change with amplitude
+# 97.5 % quantile of Student's t, a series in 1 / freedom: `check` runs without scipy.
+_STUDENT = (0.733, 1.59, 2.556, 2.8225, 2.3723, 1.95996)
+_CURVATURE = 0.02  # rad, of the loss angle over the logarithm of frequency: as much is allowed for
 
 
 @dataclass(frozen=True, eq=False)
 class Cycles:
-    """A recording at one frequency.
+    """Cycles of one recording at one frequency, the first of more than three left out.
 
+    starts: row, with its fraction, at which each cycle begins, and the last one ends.
     stiffness_npm: ratio of the amplitudes of force and position at that frequency.
-    lead_rad: how far force leads position, as the energy lost a cycle says (asin of W / pi F X):
-    a nonlinear spring loses none, whatever the shape of its force.
-    energy_j: W, lost a cycle. skew_rad_per_s: what a second of delay of the force takes off the
-    lead. noise_n: of each cycle against the one before, rms, at equal positions, means apart;
-    drift_n: mean force of the last cycle less that of the first; both None for fewer than three
-    cycles, and where neither position nor force repeats: a sum of tones is no cycle.
+    lead_rad: how far force leads position there: a nonlinear spring leads by nothing.
     """
 
     frequency_hz: float
     amplitude_m: float
     stiffness_npm: float
     lead_rad: float
-    energy_j: float
-    skew_rad_per_s: float
-    noise_n: float | None
-    drift_n: float | None
-    count: int
-    tone_share: float
+    starts: Samples
+
+    def metadata(self) -> JsonObject:
+        """JSON values."""
+        keys = ("frequency_hz", "amplitude_m", "stiffness_npm")
+        return {key: getattr(self, key) for key in keys} | {"count": len(self.starts) - 1}
 
 
 def find_cycles(recording: Recording) -> Cycles | None:
-    """Analyse a recording that moves at one frequency; None where it does not."""
-    if not 16 <= len(recording.position_m) <= _MAX_SAMPLES or not np.ptp(recording.position_m):
+    """Analyse the longest run of three cycles or more alike; None without one."""
+    starts = _starts(recording.position_m)
+    if len(starts) <= _FEWEST:
         return None
-    position_m, force_n = _moving(recording.position_m, recording.force_n)
-    frequency = find_frequency(position_m)
-    if frequency is None or frequency * len(position_m) < 1.5:
-        among = _even_strokes(position_m)
-        if among is not None and (tone := find_frequency(position_m[among])) is not None:
-            position_m, force_n, frequency = position_m[among], force_n[among], tone
-    # Fewer than 1.5 cycles: one closed press counts as a cycle of its own length.
-    if frequency is None or frequency * len(position_m) < 1.5:
-        if not _is_one_press(recording.position_m, recording.force_n):
-            return None
-        position_m, force_n = recording.position_m, recording.force_n
-        frequency = 1.0 / len(position_m)
-    elif (way_in := _way_in(position_m, 1.0 / frequency)) > 0:
-        position_m, force_n = position_m[way_in:], force_n[way_in:]
-        frequency = find_frequency(position_m) or frequency
-    period = 1.0 / frequency  # samples
-    count = int(len(position_m) / period + _CUT_TOLERANCE)
-    if count < 1 or period < 8:
-        return None
-    used = min(len(position_m), round(count * period))
-    # The first cycle settles (Mullins softening, preconditioning of tissue).
-    first = used - round((count - 1) * period) if count > 3 else 0
-    x, f = position_m[first:used], force_n[first:used]
-    phase: Samples = 2.0 * np.pi * frequency * np.arange(len(x), dtype=np.float64)
-    x1, f1 = fundamental(x, phase), fundamental(f, phase)
+    if len(starts) - 1 > _FEWEST:
+        starts = starts[1:]  # the first cycle settles: Mullins softening, preconditioning of tissue
+    rows = np.arange(int(np.ceil(starts[0])), min(int(starts[-1]) + 1, len(recording.force_n)))
+    cycles = (rows - starts[0]) / (starts[1] - starts[0])
+    turn = 2.0 * np.pi * cycles
+    basis = np.stack([np.cos(turn), np.sin(turn), np.ones(len(rows)), cycles], axis=1)
+    channels = np.stack([recording.position_m[rows], recording.force_n[rows]], axis=1)
+    found = np.linalg.lstsq(basis, channels, rcond=None)[0]
+    x1, f1 = (complex(tone[0], -tone[1]) for tone in found.T)
     # A sine of amplitude X has the variance X^2 / 2.
-    if abs(x1) ** 2 / 2 < TONE_SHARE * np.var(x) or not abs(f1):
-        return None  # a ramp, or several tones
-    cycles = max(1, round(len(x) / period))
-    energy_j = _loop(f - even_drift(f, phase), x) / cycles
-    # Linear force F cos(wt + lead) on X cos(wt) loses pi F X sin(lead) a cycle.
-    reference_j = np.pi * abs(x1) * abs(f1)
-    # d/ds of the loop integral of f(t - s) dx: minus the integral of f' dx.
-    slope = -_loop(np.gradient(f), x) / cycles / recording.dt_s / reference_j
-    noise_n, drift_n = _repeat(x, f, period)
-    return Cycles(
-        frequency_hz=frequency / recording.dt_s,
-        amplitude_m=float(abs(x1)),
-        stiffness_npm=float(abs(f1) / abs(x1)),
-        lead_rad=float(np.arcsin(np.clip(energy_j / reference_j, -1.0, 1.0))),
-        energy_j=energy_j,
-        skew_rad_per_s=slope,
-        noise_n=noise_n,
-        drift_n=drift_n,
-        count=count,
-        tone_share=1.0 - tone_residual(x, phase) / (len(x) * float(np.var(x))),
-    )
+    if abs(x1) ** 2 / 2 < _ONE_TONE * np.var(channels[:, 0]) or not abs(f1):
+        return None
+    frequency_hz = recording.rate_hz / float(starts[1] - starts[0])
+    return Cycles(frequency_hz, abs(x1), abs(f1) / abs(x1), float(np.angle(f1 / x1)), starts)
 
 
-def _moving(position_m: Samples, force_n: Samples) -> tuple[Samples, Samples]:
-    """Cut rests at both ends: test rigs wait before and after their cycles.
-
-    A rest ends 2 % of the travel away from its level, or at the first step of a five-hundredth of
-    the travel if that is sooner, so that a fast press is not cut.
-    """
-    moved = np.flatnonzero(np.abs(np.diff(position_m)) > 2e-3 * np.ptp(position_m))
-    slow = np.flatnonzero(np.abs(position_m - position_m[0]) > 0.02 * np.ptp(position_m))
-    begin = int(slow[0]) if len(slow) else 0
-    back = np.flatnonzero(np.abs(position_m - position_m[-1]) > 0.02 * np.ptp(position_m))
-    end = int(back[-1]) + 1 if len(back) else len(position_m)
-    if len(moved):
-        begin, end = min(begin, int(moved[0])), max(end, int(moved[-1]) + 2)
-    return position_m[begin:end], force_n[begin:end]
-
-
-def _even_strokes(position_m: Samples) -> slice | None:
-    """The longest run of three cycles or more alike, in way and time; None without one.
+def _starts(position_m: Samples) -> Samples:
+    """Rows at which each of the cycles alike, in way and time, begins, and the last one ends.
 
     Rigs approach the object, wait, and leave it again: beside small cycles that is most of the
-    motion.
+    motion. The period is that between ways through the middle, which is sharper than a turn.
     """
-    for share in _EVEN_STROKES:
-        turns = np.array(turning_points(position_m, share * float(np.ptp(position_m))), dtype=int)
-        if len(turns) < 2:
+    travel_m = float(np.ptp(position_m))
+    for share in _EVEN_STROKES if travel_m > 0.0 and len(position_m) <= _MAX_SAMPLES else ():
+        turns = np.array(turning_points(position_m, share * travel_m), dtype=np.intp)
+        ways_m, rows = np.abs(np.diff(position_m[turns])), np.diff(turns)
+        alike = np.abs(np.diff(ways_m)) < _SAME_WAY * ways_m[1:]
+        alike &= np.abs(np.diff(rows)) < _SAME_TIME * rows[1:]
+        ends = np.flatnonzero(np.concatenate([[True], ~alike, [True]]))
+        longest = int(np.argmax(np.diff(ends)))
+        strokes = turns[ends[longest] : ends[longest + 1] + 1]
+        if len(strokes) <= 2 * _FEWEST:
             continue
-        ways_m, ticks = np.abs(np.diff(position_m[turns])), np.diff(turns)
-        runs, first = [], 0
-        for k in range(1, len(ways_m) + 1):
-            alike = k < len(ways_m) and (
-                abs(ways_m[k] / ways_m[first] - 1.0) < _SAME_WAY
-                and abs(ticks[k] / ticks[first] - 1.0) < _SAME_TIME
-            )
-            if not alike:
-                runs.append((k - first, first))
-                first = k
-        strokes, first = max(runs)
-        if strokes >= 2 * _MIN_CYCLES:
-            return slice(int(turns[first]), int(turns[first + strokes]) + 1)
-    return None
+        middle_m = float(np.mean(position_m[strokes[0] : strokes[-1] + 1]))
+        inwards = [pair for pair in pairwise(strokes) if position_m[pair[0]] < middle_m]
+        passes = [begin + int(np.argmax(position_m[begin : end + 1] >= middle_m))
+                  for begin, end in inwards]  # fmt: skip
+        low_m, high_m = position_m[np.array(passes) - 1], position_m[passes]
+        at = passes - (high_m - middle_m) / (high_m - low_m)
+        period = float(at[-1] - at[0]) / (len(at) - 1)
+        start = max(float(at[0]) - period / 4.0, float(strokes[0]))
+        count = int((float(strokes[-1]) - start) / period + _CUT)
+        return start + period * np.arange(count + 1.0)
+    return np.empty(0)
 
 
-def _way_in(position_m: Samples, period: float) -> int:
-    """Samples of whole cycles before the mean position is that of the rest: a press in between."""
-    count = int(len(position_m) / period)
-    ends = np.round(period * np.arange(count + 1)).astype(int)
-    pieces = np.split(position_m[: ends[-1]], ends[1:-1]) if count > _MIN_CYCLES else []
-    means = np.array([piece.mean() for piece in pieces])
-    if not len(means):
-        return 0
-    reach_m = float(np.ptp(pieces[-1])) / 2
-    there = np.flatnonzero(np.abs(means - np.median(means)) < _OFF_CENTRE * reach_m)
-    first = int(there[0]) if len(there) else 0
-    return int(ends[first]) if count - first >= _MIN_CYCLES else 0
+@dataclass(frozen=True)
+class Skew:
+    """Delay of force behind position, s: estimate, and half the width of its 95 % interval."""
+
+    delay_s: float
+    uncertainty_s: float
+
+    def loss(self, recording: Recording, cycles: Cycles) -> dict[str, float]:
+        """Loss angle without the delay that is stated, and what the estimated one leaves open."""
+        rate = 2.0 * np.pi * cycles.frequency_hz
+        stated_s = recording.force_delay_s - recording.position_delay_s
+        doubt_s = abs(self.delay_s - stated_s) + self.uncertainty_s
+        angle_rad = cycles.lead_rad + rate * stated_s
+        return {"angle_rad": angle_rad, "angle_uncertainty_rad": rate * doubt_s}
 
 
-def _is_one_press(position_m: Samples, force_n: Samples) -> bool:
-    """Return whether the path goes in and out once and is closed: a cycle of its own length.
-
-    Where force is 0 at both ends, what is missing in position costs no energy.
-    """
-    open_m = abs(float(position_m[-1] - position_m[0]))
-    end_n = max(abs(float(force_n[0])), abs(float(force_n[-1])))
-    span_m, peak_n = float(np.ptp(position_m)), float(np.abs(force_n).max())
-    if open_m > _CLOSED * span_m and end_n > _CLOSED * peak_n:
-        return False
-    phase = 2.0 * np.pi * np.arange(len(position_m)) / len(position_m)
-    left = tone_residual(position_m, phase)
-    return left < (1.0 - TONE_SHARE) * float(np.sum((position_m - position_m.mean()) ** 2))
-
-
-def _loop(f: Samples, x: Samples) -> float:
-    """Integral of f dx by trapezoids: 0 over the closed loop of a linear spring."""
-    return float(np.sum(0.5 * (f[1:] + f[:-1]) * np.diff(x)))
-
-
-def _repeat(
-    position_m: Samples, force_n: Samples, period: float
-) -> tuple[float | None, float | None]:
-    """Noise floor and drift, N, of cycles that are the same; None for fewer than three."""
-    count = int(len(force_n) / period + _CUT_TOLERANCE)
-    if count < 3:
-        return None, None
-    points = max(8, int(period))
-    at = (np.arange(count)[:, None] + np.arange(points) / points) * period
-    time = np.arange(len(force_n))
-    force, position = (
-        np.interp(at.ravel(), time, samples).reshape(count, points)
-        for samples in (force_n, position_m)
-    )
-    if not (_repeats(position) or _repeats(force)):
-        return None, None
-    share = at % 1.0
-    # Interpolating between two samples averages them: so much of white noise is left over.
-    smoothed = float(np.sqrt(np.mean(share**2 + (1.0 - share) ** 2)))
-    means = force.mean(axis=1)
-    # What still settles can be predicted: means are apart, and only neighbours are compared.
-    steady_m, steady_n = position - position.mean(axis=1, keepdims=True), force - means[:, None]
-    steps_n = np.diff(at_equal_positions(steady_m, steady_n), axis=0)
-    # The difference of two cycles has twice the variance of one.
-    noise_n = float(np.sqrt(np.mean(np.square(steps_n)) / 2)) / smoothed
-    return noise_n, float(means[-1] - means[0])
+def estimate_skew(cycles: Sequence[Cycles]) -> Skew | None:
+    """Estimate by a loss angle linear in the logarithm of frequency; None where they look alike."""
+    frequencies = np.array([c.frequency_hz for c in cycles])
+    if len(cycles) < _MIN_POINTS or frequencies.max() < _MIN_SPAN * frequencies.min():
+        return None
+    logs = np.log(frequencies / np.median(frequencies))
+    columns = [np.ones(len(cycles)), logs, -2.0 * np.pi * frequencies]
+    amplitudes = np.log([c.amplitude_m for c in cycles])
+    if np.ptp(amplitudes) > _AMPLITUDES:
+        columns.append(amplitudes)
+    design = np.stack(columns, axis=1)
+    lead = np.array([c.lead_rad for c in cycles])
+    freedom = len(cycles) - design.shape[1]
+    if np.linalg.matrix_rank(design) < design.shape[1]:
+        return None
+    found = np.linalg.lstsq(design, lead, rcond=None)[0]
+    variance = float(np.sum((lead - design @ found) ** 2)) / freedom
+    covariance = variance * np.linalg.inv(design.T @ design)
+    statistical_s = float(np.polyval(_STUDENT, 1.0 / freedom) * np.sqrt(covariance[2, 2]))
+    # The delay that a loss angle with that much curvature looks like.
+    model_s = _CURVATURE * abs(float(np.linalg.lstsq(design, logs**2, rcond=None)[0][2]))
+    return Skew(float(found[2]), float(np.hypot(statistical_s, model_s)))
 
 
-def _repeats(cycles: NDArray[np.float64]) -> bool:
-    """Whether samples (cycles, points) are the same in every cycle, apart from their means."""
-    shapes = cycles - cycles.mean(axis=1, keepdims=True)
-    off = shapes - shapes.mean(axis=0)
-    return float(np.sqrt(np.mean(off**2))) < SAME_PRESS * float(np.ptp(shapes))
-
-
-def at_equal_positions(
-    position_m: NDArray[np.float64], force_n: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """Forces of repeats, (repeats, samples), N, moved to the repeats' mean position.
-
-    A press that is driven by force repeats its force, and differs in position where the object
-    does: each force moves along the press's own stiffness there. (A line through the differences
-    would not do: it takes a softer object for one that was pressed deeper.)
-    """
-    mean_m = position_m.mean(axis=0)
-    if not np.ptp(mean_m):
-        return force_n
-    # `full`: few distinct positions are no reason to warn
-    curve, _ = np.polynomial.Polynomial.fit(mean_m, force_n.mean(axis=0), _CURVE, full=True)
-    moved: NDArray[np.float64] = force_n - curve.deriv()(mean_m) * (position_m - mean_m)
-    return moved
+def skew_findings(recordings: Sequence[Recording], skew: Skew | None) -> Iterator[Finding]:
+    """Yield a finding where force is later than stated by more than the estimate's uncertainty."""
+    stated_s = float(np.mean([r.force_delay_s - r.position_delay_s for r in recordings]))
+    if skew and min(abs(skew.delay_s), abs(skew.delay_s - stated_s)) > skew.uncertainty_s:
+        whole_s = skew.delay_s + np.mean([r.details.get("aligned_s", 0.0) for r in recordings])
+        delay = f"{skew.delay_s * 1e3:.2g} +- {skew.uncertainty_s * 1e3:.2g} ms"
+        yield warning(
+            "alignment", f"all {len(recordings)} recordings",
+            f"force seems to come {delay} after position",
+            "loss, and with it stability, would be learned wrong",
+            f"import with --force-delay-s {whole_s:.2g} --align",
+        )  # fmt: skip

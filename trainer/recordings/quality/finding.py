@@ -1,18 +1,16 @@
 """A finding: one line that says what, where, so what, and what to do."""
 
-from collections.abc import Sequence
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Literal
-
-Severity = Literal["refusal", "warning"]
 
 
 @dataclass(frozen=True)
 class Finding:
     """kind: short name for programs. A refusal means that no model can be made of this."""
 
+    severity: Literal["refusal", "warning"]
     kind: str
-    severity: Severity
     where: str
     what: str
     so_what: str
@@ -31,14 +29,8 @@ class Finding:
         return asdict(self) | {"line": self.line}
 
 
-def refusal(kind: str, where: str, what: str, so_what: str, to_do: str) -> Finding:
-    """Return a finding that ends with exit status 3."""
-    return Finding(kind, "refusal", where, what, so_what, to_do)
-
-
-def warning(kind: str, where: str, what: str, so_what: str, to_do: str) -> Finding:
-    """Return a finding that is reported and refuses nothing."""
-    return Finding(kind, "warning", where, what, so_what, to_do)
+refusal = partial(Finding, "refusal")
+warning = partial(Finding, "warning")
 
 
 def three_digits(value: float, unit: str) -> str:
@@ -52,13 +44,3 @@ def three_digits(value: float, unit: str) -> str:
         if abs(rounded) >= scale:
             return f"{rounded / scale:.3g} {prefix}{unit}"
     return f"{rounded:.3g} {unit}"
-
-
-def span(values: Sequence[float]) -> str:
-    """Write the least and the greatest value, or the one that all are, in three digits.
-
-    >>> span([1.2491, 1.2488]), span([0.5, -2.0])
-    ('1.25', '-2 to 0.5')
-    """
-    low, high = f"{min(values):.3g}", f"{max(values):.3g}"
-    return low if low == high else f"{low} to {high}"

@@ -1,31 +1,54 @@
 """Evidence of a recording's signs: where force is large, where it is stiff, what loops cost."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
+from springpot.trainer.recordings.sensor import noise_n
 
-_END = 0.05  # of the travel: the force at an end is the median there
-_LEVEL = 0.05  # of the travel: at the greatest force all along
-_MIN_SAMPLES = 8  # of a slope
-_ONE_SIDED = 0.05  # of the larger end's force: a smaller one of the other sign is noise
+_END = 0.05  # of the travel: an end, where the median is taken
+MIN_SAMPLES = 8  # of a slope
 _NOTHING = 0.05  # of the greatest force
-_FIRST = 5  # samples, while the tool has not gone farther than
-_SET_OFF = 0.01  # of the travel
+_FIRST, _SET_OFF = 5, 0.01  # samples, while the tool has not gone farther, of the travel
 _CLEAR, _STRONG = 1.25, 2.0  # ratio of the ends: some evidence, and twice as much
-_NOISES = 3.0  # standard deviations
-_RESTS, _GOES_ON = 0.01, 0.1  # of the ranges of position and of force
+_NOISES, _SURE = 3.0, 10.0  # standard deviations
 _DELAY = 0.5  # of a sample: channels that are read one after the other
 _LEVELS = (0.3, 0.5, 0.7)  # of the travel: where loops may be cut
+_FALLEN, _SLOWER = 0.4, 3.0  # of the greatest force; times as long for the same way
+
+
+def failure_row(x: Samples, f: Samples) -> int | None:
+    """Row of the greatest force, if the object tears or yields beyond it; None if it does not.
+
+    There force is less than 0.4 of it, in a twentieth of the way that the tool goes through as
+    fast as before: an object that flows loses its force where the tool slows down.
+    """
+    rise, peak = np.abs(f - first_n(x, f)), peak_row(x, f)
+    if x[peak] == x[0] or rise[peak] < _SURE * noise_n(f):
+        return None
+    way = np.sign(x[peak] - x[0]) * x
+    farthest = np.maximum.accumulate(way)
+    rows = np.searchsorted(farthest, np.arange(way[0], farthest[-1], _END * float(np.ptp(x))))
+    before = np.diff(rows[rows <= peak])
+    usual = float(np.median(before)) if len(before) else 0.0
+    for begin, end in pairwise(rows[rows > peak].tolist()):
+        fallen = float(np.median(rise[begin : end + 1])) < _FALLEN * float(rise[peak])
+        if fallen and end - begin <= _SLOWER * usual:
+            return peak
+    return None
 
 
 def correlation(x: Samples, f: Samples) -> float:
     """Correlation of position and force, (n,) both; 0 if one is constant."""
-    if min(np.ptp(x), np.ptp(f)) == 0.0:
-        return 0.0
-    return float(np.corrcoef(x, f)[0, 1])
+    return float(np.corrcoef(x, f)[0, 1]) if min(np.ptp(x), np.ptp(f)) else 0.0
+
+
+def peak_row(x: Samples, f: Samples) -> int:
+    """Row at which force is farthest from that with which the recording begins."""
+    return int(np.argmax(np.abs(f - first_n(x, f))))
 
 
 def deeper_by_force(x: Samples, f: Samples) -> int:
@@ -33,10 +56,9 @@ def deeper_by_force(x: Samples, f: Samples) -> int:
     width = _END * float(np.ptp(x))
     low = abs(float(np.median(f[x <= x.min() + width])))
     high = abs(float(np.median(f[x >= x.max() - width])))
-    least, most = float(f.min()), float(f.max())
-    if min(abs(least), abs(most)) > _ONE_SIDED * max(abs(least), abs(most)) and least * most < 0:
-        return 0
-    return _vote(high, low)
+    less, more = sorted((abs(float(f.min())), abs(float(f.max()))))
+    two_sided = f.min() < 0.0 < f.max() and less > _NOTHING * more
+    return 0 if two_sided else _vote(high, low)
 
 
 def deeper_from_zero(x: Samples, f: Samples) -> int:
@@ -55,21 +77,9 @@ def deeper_from_zero(x: Samples, f: Samples) -> int:
 
 
 def first_n(x: Samples, f: Samples) -> float:
-    """Force where a recording begins: the median of the first samples, before the tool sets off.
-
-    A slow logger has one of them.
-
-    >>> first_n(np.linspace(0.0, 8e-3, 21), np.linspace(0.1, 20.0, 21))
-    0.1
-    """
+    """Force where a recording begins: the median of the samples before the tool sets off."""
     gone = np.abs(x[:_FIRST] - x[0]) > _SET_OFF * float(np.ptp(x))
     return float(np.median(f[: int(np.argmax(gone)) if gone.any() else _FIRST]))
-
-
-def begins_at_no_force(x: Samples, f: Samples) -> bool:
-    """Whether force is next to nothing at the lower end, as it is where a tool touches nothing."""
-    low = x <= float(x.min()) + _END * float(np.ptp(x))
-    return abs(float(np.median(f[low]))) < _NOTHING * float(f.max())
 
 
 def deeper_by_slope(x: Samples, f: Samples) -> int:
@@ -78,7 +88,7 @@ def deeper_by_slope(x: Samples, f: Samples) -> int:
     A level that a sensor's limit or free air makes is no slope of the object.
     """
     level = f == f.max()
-    if np.ptp(x[level]) > _LEVEL * np.ptp(x):
+    if np.ptp(x[level]) > _END * np.ptp(x):
         x, f = x[~level], f[~level]
     if not len(x):
         return 0
@@ -90,24 +100,6 @@ def deeper_by_slope(x: Samples, f: Samples) -> int:
     return _vote(abs(high), abs(low))
 
 
-def looks_exchanged(x: Samples, f: Samples) -> bool:
-    """Whether position rests at its lowest while force falls and rises again, or the other way.
-
-    In the air it is force that rests, and position that goes out and in again. An object that is
-    held relaxes one way.
-    """
-    near = x <= float(x.min()) + max(_RESTS * float(np.ptp(x)), 2.0 * _NOISES * noise_n(x))
-    edges = np.diff(np.concatenate(([0], near, [0])).astype(int))
-    for begin, end in zip(np.flatnonzero(edges > 0), np.flatnonzero(edges < 0), strict=True):
-        ends_n = f[begin], f[end - 1]
-        beyond_n = max(
-            float(f[begin:end].max() - max(ends_n)), float(min(ends_n) - f[begin:end].min())
-        )
-        if beyond_n > _GOES_ON * float(np.ptp(f)):
-            return True
-    return False
-
-
 def _vote(high: float, low: float) -> int:
     larger, smaller = max(high, low), min(high, low)
     size = 2 if larger > _STRONG * smaller else 1 if larger > _CLEAR * smaller else 0
@@ -117,7 +109,7 @@ def _vote(high: float, low: float) -> int:
 def _slope(x: Samples, f: Samples, part: NDArray[np.bool_]) -> float | None:
     off = x[part] - x[part].mean()
     spread = float(off @ off)
-    if len(off) < _MIN_SAMPLES or spread == 0.0:
+    if len(off) < MIN_SAMPLES or spread == 0.0:
         return None
     return float(off @ f[part]) / spread
 
@@ -126,59 +118,50 @@ def _slope(x: Samples, f: Samples, part: NDArray[np.bool_]) -> float | None:
 class Dissipation:
     """Energy that a tool put in over whole loops, and how many; 0 where none closes.
 
-    doubt_j: what the force's noise, its drift and half a sample of delay may add or take.
+    energy: that of a loop, over travel and range of force. doubt: what the force's noise, its drift
+    and half a sample of delay may add to that or take.
     """
 
     energy_j: float = 0.0
     loops: int = 0
-    doubt_j: float = 0.0
+    energy: float = 0.0
+    doubt: float = 0.0
 
 
 def dissipation(x: Samples, f: Samples) -> Dissipation:
-    """Over as many loops as some level of the travel closes."""
-    best = Dissipation()
-    for level in _LEVELS:
-        level_m = float(x.min()) + level * float(np.ptp(x))
+    """Over as many loops as some level of the travel closes, or over one press."""
+    low_m, span, best = float(x.min()), float(np.ptp(x)), np.empty(0, dtype=np.intp)
+    for level_m in (low_m + level * span for level in _LEVELS):
         rises = np.flatnonzero((x[:-1] < level_m) & (x[1:] >= level_m))
-        rises = (
-            rises[np.concatenate(([True], np.diff(rises) > _MIN_SAMPLES))] if len(rises) else rises
-        )
-        if len(rises) - 1 > best.loops:
-            best = _over(x, f, int(rises[0]), int(rises[-1]) + 1, len(rises) - 1)
-    return best if best.loops else _one_press(x, f)
-
-
-def _one_press(x: Samples, f: Samples) -> Dissipation:
-    """Energy of the way in and out again, or out and in, beyond a level above both ends."""
-    span, ends = float(np.ptp(x)), x[[0, -1]]
-    inwards = float(ends.max()) + _END * span < float(x.min()) + 0.5 * span
-    outwards = float(ends.min()) - _END * span > float(x.min()) + 0.5 * span
-    if not (inwards or outwards):
+        rises = rises[np.diff(rises, prepend=-len(x)) > MIN_SAMPLES]
+        best = rises if len(rises) > max(len(best), 1) else best
+    if len(best):
+        return _work(x, f, int(best[0]), int(best[-1]) + 1, len(best) - 1)
+    ends, middle_m = x[[0, -1]], low_m + 0.5 * span
+    if float(ends.max()) + _END * span < middle_m:  # in and out again
+        beyond = np.flatnonzero(x > ends.max() + _END * span)
+    elif float(ends.min()) - _END * span > middle_m:  # out and in again
+        beyond = np.flatnonzero(x < ends.min() - _END * span)
+    else:
         return Dissipation()
-    level_m = ends.max() + _END * span if inwards else ends.min() - _END * span
-    beyond = np.flatnonzero(x > level_m if inwards else x < level_m)
-    return _over(x, f, int(beyond[0]) - 1, int(beyond[-1]) + 1, 1)
+    return _work(x, f, int(beyond[0]) - 1, int(beyond[-1]) + 1, 1)
 
 
-def _over(x: Samples, f: Samples, begin: int, end: int, loops: int) -> Dissipation:
+def _work(x: Samples, f: Samples, begin: int, end: int, loops: int) -> Dissipation:
     """Work along the path, force counted from its first value.
 
-    So the small gap that is left at the end of a loop hardly matters. Drift g that grows evenly
-    adds the integral of g t/T dx = g (x(T) - mean of x), where more than one loop shows it; a delay
-    d adds d times the integral of x' f' dt; noise of deviation s in each sample adds s times the
-    root of the summed squares of the way that a sample stands for.
+    Drift g that grows evenly adds the integral of g t/T dx = g (x(T) - mean of x), where more than
+    one loop shows it; a delay d adds d times the integral of x' f' dt; noise of deviation s in each
+    sample adds s times the root of the summed squares of the way that a sample stands for.
     """
+    size_j = loops * float(np.ptp(x)) * float(np.ptp(f))
     x, f = x[begin : end + 1], f[begin : end + 1]
-    steps, rises = np.diff(x), np.diff(f)
-    means = 0.5 * (f[:-1] + f[1:])
-    ways = 0.5 * np.append(steps, 0.0) + 0.5 * np.insert(steps, 0, 0.0)
+    steps = np.diff(x)
+    energy_j = float(steps @ (0.5 * (f[:-1] + f[1:]) - f[0]))
+    ways = 0.5 * (np.append(steps, 0.0) + np.insert(steps, 0, 0.0))
     noise_j = _NOISES * noise_n(f) * float(np.sqrt(ways @ ways))
     drift_j = abs(float((f[-1] - f[0]) * (x[-1] - x.mean()))) if loops > 1 else 0.0
-    delay_j = _DELAY * abs(float(steps @ rises))
-    return Dissipation(float(steps @ (means - f[0])), loops, noise_j + drift_j + delay_j)
-
-
-def noise_n(f: Samples) -> float:
-    """Standard deviation of what differs from sample to sample, by the median of second steps."""
-    second = np.diff(f, 2)
-    return 1.4826 * float(np.median(np.abs(second))) / np.sqrt(6.0) if len(second) else 0.0
+    delay_j = _DELAY * abs(float(steps @ np.diff(f)))
+    share = 1.0 / size_j if size_j else 0.0
+    doubt = share * (noise_j + drift_j + delay_j)
+    return Dissipation(energy_j, loops, share * energy_j, doubt)

@@ -1,30 +1,28 @@
-"""Spikes: samples that no tool was at, or no object pushed with, held at the ones beside them."""
+"""Spikes: a few samples far from those around them, replaced from the samples beside them."""
 
-from collections.abc import Callable
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
 from springpot.codegen.arrays import Indices, Samples
-from springpot.trainer.recordings.quality.finding import Finding, warning
+from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
 from springpot.trainer.recordings.recording import Recording
 
-LONGEST_SPIKE = 5  # samples of position
-_LONGEST_FORCE = 2  # a longer one may be an impact's
-_USUAL = 0.995  # of the steps are usual ones
-_TIMES_USUAL = 8.0
-_SHARE = 0.25  # of the range of the channel
-_BESIDE = 0.1  # of the jump: what force may change just before and after
+HELD = "outliers"  # of a recording's details: what was found in each channel
+_LONGEST_M, _LONGEST_N = 5, 2  # samples of position, of force: a longer run may be an impact
+_SHARE_M, _SHARE_N = 0.25, 0.02  # of the channel's range: a spike is as far off at least
+_NOISES, _STEPS = 8.0, 5.5  # of the noise, and of the largest step around: it is farther off
+_REACH = 5  # samples to each side that are compared
+_MOST = 0.05  # of the samples
 _STILL = 0.1  # of the travel: a tool that moves more meanwhile may have hit something
 
 
 def hold_spikes(recording: Recording) -> tuple[Recording, list[Finding]]:
-    """Return the recording with every spike held, and a warning for each channel that has any.
+    """Return the recording without spikes, and a finding for each channel that has any.
 
     One spike would stretch the trained range, the scale of all that is fitted, and the limit of
-    force. Where position is held, force is as it was measured, at the true place of the tool,
-    unless it jumps away too.
+    force. More than 5 % of the samples are refused. The recording keeps what was found in it.
 
     >>> position_m = 1e-3 * (1 - np.cos(np.linspace(0, 6.28, 200)))
     >>> force_n = 500 * position_m
@@ -33,117 +31,84 @@ def hold_spikes(recording: Recording) -> tuple[Recording, list[Finding]]:
     >>> finding.what
     '1 of 200 samples of force jump away, the first at 0.05 s to 900 N'
     """
+    name = recording.name
+    if known := recording.details.get(HELD):
+        replaced = ("replaced from those beside", "if the tool did so, record at a higher rate")
+        return recording, [warning("outlier", name, what, *replaced) for what in known]
     position_m, force_n = recording.position_m, recording.force_n
-    rows = spike_rows(position_m, force_n)
-    findings = []
-    if len(rows):
-        findings.append(_finding(recording, "position", rows, position_m * 1e3, "mm"))
-        position_m = _held(position_m, rows)
-    rows = force_spike_rows(position_m, force_n)
-    if len(rows):
-        findings.append(_finding(recording, "force", rows, force_n, "N"))
-        force_n = _held(force_n, rows)
-    if not findings:
-        return recording, []
-    return replace(recording, position_m=position_m, force_n=force_n), findings
-
-
-def spike_rows(position_m: Samples, force_n: Samples) -> Indices:
-    """Rows of spikes of position, ascending: at most five samples between jumps there and back.
-
-    A jump is a step above 8 times the 99.5 % quantile of all steps and a quarter of the range of
-    the samples that are left. A run at an end has one jump; it is a spike unless force jumps the
-    same way, as in a recording that starts just before a sudden press.
-    """
-
-    def at_end(left: Indices, jump: int) -> bool:
-        step_n = np.diff(force_n[left])
-        follows = abs(step_n[jump]) > _SHARE * np.ptp(force_n)
-        return not follows or step_n[jump] * np.diff(position_m[left])[jump] < 0.0
-
-    return _spikes(position_m, LONGEST_SPIKE, at_end)
-
-
-def force_spike_rows(position_m: Samples, force_n: Samples) -> Indices:
-    """Rows of spikes of force, ascending: one or two samples, as in `spike_rows`.
-
-    An impact stays: it takes more than one sample to rise and to fall, or the tool moves by a tenth
-    of its travel meanwhile. So does a run at an end: a recording may begin while force relaxes.
-    """
-    found = _spikes(force_n, _LONGEST_FORCE, lambda _left, _jump: False)
-    runs = np.split(found, np.flatnonzero(np.diff(found) > 1) + 1) if len(found) else []
-    still_m = _STILL * float(np.ptp(position_m))
-    alone = [run for run in runs if _is_alone(position_m, force_n, run, still_m)]
-    return np.concatenate(alone) if alone else np.empty(0, dtype=np.intp)
-
-
-def _is_alone(position_m: Samples, force_n: Samples, run: Indices, still_m: float) -> bool:
-    """Whether force is usual just before and after a run, where the tool hardly moves."""
-    before, after = int(run[0]) - 1, int(run[-1]) + 1
-    jump_n = abs(float(force_n[run[0]] - force_n[before]))
-    beside_n = [
-        abs(float(force_n[at] - force_n[at + away]))
-        for at, away in ((before, -1), (after, 1))
-        if 0 <= at + away < len(force_n)
-    ]
-    moved_m = abs(float(position_m[after] - position_m[before]))
-    return max(beside_n, default=0.0) <= _BESIDE * jump_n and moved_m <= still_m
-
-
-def _held(samples: Samples, rows: Indices) -> Samples:
-    good = np.setdiff1d(np.arange(len(samples)), rows)
-    before = np.maximum(np.searchsorted(good, rows) - 1, 0)
-    held = samples.copy()
-    held[rows] = samples[good[before]]
-    return held
-
-
-def _finding(
-    recording: Recording, channel: str, rows: Indices, values: Samples, unit: str
-) -> Finding:
-    also = {
-        "position": "if the tool did move so, record at a higher rate",
-        "force": "if it is an impact, record at a higher rate",
-    }
-    return warning(
-        "outlier", recording.name,
+    at_m = _position_spikes(position_m, force_n)
+    held_m = _interpolated(position_m, at_m)
+    at_n = _force_spikes(held_m, force_n)
+    channels = (("position", at_m, 1e3 * position_m, "mm"), ("force", at_n, force_n, "N"))
+    found = [
         f"{len(rows)} of {len(values)} samples of {channel} jump away, the first at "
-        f"{rows[0] * recording.dt_s:.4g} s to {values[rows[0]]:.4g} {unit}",
-        "held at the sample beside them", also[channel],
-    )  # fmt: skip
+        f"{rows[0] * recording.dt_s:.4g} s to {values[rows[0]]:.4g} {unit}"
+        for channel, rows, values, unit in channels
+        if len(rows)
+    ]
+    if not found:
+        return recording, []
+    if max(len(at_m), len(at_n)) > _MOST * len(force_n):
+        spoiled = ("too many to be replaced", "mend the sensor or its cable, and record again")
+        return recording, [refusal("outlier", name, what, *spoiled) for what in found]
+    details, held_n = {**recording.details, HELD: found}, _interpolated(force_n, at_n)
+    held = replace(recording, position_m=held_m, force_n=held_n, details=details)
+    return hold_spikes(held)
 
 
-def _spikes(samples: Samples, longest: int, at_end: Callable[[Indices, int], bool]) -> Indices:
-    """Rows of spikes; a wider spike may hide a narrower one, so what is left is looked at again.
+def _position_spikes(position_m: Samples, force_n: Samples) -> Indices:
+    """Rows of spikes, ascending: at most five samples in a row.
 
-    at_end: whether the run between an end and the one jump is a spike.
+    At an end of the recording force has to stay: it may start just before a sudden press.
     """
-    found = np.zeros(len(samples), dtype=bool)
-    while True:
-        left = np.flatnonzero(~found)
-        rows = left[_runs(samples[left], longest, partial(at_end, left))]
-        if not len(rows):
-            return np.flatnonzero(found)
-        found[rows] = True
+    spikes, last = np.zeros(len(position_m), dtype=bool), len(position_m) - 1
+    for run in _far_runs(position_m, _LONGEST_M, _SHARE_M):
+        inside = run[-1] + 1 if run[0] == 0 else run[0] - 1
+        step_m, step_n = (float(each[run[0]] - each[inside]) for each in (position_m, force_n))
+        follows = step_m * step_n > 0.0 and abs(step_n) > _SHARE_M * float(np.ptp(force_n))
+        spikes[run] = not follows or (run[0] > 0 and run[-1] < last)
+    return np.flatnonzero(spikes)
 
 
-def _runs(samples: Samples, longest: int, at_end: Callable[[int], bool]) -> Indices:
-    """Indices in the runs between jumps."""
-    step = np.diff(samples)
-    if len(step) < 2:
-        return np.empty(0, dtype=np.intp)
-    usual = float(np.quantile(np.abs(step), _USUAL))
-    least = max(_TIMES_USUAL * usual, _SHARE * float(np.ptp(samples)))
-    jumps = np.flatnonzero(np.abs(step) > least)
-    found: list[int] = []
-    for jump, back in zip(jumps[:-1].tolist(), jumps[1:].tolist(), strict=True):
-        away = not found or found[-1] < jump  # not itself the way back of the run before
-        if away and back - jump <= longest and step[jump] * step[back] < 0.0:
-            found += range(jump + 1, back + 1)
-    if len(jumps) and not found:
-        n, first, last = len(samples), int(jumps[0]), int(jumps[-1])
-        if first < longest and at_end(first):
-            found += range(first + 1)
-        elif last >= n - 1 - longest and at_end(last):
-            found += range(last + 1, n)
-    return np.array(found, dtype=np.intp)
+def _force_spikes(position_m: Samples, force_n: Samples) -> Indices:
+    """Rows of spikes, ascending: one or two samples in a row.
+
+    Not where the tool moves by a tenth of its travel meanwhile, which may be an impact, nor at an
+    end: a recording may begin while force relaxes.
+    """
+    spikes, last = np.zeros(len(force_n), dtype=bool), len(force_n) - 1
+    for run in _far_runs(force_n, _LONGEST_N, _SHARE_N):
+        if run[0] > 0 and run[-1] < last:
+            moved_m = float(np.ptp(position_m[run[0] - 1 : run[-1] + 2]))
+            spikes[run] = moved_m <= _STILL * float(np.ptp(position_m))
+    return np.flatnonzero(spikes)
+
+
+def _far_runs(samples: Samples, longest: int, share: float) -> list[Indices]:
+    """Runs of rows farther from the medians around than noise, motion and a share of the range.
+
+    The noise is by the median of second differences, which spikes hardly change; without those
+    that are 0, of a sensor that repeats its values. The motion is that of the medians.
+    """
+    second = np.abs(np.diff(samples, 2))
+    second = second[second > 0.0]
+    if len(samples) <= 2 * _REACH or not len(second):
+        return []
+    least = _NOISES * 1.4826 * float(np.median(second)) / np.sqrt(6.0)
+    if np.abs(np.diff(samples)).max() <= least:
+        return []
+    medians = np.median(sliding_window_view(samples, 2 * _REACH + 1), axis=1)
+    typical = np.pad(medians, _REACH, mode="edge")
+    steps = np.pad(np.abs(np.diff(typical)), 2 * _REACH)
+    steps = sliding_window_view(steps, 4 * _REACH).max(axis=1)
+    least = np.maximum(max(least, share * float(np.ptp(typical))), _STEPS * steps)
+    far = np.flatnonzero(np.abs(samples - typical) > least)
+    runs = np.split(far, np.flatnonzero(np.diff(far) > 1) + 1)
+    return [run for run in runs if 0 < len(run) <= longest]
+
+
+def _interpolated(samples: Samples, rows: Indices) -> Samples:
+    if not len(rows):
+        return samples
+    good = np.setdiff1d(np.arange(len(samples)), rows)
+    return np.interp(np.arange(len(samples)), good, samples[good])

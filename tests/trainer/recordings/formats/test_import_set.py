@@ -66,7 +66,7 @@ def test_a_surface_that_is_not_known_is_refused_and_the_remedy_works(
     """Noise of 0.3 N on a press of 3 N once put the surface 4 mm too deep, "+- 0.03 mm"."""
     file = tmp_path / "noisy.csv"
     write_press(file, 0, 8e-3, noise_n)
-    with pytest.raises(DataError, match="its surface is known to .*contact_force=N"):
+    with pytest.raises(DataError, match=r"its surface is known to .*contact_force=N"):
         springpot.import_recordings(file, options=AUTO)
     stated = ImportOptions(conditioning=Conditioning(contact_force=4.0 * noise_n, tare="auto"))
     (recording,) = springpot.import_recordings(file, options=stated)

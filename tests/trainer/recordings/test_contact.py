@@ -12,7 +12,7 @@ from support.presses.structures import recorded
 from springpot import Recording
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.contact_point import find_contact
-from springpot.trainer.recordings.quality.contact.surface import contact_findings
+from springpot.trainer.recordings.quality.contact import contact_findings
 from springpot.trainer.recordings.quality.finding import Finding
 
 TIME_S = np.arange(4000) * 1e-3
@@ -55,56 +55,6 @@ def test_a_zero_that_is_not_the_surface_is_said_once_for_the_set(seed: int) -> N
     assert found.where == "5 recordings"
     assert "not at 0" in found.what
     assert "--contact-force auto" in found.to_do
-
-
-def under_preload(seed: int, zero: str) -> list[Recording]:
-    """Presses from the surface of a relaxing object, and one that keeps pressing it.
-
-    zero: of the second, "theirs", "position" is 0 where its motion begins, or "both" are 0 there,
-    from where it goes up as well.
-    """
-    rng = np.random.default_rng(seed)
-    power, share, tau_s = rng.uniform(1.0, 2.2), rng.uniform(0.1, 0.7), 10 ** rng.uniform(-1, 1)
-    low_m, wave = rng.uniform(2e-3, 4e-3), 0.5 * (1.0 - np.cos(2.0 * np.pi * TIME_S))
-    found = []
-    for name, position_m in (("free", -5e-4 + 8e-3 * wave), ("kept", low_m + 3e-3 * wave)):
-        elastic_n = 12.0 * (np.maximum(position_m, 0.0) / 8e-3) ** power
-        relaxing_n = np.zeros_like(elastic_n)
-        for i, step_n in enumerate(np.diff(elastic_n)):
-            relaxing_n[i + 1] = np.exp(-1e-3 / tau_s) * relaxing_n[i] + share * step_n
-        force_n = (1.0 - share) * elastic_n + relaxing_n
-        force_n = np.maximum(force_n, 0.0) + rng.normal(0.0, 0.02, len(TIME_S))
-        begin, from_m, from_n = 0, 0.0, 0.0
-        if name == "kept" and zero == "position":
-            from_m = low_m
-        elif name == "kept" and zero == "both":  # half way in
-            begin = len(TIME_S) // 8
-            from_m, from_n = position_m[begin], force_n[begin]
-        found.append(Recording(name, position_m[begin:] - from_m, force_n[begin:] - from_n, 1e-3))
-    return found
-
-
-@pytest.mark.parametrize("zero", ["theirs", "position", "both"])
-def test_a_preload_beside_free_presses_has_their_zero_or_another(zero: str) -> None:
-    """Its --zero min would take the surface from a set that has one; another zero is said."""
-    said = [contact_findings(under_preload(seed, zero)) for seed in range(30)]
-    said = [[found for found in each if found.kind in ("contact", "tare")] for each in said]
-    if zero != "theirs":  # three begin with less than 5 % of the peak, as at a surface
-        assert sum({its.where for its in found} == {"kept"} for found in said) >= 27
-    else:
-        assert sum(map(bool, said)) <= 3
-        assert not [its for found in said for its in found if "--zero" in its.to_do]
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_what_is_pulled_too_is_not_left_out_beside_a_press(seed: int) -> None:
-    """A strip with its zero in the middle, and a press of the same strip from there."""
-    rng = np.random.default_rng(seed)
-    wave_m, noise_n = 4e-3 * np.sin(2.0 * np.pi * TIME_S), rng.normal(0.0, 0.01, len(TIME_S))
-    both = Recording("both", wave_m, 2e3 * wave_m + noise_n, 1e-3)
-    pressed_m = 2e-3 * (1.0 - np.cos(2.0 * np.pi * TIME_S))
-    press_only = Recording("press", pressed_m, 2e3 * pressed_m + noise_n, 1e-3)
-    assert not [found for found in contacts([both, press_only]) if "leave it out" in found.to_do]
 
 
 @pytest.mark.slow
@@ -216,63 +166,3 @@ def test_friction_of_a_guide_is_no_surface() -> None:
         way = np.sign(np.gradient(rubbed.position_m))
         rubbed = replace(rubbed, force_n=rubbed.force_n + 0.03 * 12.0 * way)
         assert contacts([rubbed]) == []
-
-
-@pytest.mark.parametrize("way_m", [2e-3, 5e-3])
-def test_a_remedy_is_one_that_import_takes(way_m: float) -> None:
-    """Without a sample outside, import finds no surface either: it is not sent there."""
-    position_m = way_m + 4e-3 * (1.0 - np.cos(2.0 * np.pi * TIME_S))
-    on_surface = Recording("a", position_m, 900.0 * (position_m - way_m), 1e-3)
-    (found,) = contacts([on_surface])
-    assert "--contact-force" not in found.to_do
-    with pytest.raises(DataError, match="never leaves the object"):
-        find_contact(on_surface)
-
-
-@pytest.mark.parametrize("seed", range(20))
-def test_a_slow_logger_begins_at_the_surface_and_no_trigger_is_blamed(seed: int) -> None:
-    """Samples in which the tool moves on already say nothing of where it begins."""
-    rng = np.random.default_rng(seed)
-    depth_m, rate_hz = 10.0 ** rng.uniform(-3.0, -1.8), rng.uniform(4.0, 15.0)
-    time_s = np.arange(0.0, 20.0, 1.0 / rate_hz)
-    way = np.arccos(np.cos(np.pi * time_s / rng.uniform(1.5, 4.0))) / np.pi
-    way[time_s > 16.0] = 0.0  # it rests at the end
-    force_n = 9.0 * way ** rng.uniform(1.0, 1.6) + rng.normal(0.0, 0.01, len(time_s))
-    pressed = Recording("slow", depth_m * way, force_n, 1.0 / rate_hz)
-    assert contacts([pressed]) == []
-    left_n = rng.uniform(0.1, 0.4) * 9.0 * np.exp(-time_s / 0.5)  # of a trigger, and relaxes
-    (found,) = contacts([replace(pressed, force_n=force_n + left_n)])
-    assert "begins at position 0 with" in found.what
-
-
-@pytest.mark.parametrize("seed", range(10))
-def test_preloads_are_one_line_however_far_each_has_relaxed(seed: int) -> None:
-    """Of one set at one lowest position, some push there still and some hardly do."""
-    rng = np.random.default_rng(seed)
-    position_m = 2e-3 + 2e-3 * (1.0 - np.cos(2.0 * np.pi * TIME_S))
-    rests_n = [*rng.uniform(0.0, 0.3, rng.integers(1, 4)), *rng.uniform(1.0, 2.0, 2)]
-    presses = [
-        Recording(
-            f"{i:02}", position_m,
-            rest_n + 2.5e3 * (position_m - 2e-3) + rng.normal(0.0, 0.01, len(TIME_S)), 1e-3,
-        )
-        for i, rest_n in enumerate(rests_n)
-    ]  # fmt: skip
-    (found,) = contacts(presses)
-    assert found.where == f"{len(presses)} recordings"
-    assert found.what.startswith("never leaves the object")
-
-
-@pytest.mark.parametrize("kind", ["bonded", "zeroed under load"])
-def test_no_zero_is_offered_for_force_below_0(kind: str) -> None:
-    """`--zero` is what made it, or takes the force of a specimen that pulls."""
-    for seed in range(10):
-        rng = np.random.default_rng(seed)
-        wave_m, low_m = 4e-3 * np.sin(2.0 * np.pi * TIME_S), rng.uniform(0.5e-3, 4e-3)
-        position_m = np.maximum(wave_m, -low_m) if kind == "bonded" else wave_m
-        force_n = 2e3 * position_m + rng.normal(0.0, 0.01, len(TIME_S))
-        if kind != "bonded":  # 5 mm deep where both channels are zeroed
-            force_n = 1e5 * (position_m + 5e-3) ** 2 - 2.5 + rng.normal(0.0, 0.01, len(TIME_S))
-        (found,) = contacts([Recording(f"{seed:02}", position_m, force_n, 1e-3)])
-        assert "--zero" not in found.line
-        assert "--tare=-PRELOAD_N" in found.to_do and "bonded" in found.to_do

@@ -1,4 +1,4 @@
-"""Places of recordings: from files and the command line, kept, and checked against each other."""
+"""Places of recordings: from files and the command line, and kept."""
 
 from pathlib import Path
 
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from click.testing import CliRunner
 
-from springpot import Recording, check_recordings
+from springpot import Recording
 from springpot.codegen.errors import DataError, UsageError
 from springpot.host.commands.recordings.check import check_
 from springpot.host.commands.recordings.import_ import import_
@@ -24,10 +24,6 @@ def press(name: str, place_m: tuple[float, float] | None, stiffness: float = 400
     force_n = 1.0 - np.cos(np.pi * t_s)
     x_m, y_m = place_m or (None, None)
     return Recording(name, force_n / stiffness, force_n, 1e-3, place_x_m=x_m, place_y_m=y_m)
-
-
-def places_found(*recordings: Recording) -> list[str]:
-    return [found.line for found in check_recordings(recordings).findings if found.kind == "places"]
 
 
 @pytest.mark.parametrize("place_m", [(0.005, -0.01), None])
@@ -75,24 +71,3 @@ def test_a_place_without_a_length_and_half_a_place_are_refused() -> None:
             parse_place(text)
     with pytest.raises(DataError, match="give both"):
         Recording("a", np.zeros(2), np.zeros(2), 1.0, place_x_m=0.1)
-
-
-@pytest.mark.parametrize("ratio", [0.5, 0.95, 1.05, 2.0])
-def test_presses_of_several_places_without_one_are_no_noise(ratio: float) -> None:
-    """Places or objects whose force differs by a factor, pressed along one path."""
-    soft = press("soft", None)
-    stiff = Recording("stiff", soft.position_m, ratio * soft.force_n, 1e-3)
-    found = places_found(soft, stiff)
-    assert len(found) == (abs(ratio - 1.0) > 0.1)
-    assert not found or ("2 presses of one motion" in found[0] and "--place X,Y" in found[0])
-
-
-def test_check_finds_near_sites_repeats_that_disagree_and_missing_places() -> None:
-    grid = [press(f"p{i}{j}", (0.01 * i, 0.01 * j)) for i in range(3) for j in range(3)]
-    assert not places_found(*grid)
-    (near,) = places_found(*grid, press("near", (0.001, 0.0)))
-    assert "1 mm apart where sites are 10 mm" in near
-    (differing,) = places_found(*grid, press("again", (0.0, 0.0), stiffness=250.0))
-    assert "p00 and again differ" in differing
-    (missing,) = places_found(*grid, press("lost", None))
-    assert missing.startswith("refusal: lost: 1 recording without a place")

@@ -1,0 +1,146 @@
+"""Faults of a channel: constant, clipped, filled, coarse, or wrapped."""
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.arrays import Samples
+from springpot.codegen.plurals import number_of
+from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
+from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.sensor import noise_n, quantisation_step
+
+_CLIPPED_RUN, _CLIPPED_MOVE = 5, 0.05  # samples at the extreme; of the other channel's range
+_AVERAGED_SHARE = 8  # of such a row, one part is averaged
+_NOISES = 6.0  # of that mean
+_HELD_S = 0.02
+_STILL = 1e-9  # of the travel: a step that is none
+_COARSE = 0.01  # quantisation step over the signal's range
+_LONG, _USUAL_STEPS = 0.4, 4.0  # of the range; times the usual step: a jump
+_BESIDE = 5  # samples, over which a channel moves against its jump
+_MOST_JUMPS = 0.8  # of the jumps
+_GOES_ON = 0.2  # of the other channel's range, meanwhile
+
+
+def channel_findings(recording: Recording) -> Iterator[Finding]:
+    """Yield what is wrong with the channels of one recording; a constant one alone."""
+    channels = (
+        ("position", recording.position_m, recording.force_n, 1e3, "mm"),
+        ("force", recording.force_n, recording.position_m, 1.0, "N"),
+    )
+    constant = [each for each in channels if np.ptp(each[1]) == 0.0]
+    for channel, samples, _, scale, unit in constant:
+        yield refusal(
+            "constant", recording.name, f"{channel} is {scale * samples[0]:.6g} {unit} all along",
+            "there is nothing to learn from it",
+            "take the right column (--map), or check the sensor's cable",
+        )  # fmt: skip
+    if constant:
+        return
+    grains = []
+    for channel, samples, other, scale, unit in channels:
+        yield from _clipping_findings(recording, channel, samples, other)
+        if wraps := _wraps(samples, other):
+            yield refusal(
+                "wrap", recording.name,
+                f"{channel} jumps {len(wraps)} times by {scale * float(np.ptp(samples)):.3g} "
+                f"{unit} against its own motion, first at {wraps[0] * recording.dt_s:.3f} s",
+                "a counter or a converter wraps there", "unwrap it in the source (numpy.unwrap)",
+            )  # fmt: skip
+        if step := quantisation_step(samples):
+            grains.append(step)
+            if (share := step / float(np.ptp(samples))) > _COARSE:
+                yield warning(
+                    "quantisation", recording.name,
+                    f"{channel} has steps of {scale * step:.3g} {unit}, {100 * share:.2g} % of "
+                    "its range",
+                    f"no model can be better than about {scale * step / np.sqrt(12):.2g} {unit}",
+                    "use a finer sensor or range, or more amplitude",
+                )  # fmt: skip
+    filled = _filled_runs(recording) if not grains else []  # coarse channels repeat values
+    if filled:
+        begin, end = max(filled, key=lambda run: run[1] - run[0])
+        yield warning(
+            "gap", recording.name,
+            f"both channels stand still {number_of(len(filled), 'time')}, longest {end - begin} "
+            f"samples at {begin * recording.dt_s:.3f} s",
+            "lost samples were filled by the last one",
+            "cut there, or record again with less load on the computer",
+        )  # fmt: skip
+
+
+def _clipping_findings(
+    recording: Recording, channel: str, samples: Samples, other: Samples
+) -> Iterator[Finding]:
+    """Find a flat extreme of one channel while the other goes on."""
+    for extreme, side in ((samples.max(), "maximum"), (samples.min(), "minimum")):
+        runs = [run for run in _runs(samples == extreme) if run[1] - run[0] >= _CLIPPED_RUN]
+        if not runs or (side == "minimum" and extreme >= 0.0):
+            continue  # out of contact, or at rest
+        moved = max(_excursion(other[begin:end], channel) for begin, end in runs)
+        longest_s = max(end - begin for begin, end in runs) * recording.dt_s
+        if moved > _CLIPPED_MOVE * np.ptp(other):
+            yield warning(
+                "clipping", recording.name,
+                f"{channel} stays at its {side} for up to {longest_s:.3g} s while the other "
+                "channel moves on",
+                "the sensor's limit is recorded in place of the object",
+                "record again with less amplitude or a larger sensor",
+            )  # fmt: skip
+
+
+def _excursion(other: Samples, channel: str) -> float:
+    """Distance that the other channel goes within a run.
+
+    A held position lets force relax one way; only a force that rises and falls shows clipping.
+    Noise does so too: of so many samples in a row the mean is taken.
+    """
+    if channel == "force":
+        return float(np.ptp(other))
+    averaged = max(1, len(other) // _AVERAGED_SHARE)
+    by_noise = _NOISES * noise_n(other) / float(np.sqrt(averaged))
+    other = np.convolve(other, np.full(averaged, 1.0 / averaged), "valid")
+    first, last = float(other[0]), float(other[-1])
+    beyond = max(other.max() - max(first, last), min(first, last) - other.min())
+    return float(beyond) - by_noise
+
+
+def _filled_runs(recording: Recording) -> list[tuple[int, int]]:
+    """Runs of rows in which both channels stand still, after which the position catches up."""
+    steps_m, found = np.abs(np.diff(recording.position_m)), []
+    least = max(3, round(_HELD_S / recording.dt_s))
+    for begin, end in _runs((steps_m == 0.0) & (np.diff(recording.force_n) == 0.0)):
+        around = np.concatenate((steps_m[max(0, begin - 20) : begin], steps_m[end + 1 : end + 21]))
+        if end - begin >= least and begin > 0 and end < len(steps_m):
+            usual_m = float(np.median(around))
+            catches_up = float(steps_m[end]) > 0.5 * (end - begin + 1) * usual_m
+            if catches_up and usual_m > _STILL * float(np.ptp(recording.position_m)):
+                found.append((begin, end))
+    return found
+
+
+def _wraps(samples: Samples, other: Samples) -> list[int]:
+    """Rows before jumps through much of the range, against the motion before and after.
+
+    The other channel goes on meanwhile: where a tool is drawn back within a sample, it does not.
+    Empty if there is one alone, or if a fifth of the jumps are none.
+    """
+    steps, spans = np.diff(samples), (float(np.ptp(samples)), float(np.ptp(other)))
+    usual = np.append(np.abs(steps)[np.abs(steps) <= _LONG * spans[0]], 0.0)
+    # In a hold alone, noise jumps over much of the range and back: it does so all the time.
+    least = max(_LONG * spans[0], _USUAL_STEPS * float(np.quantile(usual, 0.95)))
+    jumps = np.flatnonzero((np.abs(steps) > least) & (np.abs(np.diff(other)) < _GOES_ON * spans[1]))
+    wraps = [
+        at
+        for at in jumps.tolist()
+        if steps[at] * (samples[at] - samples[max(0, at - _BESIDE)]) < 0.0
+        and steps[at] * (samples[at + 1 : at + 2 + _BESIDE][-1] - samples[at + 1]) < 0.0
+    ]
+    return wraps if len(wraps) > max(1, _MOST_JUMPS * len(jumps)) else []
+
+
+def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Begin and end (exclusive) of each run of true."""
+    edges = np.diff(np.concatenate(([0], flags.astype(np.int8), [0])))
+    return list(zip(*(np.flatnonzero(edges == e).tolist() for e in (1, -1)), strict=True))

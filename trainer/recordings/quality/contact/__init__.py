@@ -1,1 +1,0 @@
-"""Checks of the contact with the object."""
