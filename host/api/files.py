@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model import model_file
@@ -91,7 +91,7 @@ def import_recordings(
     from springpot.trainer.recordings.formats.column_map import parse_map
     from springpot.trainer.recordings.formats.import_set import import_set
 
-    files = paths if isinstance(paths, list | tuple) else [paths]
+    files: Sequence[Any] = paths if isinstance(paths, list | tuple) else [paths]
     for file in files:
         _require_file(file, "or a list of files, and columns by springpot.Recording.from_frame")
     with errors_in_python():

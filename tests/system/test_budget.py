@@ -25,11 +25,11 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
 @pytest.mark.parametrize(
     ("what", "most"),
     [
-        ("codegen/*.py", 7000),
-        ("trainer/*.py", 11400),
-        ("host/*.py", 14500),
+        ("codegen/*.py", 7050),
+        ("trainer/*.py", 8550),
+        ("host/*.py", 14250),
         ("runtime_c/*.[ch]", 7300),
-        ("tests/*.py", 26000),
+        ("tests/*.py", 25000),
     ],
 )
 def test_lines(what: str, most: int) -> None:
@@ -37,13 +37,13 @@ def test_lines(what: str, most: int) -> None:
 
 
 def test_files_of_the_product() -> None:
-    assert len(tracked(*PYTHON)) <= 328
+    assert len(tracked(*PYTHON)) <= 294
 
 
 def test_documents() -> None:
     pages = tracked("docs/*.md")
     assert len(pages) <= 25
-    assert sum(len(text.split()) for text in [*pages, *tracked("README.md")]) <= 26500
+    assert sum(len(text.split()) for text in [*pages, *tracked("README.md")]) <= 25600
 
 
 def test_names_commands_and_kinds() -> None:

@@ -220,7 +220,7 @@ def _require_known_surface(recordings: Sequence[Recording]) -> None:
         if doubt_m > _MAX_DOUBT * deepest_m:
             raise DataError(
                 f"{recording.name}: its surface is known to +- {1e3 * doubt_m:.2g} mm alone, of "
-                f"{1e3 * deepest_m:.3g} mm that the object is pressed: force without contact "
-                "drifts or is noisy: state the force that marks the surface, --contact-force N, "
-                "well above that, or record a longer way from above the object"
+                f"{1e3 * deepest_m:.3g} mm that the object is pressed, for force without contact "
+                "is noisy or drifts: leave --contact-force out if position 0 is the surface, else "
+                "press deeper, or record with less noise"
             )
