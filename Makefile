@@ -30,7 +30,7 @@ demo: $(STAMP)
 	$(BIN)/springpot demo --out demo
 
 test: $(STAMP) test-c
-	$(BIN)/pytest -m "not slow and not realtime"
+	$(BIN)/pytest -m "not slow and not long and not realtime and not board"
 
 # What `make test` has no time for, and what it skipped for want of a tool (SPRINGPOT_SKIPPED, a list
 # that it writes); what runs against the clock has the machine for itself.
@@ -38,21 +38,17 @@ test-rest: $(STAMP)
 	$(BIN)/pytest -m "slow and not long and not realtime"
 	$(BIN)/pytest -n 0 -m realtime
 
-# What a file has beyond its share of those: before a release, and where its part was changed.
+# What takes above a minute each: before a release, and where its part was changed.
 test-long: $(STAMP)
 	$(BIN)/pytest -m "long and not realtime"
 
 # Every test once, those on emulated boards if the tools are there.
 test-all: test test-rest test-long
 
-# Processor time of every test, from which `make test` is chosen: tests/support/running/speed.py.
-# On an empty cache, as in a fresh clone; M="not slow and not realtime" measures those of `make test`.
+# What takes longest, to be marked slow, long or few; M="not slow and not realtime" of `make test`.
 M ?= not realtime
 durations: $(STAMP)
-	rm -rf build/durations && mkdir -p build/durations
-	-XDG_CACHE_HOME=$(CURDIR)/build/durations SPRINGPOT_DURATIONS=$(CURDIR)/build/durations/s.json \
-	  $(BIN)/pytest -m "$(M)"
-	cd tests && ../$(BIN)/python -m support.running.speed ../build/durations/s.json
+	$(BIN)/pytest --durations=100 -m "$(M)"
 
 # Cross compilers, emulators and node, from the system's packages, as root.
 setup-mcu:

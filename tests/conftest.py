@@ -3,11 +3,11 @@
 import os
 import signal
 import threading
+from collections import Counter
 from pathlib import Path
 
 import pytest
-from support.running.speed import Speed
-from support.running.witness import RealtimeTries
+from support.witness import RealtimeTries
 
 # The workers of pytest keep every core busy: threads of numerical libraries would wait for each
 # other. Before numpy is loaded, and for the processes that tests start.
@@ -19,9 +19,31 @@ if threading.current_thread() is threading.main_thread():
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
+# Tests that another machine had no tools for, one a line: written where the file is not there.
+SKIPPED = Path(os.environ.get("SPRINGPOT_SKIPPED") or os.devnull)
+
+
 def pytest_configure(config: pytest.Config) -> None:
     config.pluginmanager.register(RealtimeTries())
-    config.pluginmanager.register(Speed())
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """`few(n)`: all but the first n cases are slow; so is what was skipped elsewhere."""
+    again = set(SKIPPED.read_text().split("\n")) if SKIPPED.exists() else set()
+    cases: Counter[str] = Counter()
+    for item in items:
+        test = item.nodeid.partition("[")[0]
+        cases[test] += 1
+        few = item.get_closest_marker("few")
+        if item.nodeid in again or (few and cases[test] > few.args[0]):
+            item.add_marker("slow")
+
+
+def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
+    if not SKIPPED.exists():
+        skipped = {report.nodeid for report in terminalreporter.stats.get("skipped", [])}
+        SKIPPED.write_text("\n".join(sorted(skipped)))
 
 
 @pytest.fixture(scope="session")

@@ -55,12 +55,14 @@ def test_the_code_has_what_a_defect_changes(defect: Defect) -> None:
     assert defect.right in (SOURCE / defect.file).read_text()
 
 
+@pytest.mark.slow
 @needs_frama_c
 def test_a_scene_has_no_alarm(tmp_path: Path) -> None:
     folder = emit_scene(ProvedScene("hammerstein", "off", "float32"), tmp_path)
     assert analyse_scene(folder).alarms == ()
 
 
+@pytest.mark.slow
 @needs_frama_c
 def test_a_planted_defect_is_seen(tmp_path: Path) -> None:
     clamp = next(one for one in DEFECTS if one.what == "the force's clamp removed")

@@ -46,6 +46,7 @@ class Calls:
             yield found, self.force[0]
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("number", ["float32", "float64"])
 @pytest.mark.parametrize("name", NAMES)
 def test_memory_that_init_never_saw_is_refused(name: str, number: str) -> None:
@@ -74,6 +75,7 @@ def numbers_of(plan: Plan) -> Iterator[tuple[int, type[Any]]]:
             at += np.dtype(types[scalar]).itemsize
 
 
+@pytest.mark.few(5)
 @pytest.mark.parametrize("number", ["float32", "float64"])
 @pytest.mark.parametrize("name", NAMES)
 def test_a_damaged_state_gives_a_force_within_its_limits_and_ends(name: str, number: str) -> None:

@@ -39,6 +39,7 @@ def imports(file: Path) -> list[str]:
     return found
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("floor", FLOORS)
 def test_a_floor_imports_only_from_floors_below(floor: str) -> None:
     allowed = set(FLOORS[: FLOORS.index(floor) + 1])
@@ -115,6 +116,7 @@ def test_replaying_and_logging_load_no_fit() -> None:
     assert result.stdout.splitlines() == [f"{name} set()" for name in LIGHT]
 
 
+@pytest.mark.slow
 def test_a_wheel_is_whole_and_has_one_name_only(tmp_path: Path) -> None:
     command = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps",
                "--no-build-isolation", "--wheel-dir", str(tmp_path), str(ROOT)]  # fmt: skip

@@ -5,17 +5,22 @@ import pytest
 from support.c import golden_forces
 from support.c.golden_scenes import FOLDER, SCENES, emission
 
-SLOW = {("float32", "tool"), ("float64", "off"), ("float64", "proxy")}
+FAST = {("float32", "off"), ("float64", "tool")}
 
 
 @pytest.mark.parametrize(
-    ("number", "mode"),
+    ("name", "number", "mode"),
     [
-        pytest.param(*setting, marks=[pytest.mark.slow] if setting in SLOW else [])
-        for setting in golden_forces.SETTINGS
+        pytest.param(
+            name,
+            number,
+            mode,
+            marks=[] if (number, mode) in FAST or name == "hammerstein" else [pytest.mark.slow],
+        )
+        for name in golden_forces.models()
+        for number, mode in golden_forces.SETTINGS
     ],
 )
-@pytest.mark.parametrize("name", golden_forces.models())
 def test_forces_are_the_stored_ones(name: str, number: str, mode: str) -> None:
     key = f"{name} {number} {mode}"
     assert not golden_forces.difference(key, *golden_forces.replayed(name, number, mode))

@@ -72,6 +72,7 @@ def test_what_is_required_renders(tmp_path: Path) -> None:
         assert done.returncode == 0, f"{line}\n{done.stderr}"
 
 
+@pytest.mark.slow
 def test_what_trains_says_which_extra_it_needs(tmp_path: Path) -> None:
     small_job(tmp_path)
     done = subprocess.run(

@@ -9,10 +9,10 @@ from pathlib import Path
 
 import pytest
 from support.paths import ROOT
-from support.running.witness import TRIES, MachineWitness
+from support.witness import TRIES, MachineWitness
 
 CONFTEST = """
-from support.running import witness
+from support import witness
 witness.MachineWitness.longest_s = lambda _self: {held_up_s}
 def pytest_configure(config):
     config.addinivalue_line("markers", "realtime: against the clock")
@@ -30,6 +30,7 @@ def test_other():
 """
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("held_up_s", "fails", "tries", "status"),
     [(0.0, 0, 1, 0), (0.03, 0, 1, 0), (0.0, 1, 1, 1), (0.03, 2, 3, 0), (0.03, 9, TRIES, 1)],

@@ -97,6 +97,7 @@ def test_limits_are_those_measured_on_prototypes(mode: str, delay: int, npmm: fl
     assert 1e-3 * loop.max_stiffness_npm() == pytest.approx(npmm, rel=0.15)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("seed", range(12))
 def test_what_auto_picks_is_stable_with_every_hand_or_says_that_it_is_not(seed: int) -> None:
     """At any rate, stiffness and delay, with any softer object too: gains are rounded and eased."""

@@ -102,6 +102,7 @@ def assert_same_leaves(
     np.testing.assert_array_equal(table_sums(table, used), expected)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("kind", [RandomForestRegressor, ExtraTreesRegressor])
 @pytest.mark.parametrize("trees", [1, 13, 30])
 def test_same_leaves_as_scikit_learn_near_every_threshold(kind: type, trees: int) -> None:
@@ -116,6 +117,7 @@ SIZES = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("trees", "rows"), SIZES)
 def test_same_leaves_as_scikit_learn_at_the_papers_size(trees: int, rows: int) -> None:
     model = fitted(trees=trees, leaf=PAPER_LEAF, rows=9770)
@@ -124,6 +126,7 @@ def test_same_leaves_as_scikit_learn_at_the_papers_size(trees: int, rows: int) -
     assert_same_leaves(model, np.concatenate([near, away]))
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("trees", "rows"), SIZES)
 def test_same_leaves_as_scikit_learn_on_rounded_features(trees: int, rows: int) -> None:
     features = random_features(9770, 5)

@@ -39,6 +39,7 @@ def forces(model: Model, *motions_m: np.ndarray) -> list[np.ndarray]:
         return [library.new_state().run(x, np.zeros_like(x))[0] for x in motions_m]
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("what", KINDS)
 def test_the_emitted_force_of_the_stiffened_model_is_the_models_at_factor_x(what: str) -> None:
     kind, options = KINDS[what]

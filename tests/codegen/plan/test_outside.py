@@ -29,6 +29,7 @@ def pressed(folder: Path, kind: str, outside: str) -> tuple[np.ndarray, np.ndarr
     return motion, force_n, notes
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["rf-fd", "rbf-fd", "hammerstein"])
 def test_force_goes_on_rising_beyond_the_trained_depth(tmp_path: Path, kind: str) -> None:
     motion, force_n, notes = pressed(tmp_path, kind, "fallback")
@@ -43,12 +44,14 @@ def test_force_goes_on_rising_beyond_the_trained_depth(tmp_path: Path, kind: str
     assert beyond[-1] > 1.2 * beyond[0]
 
 
+@pytest.mark.slow
 def test_hold_stays_at_the_greatest_trained_depth(tmp_path: Path) -> None:
     motion, force_n, _ = pressed(tmp_path, "hammerstein", "hold")
     border = int(np.searchsorted(motion[:2000], small_model().trained.max_m))
     assert np.ptp(force_n[border + 5 : 2000]) < 0.1 * force_n[border]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["hammerstein", "rf-fd"])
 def test_excess_takes_energy(tmp_path: Path, kind: str) -> None:
     motion, force_n, _ = pressed(tmp_path, kind, "fallback")
@@ -74,6 +77,7 @@ def test_a_model_without_a_passive_part_gets_a_tangent_and_says_so(tmp_path: Pat
     assert force_n[-1] > 1.2 * force_n[border]
 
 
+@pytest.mark.slow
 def test_zero_ends_the_force_without_a_step_and_comes_back(tmp_path: Path) -> None:
     motion, force_n, notes = pressed(tmp_path, "hammerstein", "zero")
     assert notes & OUTSIDE

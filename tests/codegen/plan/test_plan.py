@@ -38,6 +38,7 @@ def test_a_model_that_never_leaves_the_object_has_no_contact() -> None:
     assert make_plan(model, changed(guard=Guard(contact="surface"))).per_onset is not None
 
 
+@pytest.mark.slow
 def test_unused_orders_are_dropped_with_their_bytes() -> None:
     model = small_model()
     forest = dataclasses.replace(
@@ -59,6 +60,7 @@ def test_what_cannot_be_done_is_refused() -> None:
     assert make_plan(small_model(), unit_error, accept_unsafe=True).accept_unsafe
 
 
+@pytest.mark.slow
 def test_large_forests_are_not_for_m2cgen() -> None:
     large = fit_model("rf-fd", "large", training(), FitOptions(trees=30, leaf=2)).model
     with pytest.raises(UsageError, match='use "table"'):

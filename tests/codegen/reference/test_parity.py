@@ -45,6 +45,7 @@ def plan_of(shape: str, number: str = "float32") -> Plan:
     return make_plan(small_model(), scene(number=number, **SHAPES[shape]))
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("number", NUMBERS)
 @pytest.mark.parametrize("shape", list(SHAPES))
 @pytest.mark.parametrize("seed", [1, 2])
@@ -55,6 +56,7 @@ def test_same_bits_on_hostile_motion(number: str, shape: str, seed: int) -> None
     assert force_n.max() > 1.0
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("number", NUMBERS)
 @pytest.mark.parametrize(
     ("seed", "ticks"),
@@ -74,6 +76,7 @@ def test_hostile_motion_raises_every_note() -> None:
     assert seen == HELD | RESYNC | OUTSIDE | CLAMPED | RAMPED | LATCHED | LIMITED
 
 
+@pytest.mark.slow
 def test_the_proxy_of_the_c_makes_one_pass_do_and_proves_nothing_by_itself() -> None:
     plan = plan_of("proxy")
     position = wandering(5, 1200).astype(plan.dtype)
@@ -95,6 +98,7 @@ def test_two_halves_give_what_the_whole_gives() -> None:
         np.testing.assert_array_equal(np.concatenate(halves), library.new_state().run(motion)[0])
 
 
+@pytest.mark.slow
 def test_a_stiff_objects_proxy_is_proven_in_bounded_work(monkeypatch: pytest.MonkeyPatch) -> None:
     # At 100 Hz nearly every tick of the golden motion upsets the prediction of all that follow.
     slow = tuple(

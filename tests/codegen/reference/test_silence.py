@@ -51,6 +51,7 @@ def gaps(plan: Plan, ticks: int, seed: int) -> np.ndarray:
     return lost
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("number", "mode"), golden_forces.EACH_MODE)
 @pytest.mark.parametrize("name", KINDS)
 def test_the_reference_gives_the_same_bits(name: str, mode: str, number: str) -> None:
@@ -72,6 +73,7 @@ def test_the_reference_gives_the_same_bits_with_the_devices_own_velocity() -> No
     assert np.all(notes[300:304] & HELD)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("mode", MODES)
 def test_silence_beyond_the_watchdog_is_latched_at_zero(mode: str) -> None:
     plan = plan_of("hammerstein", mode)

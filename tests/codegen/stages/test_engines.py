@@ -91,6 +91,7 @@ def test_orders_that_no_split_uses_are_left_out() -> None:
     np.testing.assert_array_equal(part, whole[:, [2, 7]])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("n_centers", [100, 300])
 def test_float32_adds_less_than_a_fifth_of_a_millinewton_rms(n_centers: int) -> None:
     """Undamped it was 2 mN with 100 centers, 50 mN with 300."""

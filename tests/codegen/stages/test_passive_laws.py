@@ -53,6 +53,7 @@ def model_of(kind: str, law: str, slow: bool = False) -> Model:
     return replace(fitted, hammerstein=changed)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("number", ["float32", "float64"])
 @pytest.mark.parametrize("kind", ["hammerstein", "rf-fd"])
 @pytest.mark.parametrize("slow", [False, True])
@@ -114,6 +115,7 @@ def slow_model(*ticks: float) -> Model:
     return replace(model, hammerstein=replace(model.hammerstein, tau_s=tau_s, branch_n=branch_n))
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("ticks", TICKS)
 def test_hours_of_relaxation_are_those_of_float64(ticks: float) -> None:
     model = slow_model(ticks, ticks)
@@ -127,6 +129,7 @@ def test_hours_of_relaxation_are_those_of_float64(ticks: float) -> None:
     assert abs(drops_n[0] / drops_n[1] - 1) < 2e-3
 
 
+@pytest.mark.slow
 def test_only_slow_branches_bring_doubles() -> None:
     names = {
         limit: set(planned_headers(make_plan(slow_model(limit), scene(), accept_unsafe=True)))

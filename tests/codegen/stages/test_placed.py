@@ -65,6 +65,7 @@ def called(
     return np.array(forces, dtype=position.dtype), np.array(notes)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("number", ["float32", "float64"])
 @pytest.mark.parametrize(
     ("law", "materials", "mode"), [("plain", 1, "off"), ("all", 3, "off"), ("plain", 2, "proxy")]
@@ -171,6 +172,7 @@ def min_work_of(seed: int) -> float:
 HUNDREDS = [pytest.param(range(k, k + 200), marks=pytest.mark.slow) for k in range(1000, 2000, 200)]
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("seeds", [range(20), *HUNDREDS])
 def test_no_press_at_any_places_gives_energy_back(seeds: range) -> None:
     assert min(map(min_work_of, seeds)) > -1e-5

@@ -87,6 +87,7 @@ def test_what_is_no_file_is_not_read(wrong):
 TURNED = {"force": (1.0, -1.0), "position": (-1.0, 1.0)}
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("signs", TURNED.values(), ids=TURNED)
 def test_a_turned_sign_is_said_where_a_recording_meets_a_model(signs, tmp_path, caplog):
     turned = Recording("neg", signs[0] * ITEM.position_m, signs[1] * ITEM.force_n, ITEM.dt_s)

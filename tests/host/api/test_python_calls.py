@@ -30,6 +30,7 @@ from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.predict import predict_n
 
 
+@pytest.mark.slow
 def test_emit_writes_what_the_command_writes(tmp_path, folder):
     model_file(tmp_path)
     file = tmp_path / "scene.toml"
@@ -176,6 +177,7 @@ REFUSED = {
 }
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("error", "call"), REFUSED.values(), ids=REFUSED)
 def test_a_refusal_is_one_line(error, call, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
@@ -184,6 +186,7 @@ def test_a_refusal_is_one_line(error, call, tmp_path, monkeypatch):
     assert not (tmp_path / "c").exists()
 
 
+@pytest.mark.slow
 def test_wrong_use_of_an_emitted_folder_is_one_line(folder):
     loaded = springpot.load(folder)
     for position_m, velocity_mps in (([[0.0]], None), ([], None), ([0.0, 1e-3], [0.0])):

@@ -39,6 +39,7 @@ def test_six_lines_of_the_readme():
     assert np.max(np.abs(names["force_n"] - names["training"][0].force_n)) < 0.2
 
 
+@pytest.mark.slow
 def test_from_a_recording_to_a_felt_session(capsys):
     names: dict = {}
     exec(compile(example("docs/reference/python.md"), "docs/reference/python.md", "exec"), names)

@@ -34,6 +34,7 @@ def refusal(status: int, *arguments: object, env: dict[str, str] | None = None) 
     return lines[0]
 
 
+@pytest.mark.slow
 def test_train_emit_build_validate_report(job: Path) -> None:
     """Keys of JSON: test_json_keys.py."""
     trained = run("train", job / "rec", "--model", "rf-fd", "--out", job / "m.spm", "--seed", 5,
@@ -104,6 +105,7 @@ def test_without_a_compiler_the_c_is_still_written(job: Path, tmp_path: Path) ->
     assert "apt-get install gcc" in told
 
 
+@pytest.mark.slow
 def test_validation_is_at_the_rate_of_the_scene(job: Path, tmp_path: Path) -> None:
     """Poles are exact at any rate: a scene may have another one than the model's recordings."""
     slow = tmp_path / "scene.toml"

@@ -24,6 +24,7 @@ def springpot(*arguments: bytes | str, **environment: str) -> subprocess.Complet
     )  # fmt: skip
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("locale", [{}, ASCII])
 @pytest.mark.parametrize("name", [b"gel\xff\xfe.csv", "gelä→.csv".encode()])
 def test_any_file_name_is_imported(name: bytes, locale: dict[str, str], tmp_path: Path) -> None:
@@ -36,6 +37,7 @@ def test_any_file_name_is_imported(name: bytes, locale: dict[str, str], tmp_path
     assert (missing.returncode, "Traceback" in missing.stderr) == (3, False), missing.stderr
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("command", ["import", "check"])
 def test_a_pipe_or_device_is_refused_at_once(command: str, tmp_path: Path) -> None:
     pipe = tmp_path / "pipe"
@@ -80,6 +82,7 @@ def validated(job: Path) -> Path:
     return job
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     "arguments",
     [

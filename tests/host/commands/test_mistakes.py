@@ -37,6 +37,7 @@ def error(folder: Path, facts: dict[str, Any]) -> float:
     return float(np.sqrt(np.mean((recording.force_n - true_n) ** 2))) / peak_n
 
 
+@pytest.mark.few(59)
 @pytest.mark.parametrize(("mistake", "name"), CASES, ids=lambda part: part)
 def test_mistake(mistake: str, name: str, tmp_path: Path) -> None:
     facts, stated = TABLE["objects"][name], MISTAKES[mistake]

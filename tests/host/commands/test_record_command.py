@@ -72,6 +72,7 @@ def test_nothing_is_overwritten(tmp_path, short):
     assert second.read_bytes() == before[second]
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("url", "protocol", "error", "says"),
     [

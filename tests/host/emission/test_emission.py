@@ -58,6 +58,7 @@ def program_of(sources: Iterable[Path], out: Path, *options: str) -> Path:
     return out
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("compiler", COMPILERS)
 @pytest.mark.parametrize("shape", list(SHAPES))
 def test_generated_c_is_warning_clean(
@@ -73,6 +74,7 @@ def test_generated_c_is_warning_clean(
         assert result.stderr == ""
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("shape", list(SHAPES))
 def test_image_holds_the_api_and_nothing_else(
     tmp_path: Path, emission_of: Emitted, shape: str
@@ -92,6 +94,7 @@ def test_image_holds_the_api_and_nothing_else(
     assert outside <= {"memset", "memcpy", "_GLOBAL_OFFSET_TABLE_", "__cpu_model"}
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("shape", list(SHAPES))
 def test_state_is_as_large_as_planned_and_what_is_left_out_is_told(
     emission_of: Emitted, shape: str
@@ -104,6 +107,7 @@ def test_state_is_as_large_as_planned_and_what_is_left_out_is_told(
     assert {"coupling", "smoothing", "velocity estimate"} <= set(told) or shape != "plain"
 
 
+@pytest.mark.slow
 def test_builds_by_hand_without_python(tmp_path: Path, emission_of: Emitted) -> None:
     emission = emission_of("plain")
     shutil.copytree(emission.folder, tmp_path / "c")
@@ -161,6 +165,7 @@ def test_a_library_that_differs_is_not_emitted(
     assert [path.name for path in tmp_path.iterdir()] == ["model.spm"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("stack_bytes", "told"), [(1000, True), (20_000, False)])
 def test_the_stack_of_the_selftest_is_told(tmp_path: Path, stack_bytes: int, told: bool) -> None:
     """A tick fits in the budget, a second state does not."""
@@ -170,6 +175,7 @@ def test_the_stack_of_the_selftest_is_told(tmp_path: Path, stack_bytes: int, tol
     assert bool(notices) is told
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("target", "software"), [("cortex-m4f", True), ("cortex-m7", False)])
 def test_doubles_in_software_are_told(tmp_path: Path, target: str, software: bool) -> None:
     chosen = scene(number="float64")
@@ -178,6 +184,7 @@ def test_doubles_in_software_are_told(tmp_path: Path, target: str, software: boo
     assert any("doubles run in software" in notice for notice in notices) == software
 
 
+@pytest.mark.slow
 def test_emission_replaces_its_own_folder_and_no_other(tmp_path: Path) -> None:
     model, mine = model_file(tmp_path), tmp_path / "mine"
     for shape in ("paper", "plain"):
@@ -190,6 +197,7 @@ def test_emission_replaces_its_own_folder_and_no_other(tmp_path: Path) -> None:
     assert (mine / "thesis.txt").read_text() == "mine"
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", ["main.c", "mine.c", "from/note.txt"])
 def test_emission_never_overwrites_what_a_user_changed(tmp_path: Path, name: str) -> None:
     model = model_file(tmp_path)
@@ -209,6 +217,7 @@ def test_budget_is_kept(tmp_path: Path) -> None:
     assert not (tmp_path / "c").exists()
 
 
+@pytest.mark.slow
 def test_manifest_says_what_the_image_says(emission_of: Emitted) -> None:
     emission = emission_of("prefixed")
     image = SceneLibrary(emission.folder).manifest

@@ -35,6 +35,7 @@ def with_rate(rate_hz: float | None, mode: str = "auto") -> Scene:
     return replace(scene(mode=mode), runtime=Runtime(number="float32", rate_hz=rate_hz))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("stiff", [0.5, 1.0, 2.5])
 def test_the_rate_that_is_named_gives_what_is_said(stiff: float) -> None:
     model = fitted("hammerstein", 200.0, stiff)
@@ -47,6 +48,7 @@ def test_the_rate_that_is_named_gives_what_is_said(stiff: float) -> None:
     assert felt_notices(plan) == []
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("stiff", [0.02, 0.2, 1.0, 2.5])
 def test_a_slow_recording_is_rendered_at_1000_hz_where_it_must(stiff: float) -> None:
     model = fitted("hammerstein", 200.0, stiff)
@@ -56,6 +58,7 @@ def test_a_slow_recording_is_rendered_at_1000_hz_where_it_must(stiff: float) -> 
     assert held == (rate_notices(plan) == []) == (stiff < 0.1)
 
 
+@pytest.mark.slow
 def test_a_kind_of_one_rate_and_a_late_device_have_other_remedies() -> None:
     *_, notice = felt_notices(make_plan(fitted("rbf-pv", 200.0), with_rate(None)))
     assert "record at a higher rate" in notice
@@ -65,6 +68,7 @@ def test_a_kind_of_one_rate_and_a_late_device_have_other_remedies() -> None:
     assert "a device of less delay" in notice
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("rate_hz", [None, 90.0, 1000.0])
 def test_the_rate_of_the_tick_is_printed(rate_hz: float | None, tmp_path: Path) -> None:
     emission = emit(with_rate(rate_hz), model_file(tmp_path), tmp_path / "c")
@@ -73,6 +77,7 @@ def test_the_rate_of_the_tick_is_printed(rate_hz: float | None, tmp_path: Path) 
     assert rate_hz is None or f"{ticks_hz:.6g}" == f"{rate_hz:g}"
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("rate_hz", [40.0, 60.0, 90.0, 200.0, 1000.0])
 def test_a_loop_that_no_coupling_holds_for_every_hand_is_said(rate_hz: float) -> None:
     plan = make_plan(fitted("hammerstein", 200.0), with_rate(rate_hz), accept_unsafe=True)
@@ -80,6 +85,7 @@ def test_a_loop_that_no_coupling_holds_for_every_hand_is_said(rate_hz: float) ->
     assert said == (not plan.coupling.every_hand) == (rate_hz < 300.0)
 
 
+@pytest.mark.slow
 def test_a_stated_coupling_is_measured_too() -> None:
     soft = replace(with_rate(1000.0), coupling=Coupling("proxy", 500.0, 5.0, 0.05))
     *_, notice = felt_notices(make_plan(fitted("hammerstein", 200.0), soft))

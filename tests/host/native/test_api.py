@@ -99,6 +99,7 @@ def test_a_dead_velocity_channel_trips_the_watchdog(tmp_path: Path) -> None:
         state.run(positions)
 
 
+@pytest.mark.slow
 def test_a_lasting_jump_is_taken_as_true_before_the_watchdog_latches(tmp_path: Path) -> None:
     item = recording("slow", press(0.5)[::10])
     slow = [dataclasses.replace(item, force_n=300.0 * item.position_m, dt_s=0.01)]

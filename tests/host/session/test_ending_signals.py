@@ -53,6 +53,7 @@ MOVING = {
 }
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("command", MOVING)
 def test_every_command_that_moves_a_device_is_left_with_statements(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, command: str
@@ -114,6 +115,7 @@ def test_an_ignored_hangup_stays_ignored() -> None:
         signal.signal(signal.SIGHUP, before)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("as_json", [False, True])
 def test_a_session_whose_terminal_is_closed_ends_as_by_sigterm(
     tmp_path: Path, folder: Path, as_json: bool

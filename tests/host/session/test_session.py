@@ -216,6 +216,7 @@ def test_the_log_of_another_scene_is_a_recording(tmp_path, folders, caplog):
     assert "another scene" in caplog.text
 
 
+@pytest.mark.slow
 def test_a_log_is_not_overwritten(tmp_path, folder):
     log = tmp_path / "a.h5"
     log.write_text("mine")

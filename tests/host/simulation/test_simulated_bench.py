@@ -30,6 +30,7 @@ def energy_j(position_m, force_n):
     return np.concatenate([[0], np.cumsum(means_n * np.diff(position_m))])
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("simulated", SILICONES, ids=lambda s: f"{s.name}-{s.variant}")
 def test_depth_and_loss_are_the_calibrated_ones(simulated):
     depth_m, loss = calibration["figures"](f"sim://{simulated.name}?variant={simulated.variant}")
@@ -38,6 +39,7 @@ def test_depth_and_loss_are_the_calibrated_ones(simulated):
     assert loss == pytest.approx(expected_loss, abs=0.005)
 
 
+@pytest.mark.few(1)
 @each_object
 def test_no_closed_press_gives_energy(simulated):
     """Random journeys that begin and end at the surface: the net work is never the object's."""
@@ -82,6 +84,7 @@ def test_stress_speeds_relaxation_in_variant_b_alone():
     assert relaxed_share("a", 0.014) < relaxed_share("a", 0.002)
 
 
+@pytest.mark.slow
 def test_relaxation_is_no_power_law():
     """A power law has one slope of log relaxation against log time; this one bends."""
     step = ObjectMotion(SimulatedObject("ecoflex-00-10"), dt_s=0.001)
@@ -108,6 +111,7 @@ def test_noise_is_what_its_seed_says():
     assert not np.array_equal(bench.press(command_n)[1], bench.press(command_n)[1])
 
 
+@pytest.mark.slow
 def test_force_control_follows_its_command():
     for simulated in (s for s in ALL if s.name != "stiffening-tissue"):  # has a test of its own
         for profile in protocols.training():
@@ -118,6 +122,7 @@ def test_force_control_follows_its_command():
             assert 0.99 * peak_n < force_n.max() < 1.01 * peak_n + 0.14
 
 
+@pytest.mark.few(1)
 @each_object
 def test_substeps_converge(simulated):
     """Each refinement by four brings the recorded press closer to the finest one."""

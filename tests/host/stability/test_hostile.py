@@ -51,6 +51,7 @@ def pressed(
     return {name: getattr(found, name) for name, _ in ffi.typeof("sp_closed_loop_presses").fields}
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("kind", KINDS)
 @pytest.mark.parametrize("mode", ["off", "proxy"])
 def test_the_force_is_right_again_within_the_stated_ticks(kind: str, mode: str) -> None:
@@ -70,6 +71,7 @@ def test_the_force_is_right_again_within_the_stated_ticks(kind: str, mode: str) 
     np.testing.assert_allclose(found_n[back:], right_n[back:], atol=0.02 * right_n.max())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("kind", "share"), list(FLOAT32_SHARES.items()))
 def test_float32_stays_beside_float64(kind: str, share: float) -> None:
     """Long motion in both: within the bound that is computed before, and no drift within it.
@@ -140,6 +142,7 @@ def test_scales_of_a_micrometre_to_a_metre(
     assert forces[1].max() <= min(2.0 * peak_n, 1e4)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("hand", HAND_NAMES)
 @pytest.mark.parametrize("mode", ["off", "auto-stiff"])
 def test_hours_of_pressing_give_no_energy_and_do_not_drift(hand: str, mode: str) -> None:

@@ -80,6 +80,7 @@ def rings(plan: Plan, hand: Hand) -> bool:
     return bool(speed_mps[time_s > END_S - 0.7].max() > first)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(
     ("at", "hand", "coupling"),
     [*CHOSEN, *(pytest.param(*item, marks=pytest.mark.slow) for item in OTHERS)],
@@ -184,6 +185,7 @@ def test_an_impossible_device_is_refused_by_the_c(device: LoopDevice) -> None:
         SimulatedHand(device=device)
 
 
+@pytest.mark.slow
 def test_the_closed_loop_has_the_scenes_device() -> None:
     """Delay beyond the device's own, its encoder, and a hand that knows its friction."""
     device = Device(mass_kg=0.2, viscous_nspm=2.0, coulomb_n=0.5, delay_s=0.002,

@@ -70,6 +70,7 @@ def faults(outcome: Outcome) -> tuple[str, ...]:
     return outcome.losses.faults
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("mode", ["tool", "proxy"])
 def test_a_scene_that_does_not_hear_of_a_loss_kicks(mode: str) -> None:
     told, untold = outcomes(mode), outcomes(mode, SilentLosses)
@@ -79,6 +80,7 @@ def test_a_scene_that_does_not_hear_of_a_loss_kicks(mode: str) -> None:
     assert any(faults(untold[case]) for case in UNSAID)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("suffix", SPEEDS)
 def test_rates_that_must_end_do_and_no_others(suffix: str) -> None:
     told, untold = outcomes("off"), outcomes("off", SilentLosses)

@@ -61,6 +61,7 @@ CASES = {
 FAST = (("dragon-skin-10", "hammerstein"), ("dragon-skin-10", "rf-fd"))  # the stiffest
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "kind"),
     [pytest.param(*pair, marks=() if pair in FAST else pytest.mark.slow) for pair in LISTED],
@@ -117,6 +118,7 @@ def test_no_active_cells_for_passive_models_and_the_default_forest(name: str, ki
     assert found.active(outside=True) == (0, 18)
 
 
+@pytest.mark.slow
 def test_the_map_finds_the_negative_control_and_a_delay() -> None:
     """Past positions act with negative damping; a sample of delay makes any model active."""
     plan = make_plan(simulated_model("dragon-skin-10", "rf-fd", past=True), PLAIN)
@@ -129,6 +131,7 @@ def test_the_map_finds_the_negative_control_and_a_delay() -> None:
     assert late.sin_delta.min() == pytest.approx(-0.46, abs=0.1)
 
 
+@pytest.mark.slow
 def test_emit_refuses_an_unstable_loop_and_names_what_would_do(tmp_path: Path) -> None:
     hard = small_model().stiffened(16.0)
     unsafe = dataclasses.replace(scene(), device=Device(delay_samples=1))
@@ -146,6 +149,7 @@ def test_emit_refuses_an_unstable_loop_and_names_what_would_do(tmp_path: Path) -
     assert safe.manifest["coupling"]["felt_stiffness_npm"] < emission.plan.stiffness_npm
 
 
+@pytest.mark.slow
 def test_command_prints_the_contract(tmp_path: Path) -> None:
     """Keys of its JSON: tests/host/commands/test_json_keys.py."""
     model_file(tmp_path)
@@ -162,6 +166,7 @@ def test_command_prints_the_contract(tmp_path: Path) -> None:
     assert json.loads(refused.stdout)["stable"] is False
 
 
+@pytest.mark.slow
 def test_proxy_gives_no_kick_at_contact_or_release() -> None:
     """Taps at 4 Hz: contact starts from zero and never harder than the bare model; release ends it.
 
@@ -190,6 +195,7 @@ def test_no_coupling_is_advised_where_none_is_stable() -> None:
         require_stable(plan)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("stiffer", [60.0, 200.0, 800.0, 1e4, 1e5])
 def test_the_rate_that_is_advised_is_stable(stiffer: float) -> None:
     """Of a kind that holds at any rate; without a rate in the advice, none is stable."""
@@ -210,6 +216,7 @@ def test_the_rate_that_is_advised_is_stable(stiffer: float) -> None:
         assert is_stable(plan, scene_loop(plan, DESIGN_HAND)) == bool(advised)
 
 
+@pytest.mark.slow
 def test_a_loop_that_only_a_softer_object_shakes_is_refused() -> None:
     """A proxy may stand a stiff object, and not the soft contact that every press begins with."""
     fast = dataclasses.replace(scene(mode="auto"), runtime=Runtime(rate_hz=4000.0))

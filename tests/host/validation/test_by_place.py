@@ -97,6 +97,7 @@ def test_a_recording_without_a_place_is_refused_by_a_scene_with_a_map(folder: Pa
         validate(folder, [pressed(None)], paced_s=0.01)
 
 
+@pytest.mark.slow
 def test_a_session_at_a_place_is_logged_with_it_and_repeated_bit_for_bit(
     folder: Path, tmp_path: Path
 ) -> None:

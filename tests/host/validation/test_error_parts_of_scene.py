@@ -60,6 +60,7 @@ def test_the_model_alone_is_judged_on_the_samples_of_the_scene(tmp_path: Path) -
     assert found.model_rmse_n == pytest.approx(rms(np.concatenate(errors)), rel=1e-9)
 
 
+@pytest.mark.slow
 def test_a_soft_coupling_is_told_from_the_model(tmp_path: Path) -> None:
     found = validated(tmp_path, "proxy", {"accepted_signs": True})
     assert found.rendering_n > 5.0 * found.model_rmse_n

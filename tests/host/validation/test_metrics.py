@@ -50,6 +50,7 @@ def test_the_just_noticeable_difference_rises_below_two_newton() -> None:
     np.testing.assert_allclose(just_noticeable_n(np.array([0.5, 2.0, 9.0])), [0.2, 0.2, 0.9])
 
 
+@pytest.mark.slow
 def test_train_gives_both(tmp_path: Path) -> None:
     noise = np.random.default_rng(0)
     for folder, items in (("rec", training()), ("new", [recording("new", press(2.0))])):

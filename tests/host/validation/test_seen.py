@@ -39,6 +39,7 @@ def job(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_train_validate_and_report_say_it_first(job: Path) -> None:
     train = ["train", job / "training", "--model", "hammerstein", "--out", job / "m.spm",
              "--validate", job / "mixed"]  # fmt: skip
@@ -59,6 +60,7 @@ def test_train_validate_and_report_say_it_first(job: Path) -> None:
     assert said < page.index("<h2>Error</h2>")
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("smooth_s", [0.0, 0.025])
 def test_a_name_hides_nothing_and_a_cut_cannot_be_known(smooth_s: float) -> None:
     """Also where the fit saw the recordings smoothed."""

@@ -8,6 +8,7 @@ from support.derivatives import fir_derivatives
 from springpot.trainer.features.fractional import gl_taps, gl_weights
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("order", [0.0, 0.05, 0.3, 0.5, 0.95, 1.0])
 def test_weights_equal_exact_binomials(order: float) -> None:
     with mpmath.workdps(40):

@@ -36,6 +36,7 @@ def fitted(variant: str) -> Model:
     return fit_model(kind, "x", training(), FitOptions(trees=5, leaf=20, **options)).model
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize(("contact", "number"), [("surface", "float32"), ("always", "float64")])
 @pytest.mark.parametrize("variant", list(VARIANTS))
 def test_c_and_reference_agree(variant: str, contact: str, number: str) -> None:
@@ -46,6 +47,7 @@ def test_c_and_reference_agree(variant: str, contact: str, number: str) -> None:
     assert np.ptp(force_n) > 1.0
 
 
+@pytest.mark.few(2)
 @pytest.mark.parametrize("variant", list(VARIANTS))
 def test_the_c_predicts_what_the_model_predicts(variant: str) -> None:
     model = fitted(variant)
@@ -60,6 +62,7 @@ def test_the_c_predicts_what_the_model_predicts(variant: str) -> None:
     assert rms(force_n[inside] - predicted_n[inside]) < 2e-3 * predicted_n.max()
 
 
+@pytest.mark.slow
 def test_every_kind_beats_a_plain_spring_and_carries_a_passive_part() -> None:
     item = recording("new", press(1.7, 0.011))
     slope = np.concatenate([rec.position_m for rec in training()])
@@ -88,6 +91,7 @@ def percent_of_peak(kind: str, mach1: dict, held_out: str) -> float:
     return accuracy([test.force_n], [predict_n(model, test)]).rmse_percent_of_peak
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("held_out", "limit"), [("0.5", 1.6), ("2", 2.8)])
 def test_the_papers_forest_on_a_frequency_it_never_saw(
     mach1: dict, held_out: str, limit: float
@@ -99,6 +103,7 @@ def test_the_papers_forest_on_a_frequency_it_never_saw(
 PASSIVE_PERCENT = [("0.1", 0.7), ("0.2", 0.4), ("0.5", 0.45), ("1", 0.6), ("2", 1.1)]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("held_out", "limit"), PASSIVE_PERCENT)
 def test_the_passive_model_on_a_frequency_it_never_saw(
     mach1: dict, held_out: str, limit: float

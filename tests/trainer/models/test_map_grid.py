@@ -41,6 +41,7 @@ LEFT = {("even", 2): 1.001, ("even", 4): 0.8, ("even", 5): 0.6, ("even", 7): 0.3
 LEFT |= {("anywhere", count): 0.75 for count in (20, 25, 40)}
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("way", "count"), LEFT)
 def test_twice_the_nodes_make_less_error(way: str, count: int) -> None:
     def errors(finer: int) -> np.ndarray:

@@ -84,6 +84,7 @@ def test_a_fold_without_the_deepest_recording_has_ordinary_weights_and_errors() 
                 assert normal_equations(values[out], force_n[out]).rmse(weights) < peak_n
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(("stiffening", "percent"), [(4.0, 1.0), (12.0, 4.0)])
 def test_a_rise_between_two_trained_depths_goes_on_smoothly(
     stiffening: float, percent: float
@@ -108,6 +109,7 @@ def test_slopes_that_no_row_saw_go_on_as_the_last_ones_seen() -> None:
     assert spring_n[-1] > 0.7 * true_n[4]  # where rows end
 
 
+@pytest.mark.slow
 def test_an_object_that_flows_is_fitted_by_flow() -> None:
     recordings = []
     for hz, share in product((0.3, 1.0, 3.0), (0.3, 0.6, 1.0)):
@@ -126,6 +128,7 @@ def test_an_object_that_flows_is_fitted_by_flow() -> None:
     assert np.sqrt(np.mean(np.concatenate(error_n) ** 2)) < 0.01 * 7.0
 
 
+@pytest.mark.slow
 def test_an_object_that_is_damaged_is_fitted_by_damage_and_one_session() -> None:
     """Softer below the deepest press of the session: alone, no press would show it."""
     recordings, deepest_m, start_s = [], 0.0, 0.0
@@ -145,6 +148,7 @@ def test_an_object_that_is_damaged_is_fitted_by_damage_and_one_session() -> None
     assert fit.metadata["cv_rmse_n"] < 0.25 * other.metadata["cv_rmse_n"]
 
 
+@pytest.mark.slow
 def test_an_object_that_lets_go_has_a_surface_that_recovers() -> None:
     recordings = []
     for hz, share in product((0.5, 1.0, 4.0), (0.4, 0.7, 1.0)):

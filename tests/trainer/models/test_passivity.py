@@ -130,10 +130,12 @@ def random_model(seed: int, surface: bool = False) -> Hammerstein:
     )
 
 
+@pytest.mark.slow
 def test_no_press_of_a_fitted_model_gives_energy_back() -> None:
     assert max_returned(model_force(fitted()), seed=1) < BOUND
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("surface", [False, True])
 @pytest.mark.parametrize("seed", range(6))
 def test_the_c_is_the_reference(seed: int, surface: bool) -> None:
@@ -149,6 +151,7 @@ def test_the_c_is_the_reference(seed: int, surface: bool) -> None:
 HUNDREDS = [pytest.param(range(k, k + 100), marks=pytest.mark.slow) for k in range(1000, 2000, 100)]
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("seeds", [*([seed] for seed in range(8)), *HUNDREDS])
 def test_no_press_of_a_random_non_negative_model_gives_energy_back(seeds: Sequence[int]) -> None:
     few = {"presses": 12, "starts": 1, "steps": 40} if len(seeds) > 1 else {}
@@ -190,6 +193,7 @@ PLANTED: dict[str, tuple[Hammerstein, str, Callable[..., Any]]] = {
 }  # fmt: skip
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("fault", PLANTED)
 def test_the_adversary_finds_a_planted_fault(fault: str) -> None:
     model, where, wrong = PLANTED[fault]
@@ -197,6 +201,7 @@ def test_the_adversary_finds_a_planted_fault(fault: str) -> None:
         assert max_returned(model_force(model), seed=1, presses=40) > 1000 * BOUND
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("seed", range(8))
 def test_what_lets_go_gives_no_energy_back(seed: int) -> None:
     force = model_force(random_model(seed, surface=True), surface=True)

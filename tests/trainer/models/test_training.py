@@ -72,6 +72,7 @@ def test_the_fit_predicts_what_scikit_learn_predicts() -> None:
     np.testing.assert_allclose(predict_n(model, item), expected, rtol=0, atol=rounding_n)
 
 
+@pytest.mark.slow
 def test_unscaled_metres_would_not_do() -> None:
     # Positions a thousand times smaller give the same model: the scale follows the depth.
     small = [dataclasses.replace(item, position_m=item.position_m / 1024.0) for item in training()]
@@ -155,6 +156,7 @@ def lossy(item: Recording, pull: bool) -> Recording:
     return dataclasses.replace(item, force_n=force_n if pull else np.maximum(force_n, 0.0))
 
 
+@pytest.mark.slow
 def test_same_seed_and_recordings_give_the_same_hash() -> None:
     first, again, other = (
         model_hash(fit_model("rf-fd", "a", training(), FitOptions(seed=k, trees=3, leaf=30)).model)
@@ -182,6 +184,7 @@ def peak_bytes(kind: str, samples: int) -> int:
     return peak
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["rbf-pv", pytest.param("rf-fd", marks=pytest.mark.slow)])
 def test_memory_grows_with_few_numbers_a_sample(kind):
     """Two lengths, so that what the capped rows take falls out of the difference."""

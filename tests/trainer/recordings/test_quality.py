@@ -101,6 +101,7 @@ def test_ramps_of_constant_speed_are_no_coarse_sensor(
     assert "quantisation" not in kinds(item)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("rate_hz", [20, 50, 200])
 def test_a_coarse_sensor_that_is_interpolated_loses_no_sample(rate_hz: int) -> None:
     for own_hz, press_hz, step_m, step_n in itertools.product(

@@ -61,6 +61,7 @@ def model_is_right(folder: Path) -> bool:
     )
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("case", CASES, ids=lambda case: case.name)
 def test_every_mislabelled_file_ends_well(case: Mislabelled, tmp_path: Path) -> None:
     if case.outcome == "refused":
@@ -82,6 +83,7 @@ def test_every_mislabelled_file_ends_well(case: Mislabelled, tmp_path: Path) -> 
         assert model_is_right(tmp_path)
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("motion_name", ["steps", "triangles", "single"])
 @pytest.mark.parametrize("exponent", [1.0, 1.5])
 def test_a_specimen_that_pulls_on_the_way_back_shows_which_way_is_in(
@@ -181,6 +183,7 @@ def test_a_loop_that_noise_turns_is_not_refused() -> None:
             assert {found.kind for found in sign_findings(item, find_signs(item))} == kinds
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize("name", ["presses-1+1", "one-press-1-1", "exchanged-one-press"])
 def test_signs_that_are_accepted_are_taken_kept_and_said(name: str, tmp_path: Path) -> None:
     case = next(case for case in CASES if case.name == name)

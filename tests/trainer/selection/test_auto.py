@@ -28,6 +28,7 @@ def rmse_n(model: Model, test: Recording) -> float:
     return float(np.sqrt(np.mean((predict_n(model, test) - test.force_n) ** 2)))
 
 
+@pytest.mark.slow
 def test_a_plain_spring_needs_no_forest(caplog):
     caplog.set_level(logging.INFO, "springpot.progress")
     presses = [spring(f"{k}", press(k, 0.01)) for k in (2.0, 3.0, 4.0)]
@@ -44,6 +45,7 @@ def test_a_plain_spring_needs_no_forest(caplog):
     assert rmse_n(fit.model, other) < 0.1 * rmse_n(forest.model, other)
 
 
+@pytest.mark.slow
 def test_what_it_chooses_beats_the_papers_kinds_and_trees_are_for_what_is_felt():
     fit = fit_model("auto", "x", training(), FitOptions(smooth_s=0.0))
     other = recording("other", press(1.7, 0.9 * DEPTH_M, 3))

@@ -75,6 +75,7 @@ def test_units_that_are_missing_are_asked_for_at_once(tmp_path: Path) -> None:
         assert found.position_m[-1] == pytest.approx(0.4e-3)
 
 
+@pytest.mark.few(11)
 @pytest.mark.parametrize("delimiter", [",", ";", "|", "\t", " "])
 @pytest.mark.parametrize("names", ["time_s position_mm force_N", "t x f", "t[s] x[mm] F[N]"])
 @pytest.mark.parametrize("mark", ["# ", "#", "## "])

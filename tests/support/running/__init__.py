@@ -1,1 +1,0 @@
-"""How tests are run: which have time, and which the machine held up."""
