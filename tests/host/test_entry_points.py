@@ -5,26 +5,18 @@ import os
 import shutil
 import subprocess
 import sys
-from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 import pytest
 from support.paths import TESTS
 from support.peer import cli
-from support.small import training
 
-from springpot import train
-from springpot.codegen.errors import DeviceError, UsageError
+from springpot.codegen.errors import DeviceError
 from springpot.host.devices import drivers
-from springpot.host.devices.device import DeviceRequirements, OpenedDevice, VirtualDevice
+from springpot.host.devices.device import DeviceRequirements, OpenedDevice
 from springpot.host.devices.drivers import Driver, open_device
-from springpot.host.native.loop_library import loop_library
-from springpot.host.session.c_loop import CLoop
-from springpot.host.session.runner import SessionRunner
-from springpot.trainer.kinds import KINDS, Kind
 
 SCENE = 'schema = 1\nname = "rig"\nmodel = "rig.spm"\n[runtime]\nrate_hz = 1000.0\n'
 
@@ -140,32 +132,6 @@ def test_a_link_that_cannot_be_built_leaves_all_other_links(
     assert "good.c" not in said
 
 
-def test_a_missing_extra_is_named_and_not_taken_for_a_broken_package(tmp_path: Path) -> None:
-    hidden = "import sys\nsys.modules['scipy'] = None\n"
-    script = (
-        f"{hidden}sys.argv = 'springpot record --device serial:///dev/none --protocol paper "
-        "--force serial:///dev/none --out x'.split()\n"
-        "from springpot.host.cli import main; main()"
-    )
-    result = python(dict(os.environ), script)
-    assert result.returncode == 2
-    assert "scipy is not installed: `pip install" in result.stderr
-    assert "uninstall" not in result.stderr
-
-
-def test_a_function_that_no_link_declares_is_named() -> None:
-    adopting: Any = SimpleNamespace(_library=loop_library("double"), _links=[], _kept=[])
-    undeclared: Any = SimpleNamespace(link=lambda library: library.c.sp_link_nobody_init())
-    with pytest.raises(DeviceError, match="sp_link_nobody_init: declare it"):
-        CLoop._adopt(adopting, undeclared)
-    faulty: Any = SimpleNamespace(link=lambda _library: SimpleNamespace().memory)
-    with pytest.raises(DeviceError, match=r"AttributeError: .*'memory'"):  # no missing declaration
-        CLoop._adopt(adopting, faulty)
-    nothing: Any = SimpleNamespace(link=lambda _library: None)
-    with pytest.raises(DeviceError, match="no sp_link that has read, write and reset"):
-        CLoop._adopt(adopting, nothing)
-
-
 class Mute(OpenedDevice):
     """It has no link, and does not say what its force does unreached."""
 
@@ -191,62 +157,3 @@ def test_what_a_driver_does_wrong_is_one_line(
     monkeypatch.setattr(drivers, "drivers", lambda: {"mute": Driver("mute://1", opens)})
     with pytest.raises(DeviceError, match=f"^mute://1: .*{told}.*: correct or uninstall"):
         open_device("mute://1", DeviceRequirements(1000.0, 0.1, 1.0))
-
-
-def test_links_are_a_tuple_of_files() -> None:
-    with pytest.raises(TypeError, match="tuple"):
-        Driver("mute://1", Mute, links=cast(Any, Path("mute.c")))
-
-
-@pytest.mark.parametrize("fit", [lambda *_: None, lambda *_: {}["fit"], f"{__name__}:nothing"])
-def test_what_a_fit_does_wrong_is_one_line(monkeypatch: pytest.MonkeyPatch, fit: Any) -> None:
-    monkeypatch.setitem(KINDS, "wrong", Kind("wrong", "a mistake", fit))
-    with pytest.raises(UsageError, match=r"^kind 'wrong': .*: correct or uninstall that package"):
-        train(training(), "wrong")
-
-
-@pytest.mark.parametrize("name", ["Kind", "its model"])
-def test_a_kind_has_the_name_of_its_entry_point(monkeypatch: pytest.MonkeyPatch, name: str) -> None:
-    def fit(*given: Any) -> Any:
-        found = KINDS["hammerstein"].function()(*given)
-        return (
-            found if name == "its model" else replace(found, model=replace(found.model, kind="a"))
-        )
-
-    monkeypatch.setitem(KINDS, "a", Kind("a" if name == "its model" else "b", "a mistake", fit))
-    with pytest.raises(UsageError, match=f"^kind 'a': TypeError: {name} has the name"):
-        train(training(), "a")
-
-
-class Raising(VirtualDevice):
-    """Its last calls fail."""
-
-    def __init__(self, last: str) -> None:
-        """Take the name of the call that fails."""
-        self.last, self.calls = last, list[str]()
-
-    def link(self, library: Any) -> Any:
-        """Return no link: no loop runs."""
-
-    def stop(self) -> None:
-        """Fail perhaps."""
-        self._call("stop")
-
-    def close(self) -> None:
-        """Fail perhaps."""
-        self._call("close")
-
-    def _call(self, name: str) -> None:
-        self.calls.append(name)
-        if self.last == name:
-            raise ValueError(f"no {name}")
-
-
-@pytest.mark.parametrize("last", ["stop", "close"])
-def test_what_a_device_does_wrong_at_the_end_is_one_line_and_it_is_closed(last: str) -> None:
-    device, runner = Raising(last), object.__new__(SessionRunner)
-    runner._supervisor, runner._stopped = cast(Any, SimpleNamespace(device=device)), False
-    runner._drain_thread = None
-    with pytest.raises(DeviceError, match=f"^Raising.{last}: ValueError: no {last} .*: correct or"):
-        runner.close()
-    assert device.calls == ["stop", "close"]

@@ -28,12 +28,6 @@ def test_the_version_is_said_where_a_release_says_it_and_nowhere_else() -> None:
     assert not homes
 
 
-def test_the_paper_is_cited() -> None:
-    citation = (ROOT / "CITATION.cff").read_text()
-    assert "doi: 10.1109/ACCESS.2022.3230065" in citation
-    assert "Using Fractional Derivatives" in citation
-
-
 def test_everything_locked_has_a_hash_and_everything_needed_is_locked() -> None:
     lock = (ROOT / "requirements.lock").read_text()
     pins = re.findall(r"^([\w.-]+)==\S+.*?\n((?:    --hash=sha256:[0-9a-f]{64}.*\n)+)", lock, re.M)
@@ -70,18 +64,3 @@ def test_what_is_required_renders(tmp_path: Path) -> None:
             cwd=tmp_path, capture_output=True, text=True, check=False,
         )  # fmt: skip
         assert done.returncode == 0, f"{line}\n{done.stderr}"
-
-
-@pytest.mark.slow
-def test_what_trains_says_which_extra_it_needs(tmp_path: Path) -> None:
-    small_job(tmp_path)
-    done = subprocess.run(
-        [sys.executable, "-c", CODE.format(EXTRAS, ["train", "training", "--model", "rf-fd",
-                                                    "--out", "m.spm"])],
-        cwd=tmp_path, capture_output=True, text=True, check=False,
-    )  # fmt: skip
-    assert done.returncode == 2
-    line = done.stderr.splitlines()[-1]
-    assert line.endswith(
-        "is not installed: `pip install 'springpot[train,report,can,files,m2cgen,study]'`"
-    ), line

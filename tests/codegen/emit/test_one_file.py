@@ -10,15 +10,9 @@ from pathlib import Path
 import pytest
 from support.c import golden_forces
 from support.c.single import every_plan, plan_of, write_single
-from support.small import model_file, scene
 
-from springpot.codegen.emit.c_blocks import top_level_blocks, without_unused
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import planned_headers
-from springpot.host.boards.boards import default_board
-from springpot.host.boards.firmware import build_firmware
-from springpot.host.emission.emission import emit
-from springpot.host.native.toolchain import missing_tools
 from springpot.runtime_c.paths import SOURCE
 
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
@@ -33,18 +27,6 @@ FOUND = [language for language in LANGUAGES if shutil.which(language[0])]
 CPU_FLAGS = Path("/proc/cpuinfo").read_text() if Path("/proc/cpuinfo").exists() else ""
 FMA = pytest.mark.skipif("fma" not in CPU_FLAGS, reason="this processor has no fused multiply-add")
 MAIN = '#include "@.h"\nint main(void) { return @_selftest() ? 3 : 0; }\n'
-
-
-LONELY = "static inline int lonely(void)\n{\n    int x = 2;\n\n    return inner() + x;\n}\n\n"
-TEXT = (
-    "static inline int inner(void)\n{\n    int x = 1;\n\n    return x;\n}\n\n"
-    f"{LONELY}/* Not lonely. */\nint public_name(void)\n{{\n    return inner();\n}}"
-)
-
-
-def test_what_nothing_calls_is_left_out_whole() -> None:
-    kept = without_unused(top_level_blocks(TEXT))
-    assert "\n\n".join(kept) == TEXT.replace(LONELY, "")
 
 
 def hammerstein() -> Plan:
@@ -168,29 +150,6 @@ def test_fast_math_does_not_compile(tmp_path: Path, language: tuple[str, str, st
     done = compiled(tmp_path / "x.o", compiler, "-Ofast", "-c", source)
     assert done.returncode != 0
     assert "without -ffast-math" in done.stderr
-
-
-def test_the_header_says_all_and_names_nothing_but_the_prefix(tmp_path: Path) -> None:
-    source = write_single(plan_of("eco", golden_forces.model("rbf-pv"), "float32", "off"), tmp_path)
-    header = source.with_suffix(".h").read_text()
-    assert "Link with -lm" in header
-    assert not re.search(r"\bsp_", header)
-    typed = set(re.findall(r"\} (\w+);|struct (\w+) \{", header))
-    assert typed and all(name.startswith("eco_") for names in typed for name in names if name)
-    assert re.findall(r"#include .*", header) == ["#include <stdint.h>"]
-    text = source.read_text()
-    assert re.findall(r'#include "(.*)"', text) == ["eco.h"]
-    assert "flags.mk" not in text and "-lm" not in text
-
-
-@pytest.mark.slow
-def test_a_board_takes_it(tmp_path: Path) -> None:
-    """Its C includes headers that a single file does not bring."""
-    emission = emit(scene(prefix="eco"), model_file(tmp_path), tmp_path / "c")
-    if why := missing_tools("cortex-m4f"):
-        pytest.skip(why)
-    board = default_board("cortex-m4f")
-    assert build_firmware(emission.folder, board, tmp_path / "firmware", strict=True).exists()
 
 
 def test_the_header_says_the_scene_s_numbers(tmp_path: Path) -> None:

@@ -151,24 +151,6 @@ def test_force_is_the_mean_of_the_leaves_within_the_stated_rounding() -> None:
     assert compact.leaf_error_n == pytest.approx(span_n / 2**17, rel=1e-4)
 
 
-def one_leaf() -> Forest:
-    return Forest(
-        feature=np.array([-1], dtype=np.int32),
-        threshold=np.zeros(1),
-        left=np.zeros(1, dtype=np.int32),
-        right=np.zeros(1, dtype=np.int32),
-        value_n=np.array([2.5]),
-        roots=np.array([0], dtype=np.int32),
-        weight=1.0,
-        bias_n=0.0,
-    )
-
-
-def test_a_forest_of_one_leaf_still_renders() -> None:
-    compact = compact_forest(one_leaf(), np.float32)
-    assert forest_force(compact, c_sums(compact, np.zeros((1, 0), dtype=np.float32), 0))[0] == 2.5
-
-
 def test_too_many_features_are_refused() -> None:
     rng = np.random.default_rng(0)
     features = rng.normal(size=(400, 16)).astype(np.float32)

@@ -6,9 +6,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.small import DT_S, model_file, press, scene, training
+from support.small import DT_S, model_file, scene, training
 
-from springpot.codegen.errors import UsageError
 from springpot.codegen.model.features import FirBank
 from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.reference.run import run_reference
@@ -75,20 +74,6 @@ def test_the_fast_window_does_not_drift(tmp_path: Path) -> None:
     again_n, fresh_n = old.run(motion)[0], fresh.run(motion)[0]
     assert np.ptp(fresh_n) > 1.0
     assert np.abs(again_n - fresh_n).max() < 2e-4 * np.ptp(fresh_n)
-
-
-def test_a_long_window_of_taps_is_refused_with_what_to_use() -> None:
-    with pytest.raises(UsageError, match=r"2000 taps.*--engine recursive"):
-        fractional_features(DT_S, 2.0, "fir")
-
-
-def test_orders_that_no_split_uses_are_left_out() -> None:
-    bank = paper_bank()
-    fast = fast_fir_bank(bank)
-    depth = press(2.0)
-    whole = fast_fir_stage(fast, COLUMNS, DT_S, np.float64).reference(depth, np.array([0]))
-    part = fast_fir_stage(fast, np.array([2, 7]), DT_S, np.float64).reference(depth, np.array([0]))
-    np.testing.assert_array_equal(part, whole[:, [2, 7]])
 
 
 @pytest.mark.slow

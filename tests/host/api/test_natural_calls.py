@@ -51,21 +51,6 @@ def test_what_is_no_list_of_recordings_is_told_how_to_become_one(given, says, ca
         call(given)
 
 
-def test_a_recording_is_taken_for_its_positions(tmp_path):
-    force_n = springpot.predict(passive_model(), ITEM)
-    np.testing.assert_array_equal(force_n, springpot.predict(passive_model(), ITEM.position_m))
-    springpot.emit(tmp_path / "c", model=passive_model(), scene=scene())
-    loaded = springpot.load(tmp_path / "c")
-    for of_recording, of_positions in zip(
-        loaded.run(ITEM), loaded.run(ITEM.position_m), strict=True
-    ):
-        np.testing.assert_array_equal(of_recording, of_positions)
-    slower = Recording("slow", ITEM.position_m, ITEM.force_n, 2e-3)
-    for call in (loaded.run, lambda one: springpot.predict(passive_model(), one)):
-        with pytest.raises(springpot.SpringpotError, match="slow is sampled at 500 Hz"):
-            call(slower)
-
-
 @pytest.mark.parametrize(
     "position_m",
     [[ITEM.position_m, ITEM.position_m], ITEM.position_m[:, None], [[0.0], [0.0, 1e-3]], "a", None],
@@ -74,14 +59,6 @@ def test_a_recording_is_taken_for_its_positions(tmp_path):
 def test_predict_asks_for_one_press_at_a_time(position_m):
     with refusing(DataError, "position_m: ", "give "):
         springpot.predict(passive_model(), position_m)
-
-
-@pytest.mark.parametrize("wrong", [None, 3, [ITEM]])
-def test_what_is_no_file_is_not_read(wrong):
-    with pytest.raises(UsageError, match=r"read_recordings\(\*paths\)"):
-        springpot.read_recordings(wrong)
-    with pytest.raises(UsageError, match="or a list of files"):
-        springpot.import_recordings(wrong)
 
 
 TURNED = {"force": (1.0, -1.0), "position": (-1.0, 1.0)}

@@ -36,18 +36,3 @@ def test_a_recording_is_force_against_position(monkeypatch: pytest.MonkeyPatch) 
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     with pytest.raises(UsageError, match=r"pip install 'springpot\[report\]'"):
         one.plot()
-
-
-def test_a_validation_is_what_was_measured_and_the_c(validation: Validation) -> None:
-    measured, of_c = (line.get_ydata() for line in validation.plot().lines)
-    k = [len(each.force_n) for each in validation.recordings].index(len(measured))
-    np.testing.assert_array_equal(measured, validation.recordings[k].force_n)
-    np.testing.assert_array_equal(of_c, validation.predicted_n[k])
-
-
-@pytest.mark.slow
-def test_a_stability_is_its_map() -> None:
-    found = springpot.stability(model=passive_model())
-    axes = found.plot()
-    np.testing.assert_array_equal(axes.images[0].get_array(), found.check.scene_map.sin_delta)
-    assert len(axes.texts) == found.check.scene_map.sin_delta.size

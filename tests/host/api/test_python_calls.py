@@ -1,10 +1,8 @@
 """Calls of `import springpot`: the same results as the rooms below, and refusals of one line."""
 
-import inspect
 import json
 import logging
-import sys
-from dataclasses import fields, replace
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -23,10 +21,9 @@ from support.small import (
 
 import springpot
 from springpot.codegen import errors
-from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.errors import DataError
 from springpot.codegen.scene import Budget, Coupling
 from springpot.host.api.files import write_scene
-from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.predict import predict_n
 
 
@@ -97,14 +94,6 @@ def test_predict_says_what_is_extrapolated_and_refuses_millimetres():
             springpot.predict(model, position_m)
 
 
-def test_train_names_and_describes_every_option_of_a_fit():
-    shown = inspect.signature(springpot.train).parameters
-    of_fit = {field.name: field.default for field in fields(FitOptions)}
-    assert {name: shown[name].default for name in list(shown)[4:]} == of_fit
-    said = inspect.getdoc(springpot.train)
-    assert all(f"\n{name}: " in said for name in list(shown)[1:])
-
-
 def test_good_news_is_logged_and_doubts_are_warnings(tmp_path, caplog, capsys):
     caplog.set_level(logging.INFO, "springpot")
     rec = recording("press", np.concatenate([press(hz) for hz in (0.5, 1.6, 5.0)]))
@@ -123,12 +112,6 @@ def test_good_news_is_logged_and_doubts_are_warnings(tmp_path, caplog, capsys):
     assert capsys.readouterr().err == ""
     done = spring("import", file, "--map", "time=t:s,position=x:mm,force=f:N", "--out", tmp_path)
     assert "clockwise" in done.stderr
-
-
-def test_a_table_of_pandas_asks_for_it(monkeypatch):
-    monkeypatch.setitem(sys.modules, "pandas", None)
-    with pytest.raises(UsageError, match="pip install pandas"):
-        training()[-1].to_frame()
 
 
 def test_lists_and_single_ones_are_taken(tmp_path, folder):
@@ -184,15 +167,3 @@ def test_a_refusal_is_one_line(error, call, tmp_path, monkeypatch):
     with refusing(getattr(errors, error), " "):
         call()
     assert not (tmp_path / "c").exists()
-
-
-@pytest.mark.slow
-def test_wrong_use_of_an_emitted_folder_is_one_line(folder):
-    loaded = springpot.load(folder)
-    for position_m, velocity_mps in (([[0.0]], None), ([], None), ([0.0, 1e-3], [0.0])):
-        with pytest.raises(UsageError, match="give"):
-            loaded.run(position_m, velocity_mps)
-    with pytest.raises(UsageError, match="no recordings"):
-        springpot.validate(folder, [])
-    with pytest.raises(springpot.SpringpotError):
-        springpot.Session(folder, "nothing://here", report=list).__enter__()

@@ -7,17 +7,15 @@ from typing import Any
 from unittest import mock
 
 import pytest
-from support.in_process import spring
 from support.small import press, recording, small_model, training
 
-from springpot import write_model, write_recordings
-from springpot.codegen.errors import DataError, UsageError
+from springpot import write_model
+from springpot.codegen.errors import UsageError
 from springpot.host.bench import bench as bench_module
 from springpot.host.bench import front
 from springpot.host.bench.bench import Bench, run_bench
 from springpot.host.bench.candidates import Candidate, default_sweep
 from springpot.host.bench.front import pareto
-from springpot.host.bench.page import label, write_bench_page
 from springpot.host.bench.splits import holdout
 from springpot.host.boards.boards import BOARDS, missing
 from springpot.host.native.toolchain import missing_tools
@@ -114,11 +112,6 @@ def test_a_model_file_stands_beside_the_kinds(tmp_path: Path) -> None:
         run(tmp_path / "bench", [], ("no-such",))
 
 
-def test_recordings_that_no_model_can_be_made_of(tmp_path: Path) -> None:
-    with pytest.raises(DataError, match="no model can be made"):
-        run(tmp_path / "bench", SMALL[-1:])
-
-
 def test_the_front() -> None:
     def point(rmse_n: float, tick_ns_hot: float, flash_bytes: int | None) -> dict[str, object]:
         return {"rmse_n": rmse_n, "tick_ns_hot": tick_ns_hot, "flash_bytes": flash_bytes}
@@ -126,17 +119,6 @@ def test_the_front() -> None:
     points = [point(1.0, 10.0, 100), point(1.1, 10.0, 100), point(2.0, 5.0, 100),
               point(2.1, 6.0, 90), point(2.1, 6.0, None), point(1.0, 10.0, 100)]  # fmt: skip
     assert pareto(points) == [True, False, True, True, False, True]
-
-
-def test_the_page_names_every_model(folder: Path) -> None:
-    page = write_bench_page(folder).read_text()
-    result = json.loads((folder / "bench.json").read_text())
-    for point in result["points"]:
-        assert label(point) in page
-    assert page.count("<svg") == 1
-    assert "http://" not in page.replace("http://www.w3.org", "")
-    with pytest.raises(DataError, match="no benchmark"):
-        write_bench_page(folder / "models")
 
 
 def test_holdout_keeps_the_strongest_for_training() -> None:
@@ -149,14 +131,3 @@ def test_holdout_keeps_the_strongest_for_training() -> None:
     assert strongest.name in {item.name for item in kept}
     (begin,), (end,) = holdout(recordings[:1], 0)
     assert len(begin.force_n) + len(end.force_n) == len(recordings[0].force_n)
-
-
-@pytest.mark.slow
-def test_the_command_prints_a_table(tmp_path: Path) -> None:
-    write_recordings(tmp_path / "rec", training())
-    done = spring("bench", "--recording", str(tmp_path / "rec"), "--model", "hammerstein",
-                  "--out", str(tmp_path / "bench"))  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    assert "hammerstein (poles 2)" in done.stdout
-    report = spring("report", str(tmp_path / "bench"))
-    assert report.returncode == 0

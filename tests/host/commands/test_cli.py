@@ -68,12 +68,6 @@ def test_train_emit_build_validate_report(job: Path) -> None:
     assert set(re.findall(r"https?://[\w.]+", page)) <= {"http://www.w3.org"}
 
 
-def test_a_process_ends_with_the_status() -> None:
-    message = refusal(2, "trian", env={})
-    assert "No such command 'trian' (did you mean train?): see `springpot --help`" in message
-    assert "version" in run("--version", env={}).stdout
-
-
 def test_refusals_are_one_line_with_the_right_status(job: Path, tmp_path: Path) -> None:
     out = tmp_path / "x.spm"
     train = ("train", "--model", "rf-fd", "--out", out)
@@ -120,17 +114,3 @@ def test_validation_is_at_the_rate_of_the_scene(job: Path, tmp_path: Path) -> No
     assert "sampled at 1000 Hz, the scene at 500 Hz" in told
     found = run("validate", tmp_path / "c", "--recording", tmp_path / "half.h5", "--json")
     assert json.loads(found.stdout)["rmse_percent_of_peak"] < 5
-
-
-def test_doctor_tells_what_to_do() -> None:
-    result = run("doctor", "--json")
-    assert result.returncode == 0, result.stderr
-    findings = json.loads(result.stdout)["findings"]
-    names = {finding["what"] for finding in findings}
-    assert {"C compiler", "library cache", "real-time scheduling", "timer"} <= names
-    assert all(finding["found"] or finding["do"] for finding in findings)
-    missing = run("doctor", "--json", env={"PATH": "/nowhere"})
-    assert missing.returncode == 1
-    first = json.loads(missing.stdout)["findings"][0]
-    assert not first["found"]
-    assert "apt-get install gcc" in first["do"]

@@ -1,16 +1,12 @@
 """An empty word, as of a shell variable that is not set, is refused and not taken for "."."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import click
 import pytest
 from support.in_process import spring
-from support.small import passive_model, training
 
-import springpot
-from springpot.codegen.errors import UsageError
 from springpot.host.cli import springpot as command_line
 
 
@@ -39,33 +35,3 @@ def test_no_command_takes_an_empty_word(tmp_path: Path, monkeypatch: pytest.Monk
         assert "is empty" in done.stderr, done.stderr
         assert done.stderr.count("\n") == 1
     assert not list(tmp_path.iterdir())
-
-
-CALLS: list[Callable[[], Any]] = [
-    lambda: springpot.read_recordings(""),
-    lambda: springpot.import_recordings(""),
-    lambda: springpot.write_recordings("", training()[0]),
-    lambda: springpot.read_model(""),
-    lambda: springpot.read_scene(""),
-    lambda: springpot.check_recordings(""),
-    lambda: springpot.train(""),
-    lambda: springpot.train([""]),
-    lambda: springpot.emit("", model=passive_model()),
-    lambda: springpot.emit("c", model=""),
-    lambda: springpot.emit("c", scene=""),
-    lambda: springpot.validate("", training()),
-    lambda: springpot.record("sim://ecoflex-00-30", "paper", ""),
-    lambda: springpot.load(""),
-    lambda: springpot.Session("", "sim://ecoflex-00-30"),
-]
-
-
-@pytest.mark.parametrize("call", CALLS)
-def test_no_call_takes_an_empty_path(
-    call: Callable[[], Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    springpot.write_recordings("press.h5", training()[0])  # what "." would find
-    with pytest.raises(UsageError, match="an empty path"):
-        call()
-    assert [file.name for file in tmp_path.iterdir()] == ["press.h5"]

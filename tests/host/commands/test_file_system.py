@@ -49,13 +49,6 @@ def test_a_pipe_or_device_is_refused_at_once(command: str, tmp_path: Path) -> No
         assert "a pipe or device, not a file" in done.stderr
 
 
-def test_doctor_shows_the_whole_path_of_the_cache(tmp_path: Path) -> None:
-    folder = tmp_path / ("long" * 30)
-    done = springpot("doctor", XDG_CACHE_HOME=str(folder), COLUMNS="80")
-    assert "\u2026" not in done.stdout
-    assert "".join(done.stdout.split()).count("long") >= 30
-
-
 @contextmanager
 def files_of_at_most(n_bytes: int) -> Iterator[None]:
     """A write beyond that fails, as on a full disk: the system says so to whoever writes."""

@@ -1,12 +1,8 @@
 """`springpot import`: files in, a folder of recordings and one JSON object out."""
 
 import json
-import os
 from pathlib import Path
-from time import perf_counter
 
-import numpy as np
-import pytest
 from click.testing import CliRunner, Result
 
 from springpot.codegen.errors import DataError, UsageError
@@ -49,23 +45,6 @@ def test_a_recording_can_be_conditioned_again(tmp_path: Path) -> None:
     assert isinstance(mapped.exception, UsageError)
 
 
-@pytest.mark.skipif("SPRINGPOT_FUZZ" not in os.environ, reason="an hour at 1 kHz: make soak")
-def test_an_hour_at_1_khz_imports_and_opens_in_time(tmp_path: Path) -> None:
-    time_s = np.arange(3_600_000) * 1e-3
-    force_n = 3 * (1 - np.cos(4 * time_s)) + np.random.default_rng(0).normal(0, 0.01, len(time_s))
-    position_mm = 5 * (1 - np.cos(4 * time_s))
-    with (tmp_path / "hour.csv").open("w") as file:
-        file.write("time_s,position_mm,force_N\n")
-        table = zip(time_s, position_mm, force_n, strict=True)
-        file.writelines(f"{t:.3f},{x:.4f},{f:.4f}\n" for t, x, f in table)
-    begin = perf_counter()
-    assert run(tmp_path / "hour.csv", "--out", tmp_path / "out").exit_code == 0
-    assert perf_counter() - begin < 20.0
-    begin = perf_counter()
-    read_recording(tmp_path / "out" / "hour.h5")
-    assert perf_counter() - begin < 1.0
-
-
 def test_nothing_is_written_or_overwritten_when_one_file_is_refused(tmp_path: Path) -> None:
     good, bad, out = tmp_path / "a.csv", tmp_path / "b.csv", tmp_path / "out"
     good.write_text(TABLE)
@@ -85,16 +64,6 @@ def test_nothing_is_written_or_overwritten_when_one_file_is_refused(tmp_path: Pa
     assert isinstance(result.exception, UsageError)
     assert "b.h5: exists already" in str(result.exception)
     assert [file.read_bytes() for file in out.iterdir()] == [before]
-
-
-@pytest.mark.parametrize(
-    "arguments",
-    [["--zero", "last"], ["--resample-hz", "0"], ["--resample-hz", "nan"], ["--map", "x"]],
-)
-def test_wrong_use(tmp_path: Path, arguments: list[str]) -> None:
-    (tmp_path / "a.csv").write_text(TABLE)
-    result = run(tmp_path / "a.csv", "--out", tmp_path / "out", *arguments)
-    assert isinstance(result.exception, UsageError) or result.exit_code == 2
 
 
 def test_a_folder_is_the_files_in_it(tmp_path: Path) -> None:
@@ -133,12 +102,3 @@ def test_a_table_of_marks_beside_recordings_is_left_out_of_a_folder(tmp_path: Pa
     assert run(marks, folder / "press.csv", "--out", tmp_path / "c").exit_code != 0
     marks.write_text("Time (s),Force (N)\n0.1,1\n0.2,1\n")
     assert run(folder, "--out", tmp_path / "d").exit_code != 0
-
-
-def test_a_missing_file_or_an_out_that_is_a_file(tmp_path: Path) -> None:
-    missing = run(tmp_path / "none.csv", "--out", tmp_path / "out")
-    assert "none.csv: No such file" in str(missing.exception)
-    (tmp_path / "a.csv").write_text(TABLE)
-    blocked = run(tmp_path / "a.csv", "--out", tmp_path / "a.csv")
-    assert isinstance(blocked.exception, UsageError)
-    assert "a.csv: is a file: give a folder" in str(blocked.exception)

@@ -3,12 +3,10 @@ import json
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from support.messages import require_line
 
-from springpot.codegen.errors import DeviceError, UsageError
+from springpot.codegen.errors import UsageError
 from springpot.host.commands.recordings.record import record
 from springpot.host.recording import protocols
-from springpot.trainer.recordings.journal import JournalWriter
 from springpot.trainer.recordings.recording_file import read_recordings
 
 SHORT = "[[profile]]\namplitude_n = 6\nfrequency_hz = 4\n[[profile]]\namplitude_n=3\nhold_s=2\n"
@@ -70,34 +68,3 @@ def test_nothing_is_overwritten(tmp_path, short):
     assert str(second) in str(result.exception)
     assert [*(tmp_path / "o").iterdir()] == [second]
     assert second.read_bytes() == before[second]
-
-
-@pytest.mark.few(1)
-@pytest.mark.parametrize(
-    ("url", "protocol", "error", "says"),
-    [
-        ("omega://0", "paper", DeviceError, "sim://"),
-        ("sim://ecoflex-00-30", "papers", UsageError, "validation"),
-        ("serial:///no-such-port", "paper", DeviceError, "no-such-port"),
-    ],
-)
-def test_wrong_use_is_one_line_and_writes_nothing(tmp_path, url, protocol, error, says):
-    result = run("--device", url, "--protocol", protocol, "--out", tmp_path / "o")
-    assert isinstance(result.exception, error)
-    require_line(result.exception, says)
-    assert "kept" not in result.output
-    assert not [*tmp_path.rglob("*.*")]
-
-
-def test_what_is_in_the_way(tmp_path, short):
-    journal = tmp_path / "dragon-skin-fx-short-001-6n-4hz.journal"
-    journal.touch()
-    arguments = ["--device", "sim://dragon-skin-fx", "--protocol", short, "--out"]
-    result = run(*arguments, tmp_path)
-    assert isinstance(result.exception, UsageError)
-    assert f"{journal}: keeps a recording that was interrupted" in str(result.exception)
-    journal.unlink()
-    with JournalWriter(journal.with_suffix(".h5"), "press", 1e-3, "device", {}) as writer:
-        assert "another springpot is recording it now" in str(run(*arguments, tmp_path).exception)
-        writer.discard()
-    assert "--out" in str(run(*arguments, short).exception)

@@ -6,13 +6,11 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from support.files.mislabelled import mislabelled
 from support.files.recording_files import write_table
 from support.in_process import spring
 from support.paths import ROOT
 
 LAYOUTS = tomllib.loads((ROOT / "tests/data/real.toml").read_text("utf-8"))["layout"]
-MISLABELLED = {case.name: case for case in mislabelled()}
 ROUNDS = 4
 ADVISED = {
     "--map": r"--map ('[^']*'|[^'\s]+=\S+)", "--zero": r"--zero (first|min)",
@@ -69,10 +67,3 @@ def follow(file: Path, options: tuple[str, ...], out: Path) -> None:
 def test_advice_on_a_public_layout_ends(facts: dict[str, str], tmp_path: Path) -> None:
     write_table(tmp_path / "press.csv", facts)
     follow(tmp_path / "press.csv", tuple(shlex.split(facts.get("options", ""))), tmp_path)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("name", MISLABELLED)
-def test_advice_on_a_mislabelled_file_ends(name: str, tmp_path: Path) -> None:
-    (tmp_path / "press.csv").write_text(MISLABELLED[name].text)
-    follow(tmp_path / "press.csv", MISLABELLED[name].options, tmp_path)

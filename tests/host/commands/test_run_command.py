@@ -5,17 +5,6 @@ from pathlib import Path
 from support.in_process import spring
 
 
-def test_why_it_stopped_is_told_once(job: Path) -> None:
-    device = f"replay://{job / 'press.h5'}"
-    done = spring("run", "--scene", job / "c", "--device", device)
-    assert done.returncode == 0, done.stderr
-    assert (done.stdout + done.stderr).count("the replay has no more samples") == 1
-    stopped = spring("run", "--scene", job / "c", "--device", device, "--max-depth-mm", 1)
-    assert stopped.returncode == 1
-    assert (stopped.stdout + stopped.stderr).count("mm deep, the limit is 1 mm") == 1
-    assert stopped.stderr.splitlines()[-1].startswith("springpot: stopped: the tool came")
-
-
 def test_a_log_is_compared_with_the_c_and_leaves_the_validation_alone(job: Path) -> None:
     press_file, log = job / "press.h5", job / "felt.h5"
     validated = spring("validate", job / "c", "--recording", press_file)

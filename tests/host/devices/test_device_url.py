@@ -5,7 +5,7 @@ import dataclasses
 import pytest
 from support.messages import refusing
 
-from springpot.codegen.errors import DeviceError, UsageError
+from springpot.codegen.errors import UsageError
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.drivers import drivers, open_device, parse_device
 from springpot.host.devices.url import Address
@@ -29,15 +29,6 @@ def test_an_address_has_scheme_interface_place_and_settings(url: str, parts: tup
     assert repr(parse_device(url)).startswith(f"Address(url={url!r}, scheme={parts[0]!r}, ")
 
 
-def test_a_scheme_without_a_driver_is_answered_with_those_that_there_are() -> None:
-    assert list(drivers()) == ["sim", "replay", "serial", "odrive", "dhd"]
-    for url, named in (("usb://x", "'usb'"), ("x", "'a device without a scheme'")):
-        with pytest.raises(DeviceError) as error:
-            parse_device(url)
-        assert named in str(error.value)
-        assert all(driver.example in str(error.value) for driver in drivers().values())
-
-
 @pytest.mark.parametrize("url", ["sim://", "replay://", "serial://?baud=1", "odrive://slcan",
                                  "odrive:///dev/x", "odrive://slcan/"])  # fmt: skip
 def test_an_address_without_a_place_is_told_with_what_it_looks_like(url: str) -> None:
@@ -59,13 +50,6 @@ def test_settings_are_numbers_within_their_limits() -> None:
             address.number("a", 7.0, low, high)
     with pytest.raises(dataclasses.FrozenInstanceError):
         address.place = "y"  # type: ignore[misc]
-
-
-def test_settings_that_there_are_none_of_are_told() -> None:
-    address = parse_device("sim://x?hand=mid&speed=1")
-    address.require_known(("speed", "hand"))
-    with refusing(UsageError, f"{address.url}: no setting 'speed': use hand, object"):
-        address.require_known(("hand", "object"))
 
 
 def test_a_weight_that_a_device_cannot_hold() -> None:

@@ -1,23 +1,16 @@
 """What a session asks of a device, and the line on a device that is too weak for it."""
 
 import dataclasses
-import math
 from typing import Any
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from support.paths import ROOT
 
 from springpot.codegen.errors import DeviceError
 from springpot.codegen.scene import Device
 from springpot.host.devices.device import (
-    FORCE_ZERO,
-    RECONNECT_S,
-    ZERO_S,
     DeviceRequirements,
-    OpenedDevice,
-    VirtualDevice,
     at_most,
     requirements_of,
     too_weak,
@@ -31,16 +24,6 @@ def test_a_limit_has_three_digits_and_is_within_what_it_limits(value: float) -> 
     assert named > value * (1 - 0.0101)
     assert named == float(f"{named:.3g}")
     assert at_most(named) == at_most(value)
-
-
-@given(st.integers(100, 999), st.integers(-9, 6))
-def test_a_limit_of_three_digits_stays(digits: int, power: int) -> None:
-    assert float(at_most(float(f"{digits}e{power}"))) == float(f"{digits}e{power}")
-
-
-@pytest.mark.parametrize("value", [0.0, -1.0, math.nan])
-def test_where_nothing_is_given_the_limit_is_zero(value: float) -> None:
-    assert at_most(value) == "0"
 
 
 # Of every key of [device] that a driver reads: a value that is not its default.
@@ -87,23 +70,3 @@ def test_a_device_that_is_too_weak_is_refused_with_the_key_that_limits_the_force
         error = too_weak("x://", "gives 5.678 N", required, 5.678, *([other] if other else []))
         assert isinstance(error, DeviceError)
         assert str(error) == line + other
-
-
-def test_the_times_of_a_lost_host_and_of_a_lost_device_are_those_of_the_reference() -> None:
-    text = (ROOT / "docs/reference/sessions.md").read_text()
-    assert f"a device ends its force within {ZERO_S:g} s, or is refused" in text
-    assert f"`--reconnect-s` ({RECONNECT_S:g} s)" in text
-
-
-def test_what_a_driver_does_not_say_harms_nobody() -> None:
-    class Virtual(VirtualDevice):
-        def link(self, library: object) -> None:
-            raise NotImplementedError
-
-    assert OpenedDevice.comes_back
-    device = Virtual()
-    assert not device.comes_back
-    assert device.unreached == FORCE_ZERO
-    assert (device.rate_advice, device.failure, device.max_n) == ("", "", None)
-    device.stop()
-    device.close()

@@ -19,7 +19,6 @@ from springpot.host.devices.serial_port import (
     require_fast_adapter,
     used_by,
 )
-from springpot.host.doctor import doctor
 
 
 def refused(place: object) -> str:
@@ -64,15 +63,6 @@ def test_a_port_that_cannot_be_opened_is_told_with_who_has_it(tmp_path, monkeypa
     assert refused(port) == "cannot be opened: busy"
     assert refused(port) == "cannot be opened: in use by cat (process 7): end that program first"
     assert refused(port) == "in use by dog (process 8): end that program first"
-
-
-@pytest.mark.parametrize("missing", [os.R_OK, os.W_OK])
-def test_a_port_is_to_be_read_and_written(tmp_path, monkeypatch, missing: int) -> None:
-    port = tmp_path / "port"
-    assert refused(port).startswith("no such port: plug the device in; `springpot doctor`")
-    port.touch()
-    monkeypatch.setattr(serial_port.os, "access", lambda _, mode: not mode & missing)
-    assert refused(port).startswith("permission denied: join the port's group (often `sudo usermod")
 
 
 def test_who_has_a_port_is_found_behind_links(tmp_path: Path) -> None:
@@ -122,10 +112,3 @@ def test_a_latency_timer_is_looked_up_by_the_real_name(tmp_path, monkeypatch) ->
             f"{place}: the adapter's latency timer is {timer_ms} ms, {1000 // timer_ms} exchanges "
             f"a second: `echo 1 | sudo tee {file}`"
         )
-
-
-@pytest.mark.parametrize(("found", "said"), [("n/a", "nothing is known"), ("a board", "a board")])
-def test_the_doctor_describes_a_port(found: str, said: str) -> None:
-    diagnosis = doctor._serial_port("/dev/null", found)
-    assert diagnosis.found
-    assert said in diagnosis.seen

@@ -1,7 +1,6 @@
 """springpot serial: C and Python agree on every message, and damage is never taken for a value."""
 
 import os
-import re
 import shutil
 import struct
 import subprocess
@@ -157,30 +156,6 @@ def test_a_device_that_starts_again_is_heard_from_its_hello_on(c_end):
     # one that was only overtaken starts nothing
     content = numbered(100) + numbered(99, "hello", **hello) + numbered(98) + numbered(101)
     assert [old for _, old in both_ends(c_end, content)[0]] == [False, True, True, False]
-
-
-def test_the_example_obeys_the_newest_only(tmp_path):
-    """The lines in the header compile, and do not take a force that comes twice."""
-    header = (PORT_WIRE / "sp_wire.h").read_text()
-    example = re.search(r"Receiving:  (.*?;)", header.replace("\n *", "\n"), re.DOTALL)[1]
-    program = tmp_path / "example.c"
-    program.write_text(
-        '#include "sp_wire.c"\n'
-        "int main(void) {\n"
-        "    sp_wire_receiver receiver = {.used = 0}; sp_wire_frame frame; uint8_t bytes[64];\n"
-        "    uint32_t sequence = 0, taken = 0; sp_wire_force force = {1.0f};\n"
-        "    const uint32_t n = sp_wire_send_force(&sequence, &force, bytes);\n"
-        "    for (uint32_t i = 0; i < 2 * n; i++) {\n"
-        "        const uint8_t byte = bytes[i % n];\n"
-        "        force.force_n = 0.0f;\n"
-        f"        {example.strip()}\n"
-        "        taken += force.force_n == 1.0f;\n"
-        "    }\n"
-        "    return taken == 1 ? 0 : 1;\n"
-        "}\n"
-    )
-    run_compiler(["-std=c11", f"-I{PORT_WIRE}", str(program), "-o", str(tmp_path / "example")])
-    assert subprocess.run([tmp_path / "example"], check=False).returncode == 0
 
 
 def test_another_version_is_told_not_read(c_end):

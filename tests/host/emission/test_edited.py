@@ -3,14 +3,12 @@
 import json
 import re
 import shutil
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from support.in_process import spring
 
-import springpot
-from springpot.host.emission.checksums import CHECKSUMS, edited_files
+from springpot.host.emission.checksums import edited_files
 from springpot.host.emission.emission import read_emission
 from springpot.trainer.recordings.recording_file import read_recording
 
@@ -51,19 +49,6 @@ def commands(folder: Path, press_file: Path) -> dict[str, list[str]]:
     }  # fmt: skip
 
 
-def test_python_warns(folder: Path, emitted: Path) -> None:
-    raise_the_clamp(folder)
-    found = [read_recording(emitted.parent / "press.h5")]
-    calls: list[Callable[[], object]] = [
-        lambda: springpot.load(folder),
-        lambda: springpot.validate(folder, found),
-        lambda: springpot.Session(folder, "sim://ecoflex-00-30"),
-    ]
-    for call in calls:
-        with pytest.warns(UserWarning, match=r"sp\.c: not as springpot emitted it"):
-            call()
-
-
 def test_an_edit_is_named_in_a_warning_result_log_and_report(folder: Path, emitted: Path) -> None:
     raise_the_clamp(folder)
     asked = commands(folder, emitted.parent / "press.h5")
@@ -88,12 +73,6 @@ def test_an_edit_is_named_in_a_warning_result_log_and_report(folder: Path, emitt
     assert "changed since it was validated" in again.stderr
     rows = spring(*asked["validate"]).stdout
     assert "sp.c, sp.h" in rows.splitlines()[0]
-
-
-def warned(folder: Path) -> str:
-    done = spring("build", folder)
-    assert done.returncode == 0, done.stderr
-    return done.stderr
 
 
 @pytest.mark.parametrize(
@@ -122,28 +101,3 @@ def test_the_library_built_before_is_not_taken_for_edited_c(folder: Path) -> Non
     before = spring("build", folder).stdout
     raise_the_clamp(folder)
     assert spring("build", folder).stdout != before
-
-
-def test_what_is_for_a_build_by_hand_is_its_users_to_change(folder: Path) -> None:
-    for name in ("main.c", "Makefile", "flags.mk", "my_loop.c", "notes.txt"):
-        (folder / name).write_text("mine")
-    assert warned(folder) == ""
-    assert read_emission(folder).edited == ()
-
-
-@pytest.mark.parametrize(
-    ("name", "first"),
-    [("sp.c", "sp.c"), ("from/scene.json", "from/scene.json"), ("a\nb", CHECKSUMS)],
-)
-def test_a_list_that_leaves_out_a_file_hides_no_edit(folder: Path, name: str, first: str) -> None:
-    listed = json.loads((folder / CHECKSUMS).read_text())
-    if listed.pop(name, None) is None:
-        listed[name] = "0"
-    (folder / CHECKSUMS).write_text(json.dumps(listed))
-    assert f"{folder / first}: not as springpot emitted it" in warned(folder)
-
-
-def test_a_folder_of_headers_behind_a_link_is_seen(folder: Path, tmp_path: Path) -> None:
-    (tmp_path / "elsewhere").mkdir()
-    (folder / "bits").symlink_to(tmp_path / "elsewhere")
-    assert f"{folder}/bits: not as springpot emitted it" in warned(folder)

@@ -1,6 +1,5 @@
 """What an emitted folder is: the same bytes again, warning-clean, nothing unreachable, by hand."""
 
-import json
 import shutil
 import subprocess
 from collections.abc import Callable, Iterable
@@ -29,7 +28,6 @@ SHAPES = {
 }
 CPU_FLAGS = Path("/proc/cpuinfo").read_text() if Path("/proc/cpuinfo").exists() else ""
 COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
-API = ["abi_version", "state_size", "manifest", "init", "reset", "step", "run", "idle", "selftest"]
 
 
 Emitted = Callable[[str], Emission]
@@ -72,26 +70,6 @@ def test_generated_c_is_warning_clean(
         result = subprocess.run(command, capture_output=True, text=True, check=False)
         assert result.returncode == 0, result.stderr
         assert result.stderr == ""
-
-
-@pytest.mark.few(1)
-@pytest.mark.parametrize("shape", list(SHAPES))
-def test_image_holds_the_api_and_nothing_else(
-    tmp_path: Path, emission_of: Emitted, shape: str
-) -> None:
-    prefix = SHAPES[shape].runtime.prefix
-    built = tmp_path / "scene.o"
-    source = emission_of(shape).folder / f"{prefix}.c"
-    subprocess.run(["gcc", *flags("SP_CFLAGS"), "-c", source, "-o", built], check=True)
-    symbols = subprocess.run(["nm", built], capture_output=True, text=True, check=True).stdout
-    rows = [line.split()[-2:] for line in symbols.splitlines()]
-    public = {name for kind, name in rows if kind == "T"}
-    assert public == {f"{prefix}_{name}" for name in API}
-    # No variable that changes, and nothing from outside but memory copies.
-    assert not [name for kind, name in rows if kind in "BbDdC"]
-    outside = {name for kind, name in rows if kind == "U"} - public
-    # "__cpu_model" is the compiler's own record of the processor.
-    assert outside <= {"memset", "memcpy", "_GLOBAL_OFFSET_TABLE_", "__cpu_model"}
 
 
 @pytest.mark.few(1)
@@ -166,25 +144,6 @@ def test_a_library_that_differs_is_not_emitted(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("stack_bytes", "told"), [(1000, True), (20_000, False)])
-def test_the_stack_of_the_selftest_is_told(tmp_path: Path, stack_bytes: int, told: bool) -> None:
-    """A tick fits in the budget, a second state does not."""
-    shape = replace(SHAPES["plain"], budget=Budget(stack_bytes=stack_bytes))
-    emission = emit(shape, model_file(tmp_path, small_model()), tmp_path / "c")
-    notices = [line for line in emission.notices if "the self-test takes" in line]
-    assert bool(notices) is told
-
-
-@pytest.mark.few(1)
-@pytest.mark.parametrize(("target", "software"), [("cortex-m4f", True), ("cortex-m7", False)])
-def test_doubles_in_software_are_told(tmp_path: Path, target: str, software: bool) -> None:
-    chosen = scene(number="float64")
-    chosen = replace(chosen, runtime=replace(chosen.runtime, target=target))
-    notices = emit(chosen, model_file(tmp_path), tmp_path / "c").notices
-    assert any("doubles run in software" in notice for notice in notices) == software
-
-
-@pytest.mark.slow
 def test_emission_replaces_its_own_folder_and_no_other(tmp_path: Path) -> None:
     model, mine = model_file(tmp_path), tmp_path / "mine"
     for shape in ("paper", "plain"):
@@ -215,16 +174,6 @@ def test_budget_is_kept(tmp_path: Path) -> None:
     with pytest.raises(BudgetError, match="the scene's budget is 1000"):
         emit(tight, model_file(tmp_path), tmp_path / "c")
     assert not (tmp_path / "c").exists()
-
-
-@pytest.mark.slow
-def test_manifest_says_what_the_image_says(emission_of: Emitted) -> None:
-    emission = emission_of("prefixed")
-    image = SceneLibrary(emission.folder).manifest
-    written = json.loads((emission.folder / "manifest.json").read_text())
-    assert image.items() <= written.items()
-    assert image["hash"] == emission.hash
-    assert emission.hash in (emission.folder / "eco.c").read_text().splitlines()[0]
 
 
 def test_deepest_stack_follows_the_calls() -> None:

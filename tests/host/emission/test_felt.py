@@ -3,18 +3,15 @@
 import re
 from dataclasses import replace
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
-from support.small import model_file, scene
+from support.small import scene
 
 from springpot import Model, Recording, Scene
 from springpot.codegen.errors import UsageError
 from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.scene import Coupling, Device, Runtime
-from springpot.host.commands.scenes.emit import emission_rows
-from springpot.host.emission.emission import emit
+from springpot.codegen.scene import Coupling, Runtime
 from springpot.host.emission.felt import FELT_SHARE, felt_notices, rate_notices
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
@@ -56,25 +53,6 @@ def test_a_slow_recording_is_rendered_at_1000_hz_where_it_must(stiff: float) -> 
     held = not felt_notices(make_plan(model, with_rate(200.0)))
     assert 1 / plan.dt_s == pytest.approx(200.0 if held else 1000.0)
     assert held == (rate_notices(plan) == []) == (stiff < 0.1)
-
-
-@pytest.mark.slow
-def test_a_kind_of_one_rate_and_a_late_device_have_other_remedies() -> None:
-    *_, notice = felt_notices(make_plan(fitted("rbf-pv", 200.0), with_rate(None)))
-    assert "record at a higher rate" in notice
-    late = replace(with_rate(8000.0), device=Device(delay_s=0.001))
-    *_, notice = felt_notices(make_plan(fitted("hammerstein", 200.0), late))
-    assert "8 samples late" in notice
-    assert "a device of less delay" in notice
-
-
-@pytest.mark.few(1)
-@pytest.mark.parametrize("rate_hz", [None, 90.0, 1000.0])
-def test_the_rate_of_the_tick_is_printed(rate_hz: float | None, tmp_path: Path) -> None:
-    emission = emit(with_rate(rate_hz), model_file(tmp_path), tmp_path / "c")
-    ticks_hz = 1.0 / float(emission.manifest["dt_s"])
-    assert emission_rows(emission)["tick"].startswith(f"{ticks_hz:.6g} Hz")
-    assert rate_hz is None or f"{ticks_hz:.6g}" == f"{rate_hz:g}"
 
 
 @pytest.mark.few(1)

@@ -4,7 +4,6 @@ import dataclasses
 import json
 import math
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -14,7 +13,6 @@ from springpot import Scene
 from springpot.codegen.errors import DataError, UsageError
 from springpot.host.emission.scene_file import (
     checked_scene,
-    default_scene,
     model_path,
     read_scene,
     scene_from_json,
@@ -128,20 +126,6 @@ def test_a_key_that_stands_outside_its_section_is_told_with_it(section: str) -> 
             scene_from_json(with_key(field.name, 1), "scene.toml")
 
 
-@pytest.mark.parametrize("section", ["", *SECTIONS])
-def test_a_scene_is_not_changed_once_it_is_checked(section: str) -> None:
-    place = getattr(PLAIN, section) if section else PLAIN
-    with pytest.raises(dataclasses.FrozenInstanceError):
-        setattr(place, dataclasses.fields(place)[0].name, None)
-
-
-def test_a_scene_shows_what_differs_from_its_defaults() -> None:
-    assert repr(PLAIN) == "Scene(schema=1, name='x', model='x.spm')"
-    for section in SECTIONS:
-        place = getattr(PLAIN, section)
-        assert repr(place) == f"{type(place).__name__}()"
-
-
 @pytest.mark.parametrize("prefix", ["", "9a", "_a", "A", "a" * 32, "a-b", "sp_", "sp_x", "int",
                                     "stdint", "math"])  # fmt: skip
 def test_a_prefix_that_cannot_begin_c_names_is_refused(prefix: str) -> None:
@@ -186,21 +170,6 @@ def test_a_scene_comes_back_as_it_was_written(tmp_path: Path) -> None:
         assert scene_from_json(scene_to_json(scene), "") == checked_scene(scene) == scene
 
 
-def test_only_what_differs_is_written_section_by_section(tmp_path: Path) -> None:
-    guard = dataclasses.replace(PLAIN.guard, max_force_n=12.5, contact="always")
-    scene = dataclasses.replace(PLAIN, name="Grün", guard=guard)
-    write_scene(tmp_path / "scene.toml", scene)
-    assert (tmp_path / "scene.toml").read_bytes().decode() == (
-        'schema = 1\nname = "Grün"\nmodel = "x.spm"\n\n'
-        '[guard]\nmax_force_n = 12.5\ncontact = "always"\n'
-    )
-
-
-def test_the_json_is_indented_and_ends_with_a_line(tmp_path: Path) -> None:
-    assert scene_to_json(PLAIN) == json.dumps(dataclasses.asdict(PLAIN), indent=2) + "\n"
-    assert scene_to_json(PLAIN).startswith('{\n  "schema": 1,\n')
-
-
 def test_a_scene_of_python_is_checked_as_a_file_is(tmp_path: Path) -> None:
     wrong = dataclasses.replace(PLAIN, name="a\\b")
     for call in (checked_scene, lambda scene: write_scene(tmp_path / "x.toml", scene)):
@@ -241,9 +210,3 @@ def test_a_file_that_is_not_there_is_named(tmp_path: Path) -> None:
         model_path(PLAIN, tmp_path / "scene.toml")
     (tmp_path / "x.spm").touch()
     assert model_path(PLAIN, tmp_path / "scene.toml") == tmp_path / "x.spm"
-
-
-def test_without_a_file_every_key_has_its_default() -> None:
-    scene = default_scene(SimpleNamespace(name="x"))  # type: ignore[arg-type]  # of a model its name is read
-    assert scene == dataclasses.replace(PLAIN, model="model.spm")
-    assert checked_scene(scene) == scene

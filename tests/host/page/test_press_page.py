@@ -7,19 +7,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.browser import NEEDS_CHROMIUM
-from support.driven_browser import DrivenBrowser, driven_browser
+from support.driven_browser import DrivenBrowser
 from support.in_process import spring
-from support.small import model_file, passive_model, press, recording, scene
+from support.small import model_file, passive_model, scene
 
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model_file import write_model
 from springpot.codegen.model.places import Places
 from springpot.host.emission.emission import emit
-from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.page.press_page import write_press_page
-from springpot.host.validation.store import store_validation
-from springpot.host.validation.validation import validate
 
 NEEDS_CLANG = pytest.mark.skipif(
     shutil.which("clang") is None or shutil.which("wasm-ld") is None,
@@ -29,13 +25,6 @@ CSV = """new Promise((done) => {
   URL.createObjectURL = (blob) => { blob.text().then(done); return "#"; };
   document.getElementById("download").click();
 })"""
-
-
-PICK = """(() => {
-  const picker = document.getElementById("picker");
-  picker.value = %d;
-  picker.dispatchEvent(new Event("change"));
-})()"""
 
 
 def emitted(folder: Path, number: str = "float32", mode: str = "off", prefix: str = "sp") -> Path:
@@ -55,38 +44,6 @@ def pressed(browser: DrivenBrowser) -> np.ndarray:
     browser.mouse("mouseReleased", x, y + 0.7 * height)
     browser.wait_for(lambda: float(browser.text("depth").split()[0]) < 0.0, "the hand has left")
     return np.loadtxt(str(browser.value(CSV)).splitlines(), delimiter=",", skiprows=1)
-
-
-@NEEDS_CHROMIUM
-@NEEDS_CLANG
-def test_what_is_pressed_has_the_bits_of_the_c(tmp_path: Path) -> None:
-    """Two scenes of one page, of both number types, with and without a coupling."""
-    folders = [emitted(tmp_path / "soft"), emitted(tmp_path / "held", "float64", "proxy", "pad")]
-    store_validation(folders[0], validate(folders[0], [recording("one", press(1.0))], paced_s=0.1))
-    page = tmp_path / "press.html"
-    write_press_page(folders, page)
-    with driven_browser(tmp_path) as browser:
-        browser.open_ready(page.as_uri())
-        for index, folder in enumerate(folders):
-            if index > 0:
-                browser.value(PICK % index)
-            browser.until(
-                f"document.getElementById('object-name').textContent === '{folder.parent.name}'"
-            )
-            assert browser.text("selftest") == "no step differs from the reference"
-            rows = pressed(browser)
-            library = SceneLibrary(folder)
-            position, velocity, force = rows[:, 1:].T.astype(library.dtype)
-            here, _ = library.new_state().run(position, velocity)
-            assert here.max() > 0.5
-            np.testing.assert_array_equal(here, force)  # text has no -0
-        assert browser.errors == []
-        assert [
-            url for url in browser.requests if not url.startswith(("data:", page.as_uri()))
-        ] == []
-        for width in (400, 1366):
-            browser.open_ready(page.as_uri(), width)
-            assert browser.value("document.documentElement.scrollWidth") <= width
 
 
 @NEEDS_CLANG

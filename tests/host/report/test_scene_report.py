@@ -4,17 +4,14 @@ import json
 import re
 from pathlib import Path
 
-import numpy as np
 import pytest
-from support.browser import A4_PIXELS, NEEDS_CHROMIUM, as_printed, layout_faults
 from support.small import model_file, press, recording, scene, small_model
 
 from springpot.codegen.errors import DataError
 from springpot.host.emission.emission import emit
 from springpot.host.pages.page import plain
-from springpot.host.report.figures import median_series
 from springpot.host.report.scene_page import write_report
-from springpot.host.validation.store import read_validation, store_validation
+from springpot.host.validation.store import store_validation
 from springpot.host.validation.validation import Validation, validate
 
 FOREIGN = r'(?:src|href)="(?!#)|url\((?!#)|@import|<script'
@@ -60,20 +57,7 @@ def test_the_page_needs_no_other_file(page: str) -> None:
     assert not re.search(FOREIGN, page.replace('href="data:', 'href="#').replace("xlink:", ""))
 
 
-def test_the_median_recording_is_drawn(emitted: Path, page: str) -> None:
-    series = read_validation(emitted).series
-    errors = {one.name: np.sqrt(np.mean((one.predicted_n - one.measured_n) ** 2)) for one in series}
-    assert median_series(series).name == sorted(errors, key=errors.get)[1]
-
-
 def test_an_emission_that_was_not_validated_is_one_line(tmp_path: Path) -> None:
     emit(scene(), model_file(tmp_path, small_model()), tmp_path / "c")
     with pytest.raises(DataError, match="no validation to report: run `springpot validate"):
         write_report(tmp_path / "c")
-
-
-@NEEDS_CHROMIUM
-@pytest.mark.parametrize("width", [400, 1280, A4_PIXELS])
-def test_nothing_sticks_out_and_no_word_is_cut(page: str, tmp_path: Path, width: int) -> None:
-    shown = as_printed(page) if width == A4_PIXELS else page
-    assert layout_faults(shown, tmp_path, width) == {"out": [], "cut": []}

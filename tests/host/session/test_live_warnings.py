@@ -1,7 +1,5 @@
 """What a session warns of while it runs: rows by hand, and a session deeper than trained."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from support.peer import wait_until
@@ -18,10 +16,9 @@ from springpot.codegen.reference.notes import (
     RAMPED,
     RESYNC,
 )
-from springpot.codegen.reference.output import Output
 from springpot.host.native.loop_library import COLUMN, NONE, empty_rows
-from springpot.host.session.live_warnings import LINE_S, MAX_EVENTS, LiveWarnings
-from springpot.host.session.outcome import LOWER, NOTE_WORDS, UPPER, clamped_low, notes_in_words
+from springpot.host.session.live_warnings import LiveWarnings
+from springpot.host.session.outcome import NOTE_WORDS, UPPER
 from springpot.trainer.recordings.recording_file import read_recording, write_recording
 
 PLAN = make_plan(passive_model(), scene())
@@ -90,35 +87,6 @@ def test_what_belongs_to_a_session_is_no_warning():
     assert watched(rows) == ([], [])
 
 
-@pytest.mark.parametrize("min_n", [0.0, -1.5])
-def test_warnings_and_words_name_the_limit_at_which_the_force_was_kept(min_n):
-    """Against the reference, of which the force before its limits is known here."""
-    rng = np.random.default_rng(7)
-    of_type = PLAN.dtype
-    limits = replace(PLAN.output, min_n=of_type(min_n), max_n=of_type(2.0), slew_n=of_type(0.3))
-    plan = replace(PLAN, output=limits)
-    output = Output(plan)
-    output.free()
-    asked_n = np.repeat(rng.uniform(-4.0, 5.0, 40), rng.integers(40, 200, 40))
-    gone = [output.force(False, False, of_type(each)) for each in asked_n]
-    force_n = np.array([float(each) for each, _ in gone])
-    notes = np.array([each for _, each in gone])
-    assert np.any(notes & LIMITED)
-    low = clamped_low(notes, force_n, min_n)
-    np.testing.assert_array_equal(low, asked_n < min_n)
-    rows = rows_of(len(notes))
-    rows[:, COLUMN["returned_n"]], rows[:, COLUMN["notes"]] = force_n, notes
-    warnings = LiveWarnings(plan, lambda *_: None)
-    warnings.append(rows)
-    events = warnings.finish()
-    told = {what: sum(e["count"] for e in events if e["what"] == what) for what in (UPPER, LOWER)}
-    clamped = int(np.sum(notes & CLAMPED > 0))
-    assert told == {UPPER: int(np.sum(asked_n > 2.0)), LOWER: int(low.sum()) if min_n else 0}
-    words = notes_in_words({"clamped": clamped}, int(low.sum()), min_n)
-    lower = f"{LOWER} of -1.5 N" if min_n else "at 0 N: the object does not pull"
-    assert words == f"clamped {clamped} ({low.sum()} {lower}; {told[UPPER]} {UPPER})"
-
-
 def test_a_fast_press_is_told_and_a_glitch_or_free_air_is_not():
     fast = 5.0 * TRAINED_MPS * 1e-3 * np.arange(60)
     rows = rows_of(3000)
@@ -138,37 +106,6 @@ def test_a_fast_press_is_told_and_a_glitch_or_free_air_is_not():
     glitch[500, COLUMN["position_m"]] = 0.5
     glitch[500, COLUMN["notes"]] = HELD
     assert watched(glitch) == ([], [])
-
-
-def test_lines_come_at_most_one_a_second_whatever_happens():
-    rng = np.random.default_rng(1)
-    rows = rows_of(60_000)
-    rows[:, COLUMN["notes"]] = rng.choice([OUTSIDE, LIMITED, CLAMPED, 0], 60_000)
-    for begin in range(0, 60_000, 3000):  # each ends, and begins again
-        rows[begin : begin + 700, COLUMN["notes"]] = 0
-    said, events = watched(rows)
-    times_s = [1e-3 * at for at, *_ in said]
-    assert min(np.diff(times_s)) >= LINE_S - 0.06
-    assert 20 <= len(said) <= 60
-    assert len(events) == 3 * 20
-    told = np.isin(rows[:, COLUMN["notes"]], [OUTSIDE, LIMITED, CLAMPED]).sum()
-    assert sum(event["count"] for event in events) == told
-
-
-def test_a_long_session_keeps_its_list_short():
-    rows = rows_of(120_000)
-    rows[::1000, COLUMN["notes"]] = OUTSIDE
-    _, events = watched(rows, drain=1000)
-    assert len(events) == MAX_EVENTS
-    assert sum(event["count"] for event in events) == 120
-
-
-@pytest.mark.parametrize("drain", [1, 7, 333, 5000])
-def test_rows_may_come_in_any_number(drain):
-    rows = rows_of(5000)
-    rows[1000:2000, COLUMN["notes"]] = OUTSIDE
-    rows[1500:1700, COLUMN["notes"]] += HELD
-    assert watched(rows, drain)[1] == watched(rows, 20)[1]
 
 
 def test_a_session_deeper_than_trained_warns_and_its_log_keeps_it(folder, tmp_path):

@@ -8,9 +8,8 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from scipy.special import erf, exp1
 
-from springpot.codegen.errors import UsageError
 from springpot.host.simulation.bench import ObjectMotion
-from springpot.host.simulation.objects import FOREIGN_OBJECTS, SimulatedObject, parse_url
+from springpot.host.simulation.objects import SimulatedObject
 
 # Fast in, hold, half out, hold, in again, slowly out: times s, depths m; the punch never leaves.
 PRESS_S = np.array([0.0, 0.08, 0.5, 0.55, 0.9, 1.2, 2.2])
@@ -221,10 +220,3 @@ def test_poro_viscoelastic_is_the_solution_of_its_equations():
     assert expected_n.min() > 0
     assert np.abs(force_n - expected_n).max() < 2e-3 * expected_n.max()
     assert np.abs(force_n - drained(depth_at, 2.5, ticks_s, 200)).max() < 0.04 * expected_n.max()
-
-
-def test_foreign_objects_have_no_variants():
-    for name in FOREIGN_OBJECTS:
-        assert parse_url(f"sim://{name}?stiffer=2").stiffer == 2
-        with pytest.raises(UsageError, match=f"variant=b: {name} has no variants.*leave variant"):
-            parse_url(f"sim://{name}?variant=b")

@@ -1,10 +1,8 @@
 """The simulated layer with lumps: where it is stiff and slow, passive, and its places."""
 
 import numpy as np
-import pytest
 
 from springpot.codegen.arrays import Samples
-from springpot.codegen.errors import UsageError
 from springpot.host.recording.protocols import inverted_cosine
 from springpot.host.simulation.bench import ObjectMotion, SimulatedBench
 from springpot.host.simulation.objects import parse_url
@@ -44,10 +42,3 @@ def test_a_bench_goes_to_another_place_of_a_fresh_object() -> None:
     gone.go_to(LUMP)
     assert gone.place_m == LUMP
     np.testing.assert_array_equal(gone.press(command_n), there.press(command_n))
-
-
-def test_objects_that_are_the_same_everywhere_have_no_places() -> None:
-    with pytest.raises(UsageError, match="leave x and y out"):
-        parse_url("sim://mullins?x=0.005")
-    with pytest.raises(UsageError, match="give sim://lump"):
-        SimulatedBench(parse_url("sim://mullins")).go_to(LUMP)

@@ -2,11 +2,10 @@ import runpy
 
 import numpy as np
 import pytest
-from support.messages import refusing
 from support.paths import BENCH
 
 from springpot.codegen.coupling.loop_device import LoopDevice
-from springpot.codegen.errors import DeviceError, UsageError
+from springpot.codegen.errors import DeviceError
 from springpot.host.recording import protocols
 from springpot.host.simulation.bench import ObjectMotion, SimulatedBench, SimulatedHand
 from springpot.host.simulation.objects import (
@@ -69,31 +68,6 @@ def test_a_small_fast_cycle_on_a_recovering_surface_gives_no_energy():
         work_j = energy_j(position_m, force_n)
         after_j = work_j[t_s.searchsorted(1.06) :]
         assert after_j[-1] >= after_j[0]
-
-
-def test_stress_speeds_relaxation_in_variant_b_alone():
-    """Share of the relaxing force that is gone 10 ms after a step, shallow and deep."""
-
-    def relaxed_share(variant, depth_m):
-        motion = ObjectMotion(SimulatedObject("ecoflex-00-30", variant))
-        force_n = motion.move(np.full(60_000, depth_m))
-        return (force_n[0] - force_n[10]) / (force_n[0] - force_n[-1])
-
-    assert relaxed_share("b", 0.002) == pytest.approx(relaxed_share("a", 0.002), abs=0.01)
-    assert relaxed_share("b", 0.014) > relaxed_share("a", 0.014) + 0.2
-    assert relaxed_share("a", 0.014) < relaxed_share("a", 0.002)
-
-
-@pytest.mark.slow
-def test_relaxation_is_no_power_law():
-    """A power law has one slope of log relaxation against log time; this one bends."""
-    step = ObjectMotion(SimulatedObject("ecoflex-00-10"), dt_s=0.001)
-    force_n = step.move(np.full(200_001, 0.010))
-    times_s = np.array([0.01, 0.1, 1, 10, 100])
-    slow_n = step.move(np.full(1_000_000, 0.010))[-1]
-    above_n = force_n[np.round(times_s * 1000).astype(int)] - slow_n
-    slopes = np.diff(np.log10(above_n))
-    assert np.ptp(slopes) > 0.5
 
 
 def test_noise_is_what_its_seed_says():
@@ -173,17 +147,6 @@ def test_a_hand_presses_the_object_itself():
         assert truth_n[100:] == pytest.approx(force_n[100:], abs=0.05)
 
 
-def test_a_noisy_hand_feels_as_the_quiet_one_does():
-    quiet, noisy = SimulatedHand("firm"), SimulatedHand("firm", noisy=True, seed=4)
-    for tick in range(600):
-        intended_m = 0.01 * (1 - np.cos(tick / 100))
-        truth = quiet.step(0.001, intended_m, 0.0)
-        seen = noisy.step(0.001, intended_m, 0.0)
-        assert seen[0] == pytest.approx(truth[0], abs=25e-6)
-        assert seen[1] == pytest.approx(truth[1], abs=0.012)
-    assert seen != truth
-
-
 def test_misuse_of_the_c_is_refused():
     with pytest.raises(ValueError, match="status -2"):
         ObjectMotion(SimulatedObject("ecoflex-00-10")).move(np.array([0.001, np.nan]))
@@ -193,23 +156,3 @@ def test_misuse_of_the_c_is_refused():
         SimulatedHand(substeps=8).press(ObjectMotion(ALL[0]), np.zeros(3))
     with pytest.raises(DeviceError, match=r"40\.0 N.*12 N"):
         SimulatedBench(ALL[0]).press(np.full(10, 40.0))
-
-
-@pytest.mark.parametrize(
-    ("url", "named"),
-    [
-        ("sim://ecoflex", "ecoflex-00-10, ecoflex-00-30"),
-        ("sim://", "dragon-skin-10"),
-        ("sim://ecoflex-00-30/x", "dragon-skin-10"),
-        ("sim://ecoflex-00-30?colour=red", "variant, stiffer, hand, seed or delay; to record"),
-        ("sim://ecoflex-00-30?variant=c", "a, b"),
-        ("sim://ecoflex-00-30?hand=left", "mid, firm, light"),
-        ("sim://ecoflex-00-30?stiffer=nan", "stiffer=nan"),
-        ("sim://ecoflex-00-30?stiffer=soft", "stiffer=soft"),
-        ("sim://ecoflex-00-30?seed=-1", "seed=-1"),
-        ("sim://ecoflex-00-30?delay=3", "0, 1"),
-    ],
-)
-def test_a_wrong_url_lists_what_exists(url, named):
-    with refusing(UsageError, named):
-        parse_url(url)

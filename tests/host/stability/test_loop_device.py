@@ -99,17 +99,6 @@ def test_the_loop_of_the_c_rings_from_the_predicted_stiffness_on(
     assert rings(plan(limit_npm * WITHIN), hand)
 
 
-def test_words_say_whose_figures_they_are() -> None:
-    whole = Device(mass_kg=0.21, viscous_nspm=2.5, coulomb_n=0.4, delay_s=0.0012)
-    assert loop_device(whole, 1e-3).words(1e-3) == (
-        "the scene's device: 0.21 kg, 2.5 N s/m, 0.4 N Coulomb friction, 2 ms late"
-    )
-    part = loop_device(Device(mass_kg=0.21), 1e-3)
-    assert part.words(1e-3) == "the scene's device: 0.21 kg, 4 N s/m (assumed)"
-    assert loop_device(whole, 1e-3).measured
-    assert not part.measured
-
-
 @pytest.mark.parametrize(
     ("delay_s", "rate_hz", "ticks"),
     [(0.0, 1000.0, 0), (1e-9, 1000.0, 0), (1e-5, 1000.0, 1), (0.001, 1000.0, 1), (0.003, 1e4, 30),

@@ -18,7 +18,6 @@ from springpot.codegen.plan.plan import Plan
 from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import shared_library
 from springpot.host.native.trial_build import built, uncoupled
-from springpot.host.simulation import cases as case_module
 from springpot.host.simulation.cases import (
     LATE,
     LOST,
@@ -128,20 +127,6 @@ def test_what_is_lost_and_at_which_rates() -> None:
             assert taken == pytest.approx(share / 100, abs=0.01)
 
 
-@pytest.mark.parametrize("dt_s", [0.1, 1e-3])
-@pytest.mark.parametrize("cycle_s", [0.01, 1.9, 2.1, 30.0, 3e4])
-def test_losses_come_at_any_speed_and_rate(
-    dt_s: float, cycle_s: float, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Each way of pressing an object, however slowly it was recorded, has losses in its strokes."""
-    plan = replace(plan_of("off"), dt_s=dt_s)
-    monkeypatch.setattr(case_module, "_stroke_ticks", lambda space, speed: 0.5 * cycle_s / dt_s)
-    for case, _ in losing_cases(plan, np.zeros_like, DESIGN_HAND):
-        lossy = (case.scenario.dropped != TAKEN) | np.isnan(case.scenario.error_m)
-        assert np.any(lossy), case.name
-        assert case.beyond or cycle_s <= 20.0
-
-
 def judged_after(change: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> Losses:
     """Losses of `lost-2`, its force changed; change takes force and ticks since the last loss."""
     plan = plan_of("off")
@@ -179,12 +164,3 @@ def test_energy_that_no_hand_paid_is_seen() -> None:
     found = judged_after(lambda force_n, _: np.where(out, 1.6 * force_n, force_n))
     assert "lost samples give the hand energy" in found.faults
     assert found.returned_j > 0.01 * found.stored_j > max(found.clean_returned_j, 0.0)
-
-
-def test_a_first_sample_after_a_loss_may_find_no_force() -> None:
-    """What a silence began with is known from its second sample on."""
-    assert judged_after(lambda force_n, _: force_n).zero_ticks == 0
-    first = judged_after(lambda force_n, since: np.where(since == 1, 0.0, force_n))
-    assert first.zero_ticks == 0
-    second = judged_after(lambda force_n, since: np.where(since == 2, 0.0, force_n))
-    assert second.zero_ticks > 10

@@ -1,7 +1,6 @@
 """`springpot stability` and what `emit` makes of it: bounded, quiet and faithful, or refused."""
 
 import dataclasses
-import json
 import os
 import re
 from functools import cache
@@ -9,7 +8,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.in_process import spring
 from support.silicones import paper_presses
 from support.small import (
     DEPTH_M,
@@ -150,23 +148,6 @@ def test_emit_refuses_an_unstable_loop_and_names_what_would_do(tmp_path: Path) -
 
 
 @pytest.mark.slow
-def test_command_prints_the_contract(tmp_path: Path) -> None:
-    """Keys of its JSON: tests/host/commands/test_json_keys.py."""
-    model_file(tmp_path)
-    file = tmp_path / "scene.toml"
-    file.write_text('schema = 1\nname = "x"\nmodel = "model.spm"\n')
-    found = json.loads(spring("stability", "--scene", file, "--json").stdout)
-    lossy = {item["case"] for item in found["closed_loop"] if "zero_ticks" in item}
-    assert {item["case"] for item in found["closed_loop"]} - lossy == CASES
-    names = ("lost-1", "lost-2", "lost-10", "late", "nan-5", "rate-90", "rate-50", "rate-10")
-    assert lossy == {name + suffix for suffix in ("", "-fast") for name in names}
-    file.write_text(file.read_text() + "[coupling]\nmode = 'tool'\ndamping_nspm = 20000.0\n")
-    refused = spring("stability", "--scene", file, "--json")
-    assert refused.returncode == 4
-    assert json.loads(refused.stdout)["stable"] is False
-
-
-@pytest.mark.slow
 def test_proxy_gives_no_kick_at_contact_or_release() -> None:
     """Taps at 4 Hz: contact starts from zero and never harder than the bare model; release ends it.
 
@@ -187,12 +168,6 @@ def test_proxy_gives_no_kick_at_contact_or_release() -> None:
     assert np.all(force_n[begins] == 0.0)
     assert np.diff(force_n).max() <= np.diff(bare_n).max()
     assert force_n.max() > 1.0
-
-
-def test_no_coupling_is_advised_where_none_is_stable() -> None:
-    plan = make_plan(small_model().stiffened(2e3), scene(), accept_unsafe=True)
-    with pytest.raises(UnsafeError, match=r"no coupling is stable at 1000 Hz .* record at a"):
-        require_stable(plan)
 
 
 @pytest.mark.few(1)

@@ -5,25 +5,15 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
-from support.pages.documents import page_blocks
 from support.paths import ROOT
 from support.small_study import STUDY, planned_study, write_small_study
 
 from springpot.codegen.errors import DataError, UsageError
 from springpot.host.study.definition import LOWER_BOUND, RENDERED, UPPER_BOUND, read_study
 from springpot.host.study.plan import make_orders, read_plan, write_plan
-from springpot.host.study.table import growing_table, read_table
+from springpot.host.study.table import growing_table
 
 PAPER = ROOT / "host" / "scenes" / "paper-study.toml"
-
-
-def test_the_paper_s_study_is_the_one_of_the_page() -> None:
-    study = read_study(PAPER)
-    assert len(study.conditions()) == len(set(study.conditions())) == 21
-    assert (len(study.session_trials()), study.sessions, len(study.questions)) == (24, 3, 5)
-    assert study.methods == ["RF-FD", "RBF-FD", "RBF-PV", UPPER_BOUND]
-    (page,) = [block.text for block in page_blocks("how-to/study.md") if block.language == "toml"]
-    assert page == PAPER.read_text()
 
 
 @pytest.mark.parametrize(
@@ -126,18 +116,3 @@ def test_a_table_cut_at_any_byte_loses_no_whole_row(tmp_path: Path) -> None:
             for row in ROWS[left:]:
                 append(row)
         assert file.read_bytes() == whole
-
-
-def test_a_table_in_use_or_damaged_is_refused(tmp_path: Path) -> None:
-    file = tmp_path / "t.csv"
-    assert read_table(file, COLUMNS) == []
-    with (
-        growing_table(file, COLUMNS),
-        pytest.raises(UsageError, match=r"t\.csv: in use: close the other window"),
-        growing_table(file, COLUMNS),
-    ):
-        pass
-    for text, row in (("who,what\n", 1), ("who,said\n01\n", 2), ("who,said\n01,a,b\n", 2)):
-        file.write_text(text)
-        with pytest.raises(DataError, match=f"row {row} is damaged: take the file from your"):
-            read_table(file, COLUMNS)

@@ -5,9 +5,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.in_process import spring
 from support.paths import ROOT, TESTS
-from support.small_study import planned_study, rate_study
+from support.small_study import rate_study
 
 from springpot.host.study.definition import LOWER_BOUND, RENDERED, UPPER_BOUND, read_study
 from springpot.host.study.plan import StudyPlan, make_orders
@@ -94,27 +93,3 @@ def test_the_rules_are_the_paper_s(paper: StudyPlan) -> None:
     assert found["broken"] == ["side_difference"]
     unknown = {"repeat_sd": None, "side_difference": None, "broken": []}
     assert consistency(paper.study, own[:1]) == unknown
-
-
-def test_who_has_not_finished_is_in_no_mean(paper: StudyPlan) -> None:
-    assert study_report(paper)["notes"] == ["0 people: comparisons need at least 3"]
-    rate_study(paper, {}, leave=1)
-    found = study_report(paper)
-    assert (found["people"], found["unfinished"]) == (14, ["18"])
-
-
-def test_what_does_not_scatter_is_not_tested(paper: StudyPlan) -> None:
-    rate_study(paper, {}, sd=0.0)
-    found = study_report(paper)
-    assert found["people"] == 15
-    assert found["notes"] == ["ratings that differ alike for everybody cannot be tested"]
-    assert found["anova"] == found["simple"] == found["pairs"] == []
-
-
-def test_the_command_prints_tables(tmp_path: Path) -> None:
-    plan = planned_study(tmp_path, 3)
-    rate_study(plan, {"passive": -20.0})
-    printed = spring("study", "report", plan.path)
-    assert printed.returncode == 0, printed.stderr
-    for word in ("people", "Method:Material", "p_tukey", "Did it shake?", "lower bound"):
-        assert word in printed.stdout

@@ -6,17 +6,16 @@ import sys
 from pathlib import Path
 from types import SimpleNamespace
 
-import numpy as np
 import pytest
 from support.peer import CLI, wait_until
 from support.small_study import DEVICE, Typist, planned_study
 
 from springpot import read_recordings
-from springpot.codegen.errors import DataError, DeviceError, UsageError
-from springpot.host.native.loop_library import COLUMN, NONE, empty_rows
+from springpot.codegen.errors import UsageError
+from springpot.host.native.loop_library import NONE
 from springpot.host.study import session as study_session
 from springpot.host.study.plan import StudyPlan, Trial
-from springpot.host.study.session import RESPONSE_COLUMNS, PressWatch, run_session
+from springpot.host.study.session import RESPONSE_COLUMNS, run_session
 from springpot.host.study.table import read_table
 
 
@@ -87,23 +86,6 @@ def test_killed_in_a_trial_and_a_row_cut_it_goes_on(plan: StudyPlan) -> None:
     assert row["log"] == "session-0-trial-01-again-2.h5"
 
 
-def test_refusals(plan: StudyPlan, monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(UsageError, match="no participant '1': it has 01 to 01"):
-        run_session(plan, "1", DEVICE)
-    types(monkeypatch, "l", seconds=0.0)
-    with pytest.raises(DeviceError):
-        run_session(plan, "01", "serial:///dev/none")
-    types(monkeypatch, "l", "r", "60", seconds=0.1)
-    run_session(plan, "01", DEVICE)
-    file = plan.folder("01") / "responses.csv"
-    for wrong in (("01,0,1", "01,0,2"), (",60,", ",sixty,"), (",60,", ",160,")):
-        text = file.read_text()
-        file.write_text(text.replace(*wrong))
-        with pytest.raises(DataError, match=r"responses\.csv: row 2 is not of this plan"):
-            run_session(plan, "01", DEVICE)
-        file.write_text(text)
-
-
 def test_no_side_is_felt_after_the_watchdog_until_reset(monkeypatch: pytest.MonkeyPatch) -> None:
     called: list[str] = []
     state = SimpleNamespace(latched=False, tripped=False)
@@ -123,22 +105,3 @@ def test_no_side_is_felt_after_the_watchdog_until_reset(monkeypatch: pytest.Monk
     session.over = True
     types(monkeypatch, "50", seconds=0.0)
     assert study_session._ask(trial, session) is None
-
-
-def test_warnings_of_depth_and_of_four_times_the_speed(capsys: pytest.CaptureFixture[str]) -> None:
-    time_s = 1e-3 * np.arange(4000)
-    slow_m = 4e-3 * np.sin(2 * np.pi * 0.5 * time_s)  # at most 12.6 mm/s, and as fast in the air
-    deep_m = np.where((time_s % 1.7) < 0.2, 6e-3, 0.0)  # out, and after more than a second in
-    fast_m = np.where(time_s > 2, 4e-3 * np.sin(2 * np.pi * 4 * time_s), 0.0)
-    air_m = fast_m - 5e-3
-    for position_m, words in (
-        (slow_m, []), (deep_m, ["less deep, please"] * 3), (air_m, []),
-        (fast_m, ["slower, please"]), (np.full(4000, np.nan), []),
-    ):  # fmt: skip
-        watch = PressWatch(1e-3, 5e-3, 0.05)
-        rows = empty_rows(len(time_s))
-        rows[:, COLUMN["position_m"]], rows[:, COLUMN["time_s"]] = position_m, time_s
-        for part in (rows[:0], *np.array_split(rows, 97)):
-            watch.append(part)
-        assert capsys.readouterr().err.splitlines() == words
-        assert watch.warnings == len(words)

@@ -9,11 +9,9 @@ from support.small import DT_S, passive_model, press, scene
 
 import springpot
 from springpot import Model, Recording, Session
-from springpot.codegen.errors import DataError
 from springpot.codegen.model.model_file import write_model
 from springpot.codegen.model.places import Places
 from springpot.host.emission.emission import emit
-from springpot.host.validation.parts import place_errors, place_line
 from springpot.host.validation.validation import validate
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.recordings.recording_file import read_recording
@@ -92,11 +90,6 @@ def test_a_map_without_a_place_says_which_one_it_renders(folder: Path) -> None:
             np.testing.assert_array_equal(springpot.predict(model, given), stiffest.force_n)
 
 
-def test_a_recording_without_a_place_is_refused_by_a_scene_with_a_map(folder: Path) -> None:
-    with pytest.raises(DataError, match="has no place, and this scene has a map"):
-        validate(folder, [pressed(None)], paced_s=0.01)
-
-
 @pytest.mark.slow
 def test_a_session_at_a_place_is_logged_with_it_and_repeated_bit_for_bit(
     folder: Path, tmp_path: Path
@@ -112,12 +105,3 @@ def test_a_session_at_a_place_is_logged_with_it_and_repeated_bit_for_bit(
         logs.append(read_recording(log))
     assert [log.place_m for log in logs] == list(PLACES[::2])
     assert validate(folder, logs, paced_s=0.01).mismatches == 0
-
-
-def test_the_line_names_the_worst_place() -> None:
-    recordings = [pressed(place_m, f"at-{k}") for k, place_m in enumerate(PLACES)]
-    predicted = [
-        each.force_n * share for each, share in zip(recordings, (1.01, 0.9, 1.01), strict=True)
-    ]
-    line = place_line(place_errors(recordings, predicted, [0, 0, 0]))
-    assert line.startswith("3 places:") and line.endswith("at (7, 4) mm")

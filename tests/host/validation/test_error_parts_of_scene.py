@@ -58,14 +58,3 @@ def test_the_model_alone_is_judged_on_the_samples_of_the_scene(tmp_path: Path) -
     pairs = zip(begun, found.ramped, strict=True)
     errors = [(limited_n(model, item) - item.force_n)[ramp:] for item, ramp in pairs]
     assert found.model_rmse_n == pytest.approx(rms(np.concatenate(errors)), rel=1e-9)
-
-
-@pytest.mark.slow
-def test_a_soft_coupling_is_told_from_the_model(tmp_path: Path) -> None:
-    found = validated(tmp_path, "proxy", {"accepted_signs": True})
-    assert found.rendering_n > 5.0 * found.model_rmse_n
-    rows = validation_rows(found)
-    assert f"{found.model_rmse_n:.4g} N; coupling" in rows["RMSE, the model alone"]
-    felt = 1e-3 * found.manifest["coupling"]["felt_stiffness_npm"]
-    assert f"the hand feels {felt:.3g} N/mm" in rows["RMSE, the model alone"]
-    assert rows["signs"].startswith("accepted, against the data, of ")

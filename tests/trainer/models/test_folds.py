@@ -58,16 +58,6 @@ def test_noise_on_repeats_makes_no_further_conditions() -> None:
     assert held_out_whole(data, np.arange(data.rows_total)) == []
 
 
-def test_one_or_two_recordings_are_folded_in_five_blocks() -> None:
-    for count in (1, 2):
-        data = training_set(training()[:count], smooth_s=0.0)
-        rows = np.arange(data.rows_total)
-        (folds,) = fold_families(data, rows, seed=0)
-        for begin, end in zip(data.bounds[:-1], data.bounds[1:], strict=True):
-            assert np.bincount(folds.number[begin:end]).tolist() == [(end - begin) // 5] * 5
-            assert np.all(np.diff(folds.number[begin:end]) >= 0)
-
-
 def test_a_piece_is_in_one_fold_of_each_family() -> None:
     data = training_set(training(), smooth_s=0.0)
     families = fold_families(data, np.arange(data.rows_total), seed=3)

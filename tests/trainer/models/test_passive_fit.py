@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 from support.c.passive_run import PassiveC
-from support.small import DT_S, press, training
+from support.small import DT_S, press
 
 from springpot import Recording
 from springpot.codegen.model.passive import Hammerstein
@@ -17,7 +17,7 @@ from springpot.host.metrics import accuracy
 from springpot.host.recording.protocols import load_protocol
 from springpot.host.recording.session import open_press_device, record_session
 from springpot.trainer.features.values import highpass
-from springpot.trainer.kinds import _poor_fit, fit_kind, fit_model
+from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.passive.nonnegative import normal_equations, sparse_solve
 from springpot.trainer.models.passive.passive_fit import (
@@ -201,14 +201,3 @@ def test_short_presses_of_a_silicone_tell_of_long_ones(tmp_path: Path) -> None:
     forces_n = [predict_n(model, each) for each in longer[:4]]
     found = accuracy([each.force_n for each in longer[:4]], forces_n, [0] * 4)
     assert found.rmse_percent_of_peak < 0.3
-
-
-@pytest.mark.parametrize(("share", "named"), [(0.1, False), (0.16, True), (0.35, True)])
-def test_an_object_that_the_model_cannot_follow_is_named(share: float, named: bool) -> None:
-    """A model that missed 35 % of the peak was once shipped without a word."""
-    data = training_set(training(), 0.025)
-    fit = SimpleNamespace(
-        model=SimpleNamespace(name="pad"), metadata={"cv_rmse_n": share * data.trained.max_n}
-    )
-    assert any("cannot follow this object" in line for line in _poor_fit(fit, data)) is named
-    assert not fit_kind("hammerstein", "calm", data, FitOptions()).warnings

@@ -11,7 +11,6 @@ from springpot.trainer.features.fractional import gl_weights
 from springpot.trainer.features.values import highpass
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.predict import predict_n
 from springpot.trainer.recordings.recording import Recording
 
 DT_S = 1e-3
@@ -120,19 +119,6 @@ def test_a_zener_solid_comes_back_with_its_instant_stiffness() -> None:
     assert relaxation_s(law) == pytest.approx(0.2, rel=0.05)
     assert law["stiffness_npm"] == pytest.approx(100.0, rel=0.02)
     assert law["instant_npm"] == pytest.approx(300.0, rel=0.02)
-
-
-def test_a_preloaded_solid_has_a_bias_and_the_order_of_its_loops() -> None:
-    recordings = [
-        dataclasses.replace(r, force_n=r.force_n + 3.0, zero="min")
-        for r in springpot_recordings(300.0, 100.0, 0.3)
-    ]
-    fit = fit_model("springpot", "x", recordings, FitOptions())
-    law = law_of(fit.model)
-    assert law["order"] == pytest.approx(0.3, abs=0.02)
-    assert fit.model.hammerstein.bias_n == pytest.approx(3.0, abs=0.01)
-    predicted_n = predict_n(fit.model, recordings[0])
-    assert np.abs(predicted_n - recordings[0].force_n).max() < 0.02
 
 
 @pytest.mark.parametrize("is_zener", [False, True])

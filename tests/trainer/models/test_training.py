@@ -10,7 +10,7 @@ from support.derivatives import fir_derivatives
 from support.small import DEPTH_M, DT_S, press, recording, small_fit, training
 
 from springpot import Recording
-from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.errors import DataError
 from springpot.codegen.forest.leaves import quantised_leaves
 from springpot.codegen.model.model_file import model_hash
 from springpot.trainer.kinds import fit_model
@@ -92,20 +92,6 @@ def test_recordings_that_do_not_fit_together_are_refused() -> None:
     ):
         with pytest.raises(DataError, match=told):
             fit_model("rf-fd", "x", given, FitOptions(trees=2))
-
-
-def test_every_rate_of_a_set_is_named_and_the_one_that_is_advised_fits_all() -> None:
-    good = training()[0]
-    rates_hz = (1000.0, 50.0, 200.0, 1000.0)
-    mixed = [
-        dataclasses.replace(good, name=f"r{k}", dt_s=1.0 / rate_hz)
-        for k, rate_hz in enumerate(rates_hz)
-    ]
-    with pytest.raises(DataError) as refused:
-        fit_model("rf-fd", "x", mixed, FitOptions(trees=2))
-    for part in ("r1 is sampled at 50 Hz", "r2 at 200 Hz", "r0 and 1 more at 1000 Hz"):
-        assert part in str(refused.value)
-    assert str(refused.value).endswith("--resample-hz 1000")
 
 
 def test_what_holds_the_tool_is_not_let_go() -> None:
@@ -191,15 +177,3 @@ def test_memory_grows_with_few_numbers_a_sample(kind):
     few, many = 60_000, 110_000
     held = (peak_bytes(kind, many) - peak_bytes(kind, few)) / (many - few)
     assert held < 8 * NUMBERS, f"{held:.0f} bytes a sample"
-
-
-def test_the_default_smoothing_gives_way_to_short_presses() -> None:
-    short = [
-        Recording(item.name, item.position_m[:80], item.force_n[:80], item.dt_s)
-        for item in training()
-    ]
-    fit = fit_model("hammerstein", "x", short, FitOptions())
-    assert fit.model.provenance["smooth_s"] <= 0.25 * short[0].duration_s
-    assert any("smoothed over" in line for line in fit.warnings)
-    with pytest.raises(UsageError, match=r"--smooth-s 0\.03"):
-        fit_model("hammerstein", "x", short, FitOptions(smooth_s=0.03))

@@ -104,21 +104,6 @@ def test_presses_with_zeros_of_their_own_keep_these() -> None:
         np.testing.assert_array_equal(before.position_m, after.position_m)
 
 
-def test_one_press_a_stated_force_and_places_keep_what_was_found() -> None:
-    found = [condition(each, AUTO)[0] for each in presses([0.0, 0.0])]
-    placed = [
-        replace(each, place_x_m=0.0, place_y_m=y)
-        for each, y in zip(found, (0.0, 0.01), strict=True)
-    ]
-    for given_, options in (
-        (found[:1], AUTO),
-        (found, Conditioning(contact_force=0.5)),
-        (placed, AUTO),
-    ):
-        kept, told = on_one_surface(given_, options)
-        assert (kept, told) == (list(given_), "")
-
-
 @pytest.mark.parametrize(("surface_m", "tare_n"), [(2e-3, 0.0), (3e-3, 1.5), (1e-3, -0.7)])
 def test_the_surface_becomes_position_0(surface_m: float, tare_n: float) -> None:
     found = find_contact(touched(surface_m, tare_n))
@@ -129,16 +114,6 @@ def test_the_surface_becomes_position_0(surface_m: float, tare_n: float) -> None
     assert np.interp(0.0, *np.sort([shifted.position_m, shifted.force_n])) < 0.2
     assert "tare of" in told[0]
     assert "surface at" in told[0]
-
-
-@pytest.mark.parametrize("stated_n", [1, np.int64(1), np.float32(1.0)])
-def test_a_whole_number_is_a_stated_force_too(stated_n: float) -> None:
-    item = touched(2e-3, 1.0)
-    for name in ("contact_force", "tare"):
-        whole, _ = condition(item, Conditioning(**{"contact_force": 2.0, name: stated_n}))
-        same, _ = condition(item, Conditioning(**{"contact_force": 2.0, name: 1.0}))
-        np.testing.assert_array_equal(whole.position_m, same.position_m)
-        np.testing.assert_array_equal(whole.force_n, same.force_n)
 
 
 def test_a_stated_contact_force_and_tare() -> None:

@@ -111,17 +111,6 @@ def test_resolution_and_noise_make_neither_a_surface_nor_a_preload(count: float)
         assert contacts([Recording(f"{seed:02}", position_m, force_n, 5e-3)]) == []
 
 
-def test_a_light_first_press_does_not_put_the_surface_deeper() -> None:
-    """Presses that grow, from far outside: those that go deep enough show the object's law."""
-    for seed in range(20):
-        rng = np.random.default_rng(seed)
-        depths_m = np.repeat([2e-3, 5e-3, 9e-3], 1000)
-        position_m = -9e-3 + 0.5 * (depths_m + 9e-3) * (1.0 - np.cos(2.0 * np.pi * TIME_S[:3000]))
-        force_n = (np.maximum(position_m, 0.0) / 9e-3) ** rng.uniform(2.4, 2.7)
-        force_n += rng.normal(0.0, 0.003, 3000)
-        assert contacts([Recording(f"{seed:02}", position_m, force_n, 1e-3)]) == []
-
-
 def held_on_top_of(low: float, seed: int) -> Recording:
     """Presses and long holds between `low`, of the depth, and the depth, by any law and noise."""
     rng = np.random.default_rng(seed)
@@ -158,11 +147,3 @@ def test_free_air_before_a_hold_shows_its_tare() -> None:
         told = contact_findings([replace(held, force_n=held.force_n + 2.0)])
         missed += not any("--tare auto" in found.to_do for found in told)
     assert missed <= 3
-
-
-def test_friction_of_a_guide_is_no_surface() -> None:
-    for seed in range(10):
-        rubbed = press(0.0, seed)
-        way = np.sign(np.gradient(rubbed.position_m))
-        rubbed = replace(rubbed, force_n=rubbed.force_n + 0.03 * 12.0 * way)
-        assert contacts([rubbed]) == []

@@ -69,14 +69,6 @@ def test_no_noise_is_said_not_divided_by() -> None:
     assert find_noise_floor([still, replace(still, name="again")]).rms_n is None
 
 
-def test_a_sum_of_tones_is_no_repeated_cycle() -> None:
-    """One tone explains most of it, and no cycle is like another."""
-    noisy = recording("sum", press(2.0, cycles=8) + 0.7 * press(2.9, cycles=13)[:4000])
-    noisy = replace(noisy, force_n=noisy.force_n + normal(0.01, 0, 4000))
-    found = find_noise_floor([noisy])
-    assert (found.source, found.rms_n) == ("sensor", pytest.approx(0.01, rel=0.2))
-
-
 def test_an_object_that_settles_within_its_cycles_is_no_noise() -> None:
     """A model with a memory predicts how the cycles' mean and height settle."""
     cycles = recording("cycles", press(2.0, cycles=20))

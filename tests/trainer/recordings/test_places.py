@@ -4,12 +4,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
 
 from springpot import Recording
 from springpot.codegen.errors import DataError, UsageError
-from springpot.host.commands.recordings.check import check_
-from springpot.host.commands.recordings.import_ import import_
 from springpot.trainer.recordings.formats.importing import (
     ImportOptions,
     import_file,
@@ -55,14 +52,6 @@ def test_columns_of_other_names_are_a_place_if_they_are_named(
     assert read.place_m == pytest.approx((0.005, -0.01))
     with pytest.raises(DataError, match="--place"):
         import_file(tmp_path / "a.csv", None, "none", None, ImportOptions(place_m=("a", "b")))
-
-
-def test_a_place_is_given_on_import_and_shown_by_check(tmp_path: Path) -> None:
-    rows = "".join(f"{k / 100},{np.sin(k / 9) ** 2},{np.sin(k / 9) ** 2}\n" for k in range(200))
-    (tmp_path / "a.csv").write_text(f"time_s,position_mm,force_N\n{rows}")
-    arguments = [str(tmp_path / "a.csv"), "--place", "5,-10mm", "--out", str(tmp_path)]
-    assert CliRunner().invoke(import_, arguments).exit_code == 0
-    assert "5, -10" in CliRunner().invoke(check_, [str(tmp_path / "a.h5")]).output
 
 
 def test_a_place_without_a_length_and_half_a_place_are_refused() -> None:

@@ -10,8 +10,6 @@ from subprocess import CompletedProcess
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from support.files.mach1 import mach1_recordings
 from support.in_process import spring
 from support.small import training
@@ -20,9 +18,6 @@ import springpot
 from springpot import Recording, check_recordings
 from springpot.trainer.recordings.quality.channels import channel_findings
 from springpot.trainer.recordings.quality.cycles import find_cycles
-from springpot.trainer.recordings.quality.finding import three_digits
-from springpot.trainer.recordings.quality.units import glance
-from springpot.trainer.recordings.recording_file import write_recording
 
 TIME_S = np.arange(4000) * 1e-3
 
@@ -84,21 +79,6 @@ def test_a_hold_is_not_clipping(noise_n: float) -> None:
 def test_quantisation(step_n: float, coarse: bool) -> None:
     rounded_n = np.round(sine().force_n / step_n) * step_n
     assert ("quantisation" in kinds(replace(sine(), force_n=rounded_n))) == coarse
-
-
-@pytest.mark.parametrize("samples", [4, 10, 60])
-@pytest.mark.parametrize("speeds", [(1,), (1, 2), (2, 1, 4)])
-def test_ramps_of_constant_speed_are_no_coarse_sensor(
-    speeds: tuple[int, ...], samples: int
-) -> None:
-    """20 um a sample are 1 mm/s at 50 Hz, not a sensor's step; a hold follows each ramp."""
-    steps = [np.zeros(50)]
-    for speed in speeds:
-        steps += [np.full(samples, speed), np.zeros(300)]
-    steps += [np.full(samples * sum(speeds), -1)]
-    position_m = np.round(20e-6 * np.cumsum(np.concatenate(steps)), 8)
-    item = Recording("a", position_m, 3e3 * position_m + noise(0.01)[: len(position_m)], 0.02)
-    assert "quantisation" not in kinds(item)
 
 
 @pytest.mark.few(1)
@@ -231,59 +211,3 @@ def test_a_wrong_header_is_overridden_as_the_refusal_says(
     (tmp_path / "other").mkdir()
     changed = run_import(tmp_path / "other", text, "--map", other.replace("COL", number))
     assert changed.returncode == 0
-
-
-def test_micrometres_and_millinewtons_are_real(tmp_path: Path) -> None:
-    result = run_import(tmp_path, rows("um", "mN", 40.0, 8.0))
-    assert (result.returncode, "unit" in result.stderr) == (0, False)
-
-
-@pytest.mark.parametrize(
-    ("form", "dt_s", "count", "options", "doubted"),
-    [
-        ("{:.2f}", 0.5, 200, [], False),
-        ("{:.2f}", 0.5, 9000, [], False),
-        ("{:.2f}", 1.0, 200, [], False),
-        ("{:.2f}", 1.0, 9000, [], True),  # milliseconds, in the digits of the other columns
-        ("{:.2f}", 1.0, 9000, ["--resample-hz", "1"], False),
-        ("{:.0f}", 1.0, 200, [], True),  # sample numbers, or milliseconds
-        ("{:.0f}", 1.0, 200, ["--resample-hz", "1"], False),
-    ],
-)
-def test_a_slow_test_is_logged_slowly(
-    form: str, dt_s: float, count: int, options: list[str], doubted: bool, tmp_path: Path
-) -> None:
-    position_mm = 2.0 * np.sin(np.arange(count) / 40.0) ** 2
-    lines = [f"{form.format(k * dt_s)},{x:.6f},{3 * x:.6f}" for k, x in enumerate(position_mm)]
-    text = "\n".join(["time_s,position_mm,force_N", *lines]) + "\n"
-    result = run_import(tmp_path, text, *options)
-    assert ("samples a second" in result.stderr) == doubted
-
-
-def test_check_refuses_with_status_3_after_its_report(tmp_path: Path) -> None:
-    write_recording(tmp_path / "a.h5", replace(sine(), force_n=-sine().force_n))
-    done = spring("check", tmp_path, "--json")
-    assert done.returncode == 3
-    answer = json.loads(done.stdout)
-    assert answer["refused"] is True
-    keys = {"kind", "severity", "where", "what", "so_what", "to_do", "line"}
-    assert set(answer["findings"][0]) == keys
-
-
-@given(st.floats(1e-8, 1e8))
-def test_a_value_has_three_digits_and_no_exponent(value: float) -> None:
-    written, _, unit = three_digits(value, "m").partition(" ")
-    scale = {"Mm": 1e6, "km": 1e3, "m": 1.0, "mm": 1e-3, "um": 1e-6, "nm": 1e-9}[unit]
-    assert float(written) * scale == pytest.approx(value, rel=5.01e-3)
-    assert "e" not in written and (1.0 <= float(written) < 1000.0)
-
-
-@pytest.mark.parametrize("samples", [5, 20])
-@pytest.mark.parametrize("hold", [200, 5000])
-def test_a_glance_has_the_speed_of_a_short_stroke_between_long_holds(
-    samples: int, hold: int
-) -> None:
-    knots = np.cumsum([0, hold, samples, hold, samples])
-    position_m = np.interp(np.arange(2 * (samples + hold)), knots, [0.0, 0.0, 1e-3, 1e-3, 0.0])
-    found = glance(Recording("a", position_m, 2e3 * position_m, 0.01))
-    assert found.speed_mps == pytest.approx(1e-3 / samples / 0.01, rel=0.2)

@@ -1,6 +1,5 @@
 """Names out of recordings become file names: none leads out of the folder that was asked for."""
 
-import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -50,12 +49,3 @@ def test_a_safe_name_is_taken_and_stays_in_its_folder(text: str, tmp_path: Path)
     write_recording(tmp_path / f"{named.name}.h5", named)
     assert [file.parent for file in tmp_path.rglob("*.h5")] == [tmp_path]
     assert len(named.name.encode()) <= MAX_NAME_BYTES
-
-
-def test_a_file_whose_name_is_not_utf_8_is_imported(tmp_path: Path) -> None:
-    rows = "".join(f"{k / 100},{k % 7},{k % 7}\n" for k in range(40))
-    file = os.fsencode(tmp_path) + b"/gel\xff\xfe.csv"
-    Path(os.fsdecode(file)).write_text(f"time_s,position_mm,force_N\n{rows}")
-    (found,) = import_file(Path(os.fsdecode(file)), None, "none", None).recordings
-    write_recording(tmp_path / f"{found.name}.h5", found)
-    assert read_recording(tmp_path / f"{found.name}.h5").name == "gel"

@@ -2,8 +2,6 @@
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
 from support.messages import refusing
 
 from springpot import Recording
@@ -43,12 +41,6 @@ from springpot.trainer.recordings.quality.units import glance
 )
 def test_factor(unit: str, quantity: Quantity, factor: float) -> None:
     assert factor_to_si(unit, quantity, "x.csv") == pytest.approx(factor, rel=1e-14)
-
-
-@given(st.floats(min_value=1e-9, max_value=1e9), st.sampled_from(["m", "mm", "in"]))
-def test_a_factor_multiplies_its_unit(factor: float, unit: str) -> None:
-    expected = factor * factor_to_si(unit, "position", "")
-    assert factor_to_si(f"{factor!r}{unit}", "position", "") == expected
 
 
 @pytest.mark.parametrize(
@@ -123,8 +115,3 @@ def test_a_unit_that_makes_an_unusual_object_is_said_at_a_glance(
     assert bool(says) == ("unless" in glance(recording).words)
     assert glance(recording).stroke_m == pytest.approx(5e-3 * position)
     assert glance(recording).peak_n == pytest.approx(38.6 * force)
-
-
-def test_a_recording_that_stands_still_has_a_glance() -> None:
-    seen = glance(Recording("a", np.zeros(9), np.zeros(9), 1e-3))
-    assert seen.words == "stroke 0 m, peak 0 N, up to 0 m/s, 0 N/m in the mean"

@@ -9,9 +9,7 @@ from support.small import DEPTH_M, DT_S, press, recording, training
 from springpot import Model, Recording
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.folds import fold_families
 from springpot.trainer.models.predict import predict_n
-from springpot.trainer.models.training_set import training_set
 from springpot.trainer.selection import auto
 from springpot.trainer.selection.auto import ranked, reason
 from springpot.trainer.selection.scores import Score
@@ -68,18 +66,6 @@ def test_a_forest_that_gives_energy_is_passed_over(monkeypatch):
     fit = fit_model("auto", "x", training(), OPTIONS)
     assert fit.metadata["chosen"] == "hammerstein"
     assert "rf-fd long gives energy in 3 of its small motions" in fit.metadata["why"]
-
-
-def test_the_choice_is_the_same_again_and_sees_one_recording_in_blocks():
-    long = [spring("one", np.concatenate([press(k, 0.01) for k in (2.0, 3.0, 4.0)]))]
-    first, again = (fit_model("auto", "x", long, OPTIONS) for _ in range(2))
-    assert first.metadata["scores"] == again.metadata["scores"]
-    data = training_set(long, 0.0)
-    rows = np.arange(data.rows_total)
-    folds, speed = fold_families(data, rows, seed=0)
-    assert len(speed.tested) == 3
-    assert np.all(np.diff(folds.number) >= 0)
-    assert folds.tested == (0, 1, 2, 3, 4)
 
 
 def score(name: str, cost: int, ratio: float, without: float | None = None) -> Score:

@@ -62,43 +62,6 @@ def test_a_map_that_contradicts_the_file_is_refused_with_what_to_pass(
     assert found.force_n.tolist() == pytest.approx([k * force_n for k in range(5)])
 
 
-def test_units_that_are_missing_are_asked_for_at_once(tmp_path: Path) -> None:
-    text = f"Time,Depth,Load\n{ROWS}"
-    for stated, asked in (
-        ("position=Depth:mm", "time=Time:UNIT,position=Depth:mm,force=Load:UNIT"),
-        ("time=1000Hz", "time=1000Hz,position=Depth:UNIT,force=Load:UNIT"),
-    ):
-        message = refusal(tmp_path, text, stated)
-        assert f"--map {asked}, with a unit such as" in message
-        units = iter(["s", "N"] if "Time:" in asked else ["mm", "N"])
-        found = load(tmp_path, text, re.sub("UNIT", lambda _: next(units), asked))  # noqa: B023
-        assert found.position_m[-1] == pytest.approx(0.4e-3)
-
-
-@pytest.mark.few(11)
-@pytest.mark.parametrize("delimiter", [",", ";", "|", "\t", " "])
-@pytest.mark.parametrize("names", ["time_s position_mm force_N", "t x f", "t[s] x[mm] F[N]"])
-@pytest.mark.parametrize("mark", ["# ", "#", "## "])
-@pytest.mark.parametrize("above", ["", "pressed by me, twice\n"])
-def test_a_header_that_numpy_savetxt_writes(
-    tmp_path: Path, delimiter: str, names: str, mark: str, above: str
-) -> None:
-    """A mark of comments is no part of a header, nor of what a map names."""
-    header = above + names.replace(" ", delimiter).replace("[", " [")
-    table = np.c_[np.arange(4.0), np.arange(4.0), np.arange(4.0)]
-    np.savetxt(tmp_path / "a.csv", table, "%.18e", delimiter, header=header, comments=mark)
-    maps = ["time=t:s,position=x:mm,force=f:N", f"time={mark}t:s,position=x:mm,force=f:N"]
-    for mapping in maps if names == "t x f" else [""]:
-        found = load(tmp_path, (tmp_path / "a.csv").read_text(), mapping)
-        np.testing.assert_array_equal(found.position_m, np.arange(4.0) * 1e-3)
-        np.testing.assert_array_equal(found.force_n, np.arange(4.0))
-
-
-def test_a_mark_above_numbers_of_its_own_is_a_header(tmp_path: Path) -> None:
-    text = "# time_s position_m force_N\n" + "".join(f"{k} {k}.5 {k} {2 * k}\n" for k in range(4))
-    assert load(tmp_path, text).position_m.tolist() == [0.0, 1.0, 2.0, 3.0]
-
-
 @pytest.mark.parametrize(
     ("text", "message"),
     [

@@ -78,32 +78,6 @@ def test_what_is_missing_can_be_mended_as_the_message_says(tmp_path: Path, seed:
             load(tmp_path, "\n".join(part))
 
 
-@pytest.mark.parametrize("cell", ["", " ", "nan"])
-@pytest.mark.parametrize("every", [2, 3, 5])
-def test_a_slower_channel_is_imported_without_its_blank_rows(
-    tmp_path: Path, cell: str, every: int
-) -> None:
-    lines = rows(np.arange(100) * 0.01).splitlines()
-    blank = [
-        f"{line.rpartition(',')[0]},{cell}" if k % every else line
-        for k, line in enumerate(lines[1:])
-    ]
-    message = refusal(tmp_path, "\n".join([lines[0], *blank]))
-    many = sum(k % every > 0 for k in range(100))
-    assert f"row 3: force is empty or not a finite number ({many} rows in all): cut" in message
-    found = load(tmp_path, "\n".join([lines[0], *lines[1::every]]))
-    assert found.dt_s == pytest.approx(every * 0.01)
-
-
-@pytest.mark.parametrize("many", [1, 2, 3])
-def test_rows_at_an_end_out_of_step_are_counted_in_words(tmp_path: Path, many: int) -> None:
-    time_s = np.arange(400) * 0.01
-    time_s[-many:] += 0.004 * np.arange(1, many + 1)
-    found = load(tmp_path, rows(time_s))
-    counted = f"{many} row{'s' * (many > 1)} from row {402 - many} on"
-    assert counted in sampling_notes(found)[0]
-
-
 @pytest.mark.parametrize("first_s", [2.08e-3, 0.5e-3, 0.3])
 def test_a_first_row_that_is_out_of_step_is_cut(first_s: float, tmp_path: Path) -> None:
     """Interpolation onto it would blur every other sample, and lower the noise floor."""
