@@ -27,21 +27,6 @@ def test_a_write_that_fails_leaves_nothing_aside(tmp_path: Path, options: dict[s
     assert list(tmp_path.iterdir()) == []
 
 
-def test_an_error_names_what_was_asked_for(tmp_path: Path) -> None:
-    """Not a name beside it; where it names another file, that one."""
-    for parent in (tmp_path / "none", tmp_path / "file" / "none"):
-        (tmp_path / "file").touch()
-        with pytest.raises(OSError, match=r"No such file|Not a directory") as failed:
-            write_file(parent / "a", b"new")
-        assert failed.value.filename == str(parent / "a")
-        with pytest.raises(OSError, match=r"No such file|Not a directory") as failed:
-            folder_written_aside(parent / "c").__enter__()
-        assert failed.value.filename == str(parent / "c")
-    with pytest.raises(FileNotFoundError) as failed, written_aside(tmp_path / "a"):
-        (tmp_path / "other").read_bytes()
-    assert failed.value.filename == str(tmp_path / "other")
-
-
 def test_a_place_that_no_file_can_have_is_refused_before_the_work(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

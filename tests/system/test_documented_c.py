@@ -1,13 +1,11 @@
 """The C and C++ of the documents: compiled as they stand, run, and felt through."""
 
 import json
-import os
 import re
 import shutil
 import subprocess
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +14,6 @@ from support.in_process import spring
 from support.paths import ROOT
 from support.small import model_file, scene
 
-from springpot.codegen.scene import Runtime
 from springpot.host.emission.emission import emit
 from springpot.host.native.compiler import run_compiler
 from springpot.host.native.scene_library import SceneLibrary
@@ -89,10 +86,6 @@ def running(program: Path) -> Iterator[str]:
         process.stdin.close()
 
 
-def test_it_compiles_strictly(tmp_path: Path) -> None:
-    assert built(tmp_path).exists()
-
-
 @pytest.mark.realtime
 def test_a_session_on_it_repeats_bit_for_bit(tmp_path: Path) -> None:
     model_file(tmp_path)
@@ -109,39 +102,3 @@ def test_a_session_on_it_repeats_bit_for_bit(tmp_path: Path) -> None:
     assert not result["crc_errors"]
     checked = json.loads(spring("validate", tmp_path / "c", "--recording", log, "--json").stdout)
     assert checked["mismatches"] == 0
-
-
-def test_the_cs_of_a_game_engine(tmp_path: Path) -> None:
-    """Two states of one library do not meet, seen from C#."""
-    if not (shutil.which("mcs") and shutil.which("mono")):
-        pytest.skip("mono is not installed: apt-get install mono-mcs mono-runtime")
-    text = (ROOT / "docs/how-to/game-engine.md").read_text()
-    example = re.findall(r"```csharp\n(.*?)```", text, re.DOTALL)[0]
-    drawn = 'Console.WriteLine("drawn {0:F3} N", force_n);'
-    wrong = "float.NaN, float.PositiveInfinity, float.NegativeInfinity"
-    recovers = f"""foreach (float bad in new[] {{ {wrong} }})
-            {{
-                drawn.Advance(bad, 1.0f / 90.0f);
-                for (int picture = 0; picture < 36; picture++)
-                {{
-                    force_n = drawn.Advance(0.004f, 1.0f / 90.0f);
-                }}
-                Console.WriteLine("after {{0:F3}} N", force_n);
-            }}"""
-    assert drawn in example
-    (tmp_path / "Points.cs").write_text(example.replace(drawn, drawn + recovers))
-    chosen = replace(scene(), runtime=Runtime(number="float32", prefix="eco"))
-    emit(chosen, model_file(tmp_path), tmp_path / "eco")
-    library = ["-O2", "-shared", "-fPIC", "-o", str(tmp_path / "libeco.so")]
-    run_compiler([*library, str(tmp_path / "eco/eco.c"), "-lm"])
-    subprocess.run(["mcs", "Points.cs"], cwd=tmp_path, check=True)
-    found = {"LD_LIBRARY_PATH": str(tmp_path), "PATH": os.environ["PATH"]}
-    out = subprocess.run(
-        ["mono", "Points.exe"], cwd=tmp_path, env=found, check=True, capture_output=True, text=True
-    ).stdout
-    stepped_n = float(re.findall(r"0\.0040 m (\S+) N", out)[0])
-    drawn_n = float(re.findall(r"drawn (\S+) N", out)[0])
-    assert stepped_n > 0.0, out
-    assert drawn_n == pytest.approx(stepped_n, rel=0.02), out  # at 90 Hz, in steps of 1 ms
-    after_n = [float(force_n) for force_n in re.findall(r"after (\S+) N", out)]
-    assert len(after_n) == 3 and min(after_n) > 0.5 * stepped_n, out  # no position that is none

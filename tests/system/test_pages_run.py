@@ -7,11 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from support.pages.documents import page_blocks
-from support.pages.job import small_job
 from support.pages.notebooks import QUICK_START, code_cells, run_cells
 from support.pages.prepared_pages import PREPARED
-from support.pages.run_pages import run_commands, run_page
+from support.pages.run_pages import run_page
 from support.paths import ROOT
 
 MACH_1 = ROOT / "examples" / "mach1.ipynb"
@@ -45,40 +43,6 @@ def test_the_tutorial_of_an_embedded_engineer(tmp_path: Path) -> None:
 def test_a_page_runs(tmp_path: Path, name: str) -> None:
     PREPARED[name](tmp_path)
     run_page(name, tmp_path)
-
-
-def table_row(name: str, begins: str) -> list[str]:
-    """The numbers of a row of a page's table."""
-    (row,) = [line for line in (ROOT / "docs" / name).read_text().splitlines()
-              if line.startswith(f"| {begins}")]  # fmt: skip
-    return [cell.strip() for cell in row.strip("|").split("|")[1:]]
-
-
-@pytest.mark.realtime
-@pytest.mark.skipif(
-    shutil.which("arm-none-eabi-gcc") is None, reason="no arm-none-eabi-gcc: make setup-mcu"
-)
-@pytest.mark.skipif(shutil.which("qemu-system-arm") is None, reason="no qemu-system-arm")
-def test_the_first_board_gives_what_its_page_states(tmp_path: Path) -> None:
-    small_job(tmp_path)
-    for name in ("training", "validation"):
-        shutil.rmtree(tmp_path / name)
-    run_commands(page_blocks("how-to/record.md")[0], tmp_path)
-    printed = " ".join(run_page("how-to/microcontroller.md", tmp_path).split())
-    flash, ram, stack, _, bound = table_row("how-to/microcontroller.md", "rf-fd")
-    found = re.search(r"flash (\d+) bytes RAM (\d+) bytes and (\d+) of stack", printed)
-    assert found, printed
-    # Other compilers and scikit-learns differ by a few bytes and nodes; on another processor a
-    # fit's last bits do, and so the lags that it keeps.
-    for said, given_bytes in zip((flash, ram, stack), found.groups(), strict=True):
-        assert int(given_bytes) == pytest.approx(int(said), rel=0.1)
-    told = re.search(r"at most (\d+) a tick", printed)
-    assert told
-    assert int(told[1]) == pytest.approx(int(bound), rel=0.1)
-
-
-def test_the_public_recording_is_stored_as_written() -> None:
-    assert not any(cell["outputs"] for cell in code_cells(json.loads(MACH_1.read_text())))
 
 
 @pytest.mark.slow

@@ -90,34 +90,6 @@ def test_only_the_api_is_public_and_nothing_changes(tmp_path: Path) -> None:
         assert not [name for kind, name in rows if kind in "BbDdC"]
 
 
-def test_two_scenes_in_one_translation_unit_and_program(tmp_path: Path) -> None:
-    sources = [write_single(plan(), tmp_path) for plan in (hammerstein, radial)]
-    text = (
-        '#include "soft.h"\n#include "hard.h"\n'
-        "static soft_state first;\nstatic hard_state second;\n"
-        "int main(void)\n{\n    float force_n = 0;\n    double other_n = 0;\n"
-        "    soft_init(&first);\n    hard_init(&second);\n"
-        "    int notes = soft_step(&first, 0.001f, 0, &force_n);\n"
-        "    notes |= hard_step(&second, 0.001, 0, &other_n);\n"
-        "    return notes < 0 || (notes & SP_NOTE_RESYNC) == 0 || soft_selftest() != 0 ||\n"
-        "           hard_selftest() != 0 || sizeof first != soft_state_size() ||\n"
-        "           sizeof second != hard_state_size();\n}\n"
-    )
-    for compiler, standard, suffix in FOUND:
-        main = tmp_path / f"main{suffix}"
-        main.write_text(text)
-        files = [source.with_suffix(suffix) for source in sources]
-        done = compiled(tmp_path / "main", compiler, standard, *WARNINGS, main, *files)
-        assert done.returncode == 0, done.stderr
-        assert subprocess.run([tmp_path / "main"], check=False).returncode == 0
-    if shutil.which("g++") is None:
-        return
-    mixed = [sources[0], sources[1].with_suffix(".cpp")]  # C and C++ of one program
-    assert compiled(tmp_path / "mixed", "g++", tmp_path / "main.cpp", "-x", "c", mixed[0],
-                    "-x", "c++", mixed[1]).returncode == 0  # fmt: skip
-    assert subprocess.run([tmp_path / "mixed"], check=False).returncode == 0
-
-
 @FMA
 @pytest.mark.parametrize("language", FOUND, ids=lambda language: language[0])
 def test_no_flag_of_ours_is_needed(tmp_path: Path, language: tuple[str, str, str]) -> None:
@@ -171,10 +143,3 @@ def test_the_header_says_the_scene_s_numbers(tmp_path: Path) -> None:
     assert list(map(float, printed.split())) == pytest.approx(told)
     slower = compiled(tmp_path / "main", "gcc", "-DRATE=90", main, source)
     assert "emit the scene with the rate of this loop" in slower.stderr
-
-
-def test_the_state_is_as_large_as_planned(tmp_path: Path) -> None:
-    header = write_single(hammerstein(), tmp_path).with_suffix(".h")
-    header.write_text(header.read_text().replace("float smoothed_n;", "double smoothed_n;"))
-    source = header.with_suffix(".c")
-    assert "soft_state_is_as_planned" in compiled(tmp_path / "x.o", "gcc", "-c", source).stderr

@@ -86,23 +86,6 @@ def test_half_the_time_step_gives_nearly_the_same_force(law: str, share: float) 
     assert np.abs(coarse_n - fine_n).max() < share * coarse_n.max()
 
 
-HEADERS = {
-    "rates": {"sp_depth.h"},
-    "flow": {"sp_flow.h"},
-    "damage": {"sp_damage.h"},
-}
-
-
-@pytest.mark.parametrize("law", HEADERS)
-def test_a_law_brings_its_headers_and_no_other(law: str) -> None:
-    plain, special = (
-        set(planned_headers(make_plan(model, scene(), accept_unsafe=True)))
-        for model in (passive_model(), model_of("hammerstein", law))
-    )
-    own = {"sp_surface.h", "sp_stops.h"}
-    assert special - plain - own == HEADERS[law]
-
-
 TICKS = (4e6, 2.4e7)
 
 

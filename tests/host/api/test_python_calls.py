@@ -7,7 +7,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from support.in_process import spring
-from support.messages import refusing
 from support.small import (
     DT_S,
     model_file,
@@ -20,9 +19,7 @@ from support.small import (
 )
 
 import springpot
-from springpot.codegen import errors
 from springpot.codegen.errors import DataError
-from springpot.codegen.scene import Budget, Coupling
 from springpot.host.api.files import write_scene
 from springpot.trainer.models.predict import predict_n
 
@@ -128,42 +125,3 @@ def test_lists_and_single_ones_are_taken(tmp_path, folder):
         force_n = springpot.predict(given, one.position_m)
         np.testing.assert_array_equal(force_n, springpot.predict(fit.model, one.position_m))
     assert springpot.validate(folder, one, paced_s=0.01).mismatches == 0
-
-
-HARD, TIGHT = Coupling("tool", 1e6, 1e-3, 1e-3), Budget(ram_bytes=1)
-
-
-def bad(**keys):
-    return {"model": passive_model(), "scene": replace(scene(), **keys)}
-
-
-# One of each error, by each call that takes something from its user.
-REFUSED = {
-    "no file of a model": ("DataError", lambda: springpot.read_model("none.spm")),
-    "no file of a scene": ("UsageError", lambda: springpot.read_scene("none.toml")),
-    "no file to import": ("DataError", lambda: springpot.import_recordings("none.csv")),
-    "no object": ("UsageError", lambda: springpot.record("sim://jelly", "paper", "out")),
-    "no recordings": ("UsageError", lambda: springpot.train([])),
-    "a folder that is none": ("DataError", lambda: springpot.train("training")),
-    "another library's model": ("UsageError", lambda: springpot.emit("c", model=np.zeros(2))),
-    "an option's value": ("UsageError", lambda: springpot.train(training(), trees=0)),
-    "an option's word": ("UsageError", lambda: springpot.train(training(), engine="fast")),
-    "another rate": ("DataError", lambda: springpot.predict(passive_model(), [0.0, 0.1], 0.5)),
-    "no number": ("DataError", lambda: springpot.predict(passive_model(), [0.0, np.nan])),
-    "a key": ("UsageError", lambda: springpot.emit("c", **bad(name="a\nb"))),
-    "a key's type": ("UsageError", lambda: springpot.emit("c", **bad(name=np.zeros(2)))),
-    "a hand": ("UnsafeError", lambda: springpot.emit("c", **bad(coupling=HARD))),
-    "a budget": ("BudgetError", lambda: springpot.emit("c", **bad(budget=TIGHT))),
-    "no folder": ("DataError", lambda: springpot.load("none")),
-    "no folder to validate": ("DataError", lambda: springpot.validate("none", training())),
-    "no folder to feel": ("DataError", lambda: springpot.Session("none", "sim://ecoflex-00-30")),
-}
-
-
-@pytest.mark.few(1)
-@pytest.mark.parametrize(("error", "call"), REFUSED.values(), ids=REFUSED)
-def test_a_refusal_is_one_line(error, call, tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    with refusing(getattr(errors, error), " "):
-        call()
-    assert not (tmp_path / "c").exists()

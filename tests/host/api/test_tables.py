@@ -45,20 +45,6 @@ def test_dates_are_read_in_every_time_zone(zone):
         np.testing.assert_array_equal(found.force_n, ITEM.force_n)
 
 
-@pytest.mark.parametrize("texts", [1, len(ITEM.force_n)])
-@pytest.mark.parametrize("channel", ["position_m", "force_n"])
-def test_text_is_no_number_in_an_array_of_objects_either(texts, channel):
-    values = COLUMNS[channel].astype("O")
-    values[:texts] = [str(each) for each in values[:texts]]
-    with refusing(DataError, channel, "holds text"):
-        Recording.from_frame({**COLUMNS, channel: values})
-    with refusing(DataError, channel, "holds text"):
-        Recording(
-            "a", **{"position_m": ITEM.position_m, "force_n": ITEM.force_n, channel: values},
-            dt_s=DT_S,
-        )  # fmt: skip
-
-
 @pytest.mark.parametrize("name", COLUMNS)
 def test_a_refusal_says_that_a_name_is_there_twice_or_the_index(name):
     quantity = name.rpartition("_")[0]

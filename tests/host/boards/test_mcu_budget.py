@@ -3,7 +3,6 @@
 import dataclasses
 import json
 import re
-import subprocess
 from functools import cache
 from pathlib import Path
 
@@ -22,7 +21,6 @@ from springpot.codegen.reference.notes import HELD, RESYNC
 from springpot.codegen.scene import Guard, Scene
 from springpot.host.boards.boards import BOARDS
 from springpot.host.boards.emulator import run_batch, steps
-from springpot.host.boards.firmware import build_firmware
 from springpot.host.emission.emission import emit
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
@@ -159,13 +157,6 @@ def test_ten_branches_and_three_stops_take_640_instructions_and_4400_bytes(tmp_p
     assert emission.footprint.flash_bytes <= 4400
 
 
-def test_there_is_no_bound_where_none_is_known() -> None:
-    for target, options in (("host", {}), ("cortex-m4f", {"number": "float64"})):
-        assert (
-            instruction_bound(make_plan(fitted("rf-fd"), target_scene(target, **options))) is None
-        )
-
-
 def test_fit_makes_it_fit(tmp_path: Path) -> None:
     need("mps2-an386")
     model_file(tmp_path, fitted("rf-fd deep"))
@@ -187,16 +178,3 @@ def test_fit_makes_it_fit(tmp_path: Path) -> None:
     assert float(told.split("RMSE ")[1].split()[0]) == pytest.approx(measured["rmse_n"], rel=1e-3)
     assert measured["mismatches"] == 0
     assert json.loads((folder / "manifest.json").read_text())["provenance"]["left_out"]
-
-
-def test_the_linker_reserves_the_selftests_stack(tmp_path: Path) -> None:
-    """It keeps a state of its own: of a window of a second more than the rest of the stack."""
-    board = BOARDS["netduinoplus2"]
-    need("netduinoplus2")
-    model = fit_model("rbf-fd", "x", training(), FitOptions(window_s=1.0)).model
-    emission = emit(target_scene(board.target), model_file(tmp_path, model), tmp_path / "c")
-    firmware = build_firmware(tmp_path / "c", board, tmp_path / "out")
-    listed = subprocess.run(["arm-none-eabi-size", "-A", firmware], capture_output=True, text=True,
-                            check=True).stdout  # fmt: skip
-    found = re.search(r"^\.stack\s+(\d+)", listed, re.MULTILINE)
-    assert int(found[1]) >= 4096 + emission.ram_bytes > 8192

@@ -9,10 +9,8 @@ from support.c.mcu import TICKS, long_motion, need, target_scene
 from support.small import model_file, training
 
 from springpot.codegen.emit.golden import backward_velocity
-from springpot.codegen.errors import SpringpotError
 from springpot.codegen.model.model import Model
-from springpot.host.boards import emulator
-from springpot.host.boards.boards import BOARDS, Board
+from springpot.host.boards.boards import BOARDS
 from springpot.host.boards.emulator import (
     CALL_IDLE,
     CALL_RESET,
@@ -21,7 +19,6 @@ from springpot.host.boards.emulator import (
     run_batch,
     steps,
 )
-from springpot.host.emission.checksums import write_checksums
 from springpot.host.emission.emission import emit
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary
@@ -91,37 +88,3 @@ def test_idle_reset_and_doubles_are_the_same_too(tmp_path: Path, board: str, num
     assert_same(batch, force_n, np.array([notes for _, notes in expected]))
     assert force_n[449] == 0 and force_n[599] == 0, "the watchdog did not latch"
     assert np.any(force_n[610:] > 0)
-
-
-def test_a_count_beyond_the_counter_is_told(tmp_path: Path) -> None:
-    """The STM32's counter is full after 0.4 million instructions, the other boards' later."""
-    need("netduinoplus2", "mps2-an386", "virt")
-    emit(target_scene("cortex-m4f"), model_file(tmp_path, model("hammerstein")), tmp_path / "c")
-    source = tmp_path / "c" / "sp.c"
-    begins = "int sp_step("
-    text = source.read_text()
-    at = text.index("    int notes = 0;", text.index(begins))
-    waits = "    for (volatile int i = 0; i < 200000; i++) {\n    }\n"
-    source.write_text(text[:at] + waits + text[at:])
-    write_checksums(tmp_path / "c")  # as if it had been emitted so
-    position = np.full(3, 0.005, dtype=np.float32)
-    calls = steps(position, np.zeros_like(position))
-    for name in ("mps2-an386", "virt"):
-        batch = run_batch(tmp_path / "c", BOARDS[name], calls)
-        assert 800_000 < batch.instructions.min() <= batch.instructions.max() < 2_600_000
-    with pytest.raises(SpringpotError, match="call 0 took more instructions than its counter"):
-        run_batch(tmp_path / "c", BOARDS["netduinoplus2"], calls)
-
-
-def test_a_firmware_that_stops_is_told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    need("mps2-an386")
-    emit(target_scene("cortex-m4f"), model_file(tmp_path, model("hammerstein")), tmp_path / "c")
-    position = np.full(3, 0.005, dtype=np.float32)
-    for written, returned in ((0, 0), (7, 0), (30, 1)):
-
-        def stops(board: Board, program: Path, place: Path, written: int = written) -> None:
-            (place / "returns.bin").write_bytes(bytes(written))
-
-        monkeypatch.setattr(emulator, "emulate", stops)
-        with pytest.raises(SpringpotError, match=f"{returned} of 3 calls returned"):
-            run_batch(tmp_path / "c", BOARDS["mps2-an386"], steps(position, position))

@@ -36,7 +36,6 @@ def refusal(status: int, *arguments: object, env: dict[str, str] | None = None) 
 
 @pytest.mark.slow
 def test_train_emit_build_validate_report(job: Path) -> None:
-    """Keys of JSON: test_json_keys.py."""
     trained = run("train", job / "rec", "--model", "rf-fd", "--out", job / "m.spm", "--seed", 5,
                   "--validate", job / "rec", "--json")  # fmt: skip
     assert trained.returncode == 0, trained.stderr

@@ -84,21 +84,3 @@ def test_a_folder_is_the_files_in_it(tmp_path: Path) -> None:
     assert "a.CSV and 2 more: time = column 1" in found.stderr
     assert found.stdout.count("position grows into the object") <= 1
     assert sorted(path.name for path in (tmp_path / "out").iterdir()) == ["a.h5", "b.h5", "d.h5"]
-
-
-def test_a_table_of_marks_beside_recordings_is_left_out_of_a_folder(tmp_path: Path) -> None:
-    """By name, or alone, it is refused; so is what lacks one channel only."""
-    folder, marks = tmp_path / "rig", tmp_path / "rig" / "EndMarks.csv"
-    folder.mkdir()
-    marks.write_text("Mark,Time (s),Comment\n1,0.52,begin\n2,10.2,end\n")
-    assert "no column of position or of force" in str(
-        run(folder, "--out", tmp_path / "a").exception
-    )
-    (folder / "press.csv").write_text(TABLE)
-    found = run(folder, "--out", tmp_path / "b")
-    assert found.exit_code == 0, found.exception
-    assert f"left out, no recording: {marks}: found no column" in found.stderr
-    assert [path.name for path in (tmp_path / "b").iterdir()] == ["press.h5"]
-    assert run(marks, folder / "press.csv", "--out", tmp_path / "c").exit_code != 0
-    marks.write_text("Time (s),Force (N)\n0.1,1\n0.2,1\n")
-    assert run(folder, "--out", tmp_path / "d").exit_code != 0

@@ -1,14 +1,12 @@
 """How a Force Dimension device is found, checked and armed: each refusal names cause and remedy."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import pytest
 from support.peer import peer
 
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.host.devices.device import DeviceRequirements
-from springpot.host.devices.dhd import UDEV_RULE, VENDOR, absent_reason
 from springpot.host.devices.drivers import open_device
 
 WANTED = DeviceRequirements(rate_hz=1000.0, watchdog_s=0.02, max_n=8.0, presses=True)
@@ -60,20 +58,6 @@ def test_a_number_beyond_the_devices_found() -> None:
 
 
 @pytest.mark.parametrize(
-    ("address", "told"),
-    [
-        ("dhd://?library=/nowhere/libdhd.so", r"SDK is not found .*/nowhere/libdhd.so.*\?library="),
-        ("dhd://", r"/elsewhere\.so"),
-        ("dhd://?library=libm.so.6", "this SDK has no dhdGetDeviceCount"),
-    ],
-)
-def test_a_library_that_is_no_sdk(monkeypatch: pytest.MonkeyPatch, address: str, told: str) -> None:
-    monkeypatch.setenv("SPRINGPOT_LIBDHD", "/elsewhere.so")
-    with pytest.raises(DeviceError, match=told):
-        open_device(address, WANTED)
-
-
-@pytest.mark.parametrize(
     ("wanted", "told"),
     [
         (replace(WANTED, rate_hz=20.0, watchdog_s=0.1, presses=False), "needs at least 63 Hz"),
@@ -104,15 +88,3 @@ def test_without_a_watchdog_where_that_is_accepted() -> None:
         assert "last force may still act" in opened.unreached
         opened.stop()
         opened.close()
-
-
-def test_what_the_system_sees_on_usb(tmp_path: Path) -> None:
-    port = tmp_path / "1-2"
-    port.mkdir()
-    for name, text in (("idVendor", VENDOR), ("busnum", "250"), ("devnum", "9")):
-        (port / name).write_text(text + "\n")
-    said = absent_reason(tmp_path)
-    assert "/dev/bus/usb/250/009" in said
-    assert UDEV_RULE in said
-    (port / "idVendor").write_text("0bda\n")
-    assert "no Force Dimension device on USB" in absent_reason(tmp_path)

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from support.peer import peer, wait_until
 
-from springpot.codegen.errors import DeviceError, UsageError
+from springpot.codegen.errors import DeviceError
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.drivers import parse_device
 from springpot.host.devices.odrive_device import OdriveDevice
@@ -16,7 +16,6 @@ from springpot.host.session.session import Session
 from springpot.host.validation.validation import validate
 from springpot.trainer.recordings.recording_file import read_recording
 
-TRAIN = "m_per_turn=0.1&max_torque_nm=1&nm_per_a=0.1"
 NODE = 3
 
 
@@ -71,13 +70,6 @@ def test_the_limit_that_a_refusal_names_is_taken():
             OdriveDevice(parse_device(url), DeviceRequirements(1000, 0.02, named_n))
 
 
-def test_a_serial_device_is_no_adapter(folder):
-    with peer("serial_device") as device:
-        url = "odrive://slcan/" + device.url.removeprefix("serial://").split("?")[0]
-        with pytest.raises(DeviceError, match="no slcan adapter"):
-            Session(folder, f"{url}?{TRAIN}", report=list).__enter__()
-
-
 @pytest.mark.realtime
 def test_recording_needs_the_torques_of_firmware_0_6():
     command_n = 2 * np.sin(np.linspace(0, np.pi, 300)) ** 2
@@ -93,23 +85,3 @@ def test_recording_needs_the_torques_of_firmware_0_6():
         pytest.raises(DeviceError, match="measures no force"),
     ):
         open_press_device(drive.url).press(command_n)
-
-
-@pytest.mark.parametrize(
-    ("url", "error", "says"),
-    [
-        (f"odrive://slcan//dev/none?{TRAIN}", DeviceError, "no such port"),
-        (f"odrive://socketcan/can9?{TRAIN}", DeviceError, "kernel needs CAN"),
-        (f"odrive://nosuch/1?{TRAIN}", DeviceError, "nosuch"),
-        ("odrive:///dev/ttyACM0", UsageError, "not complete"),
-        (
-            "odrive://slcan//dev/none?m_per_turn=1&max_torque_nm=0.1&nm_per_a=0.1",
-            DeviceError,
-            "max_force_n",
-        ),
-    ],
-)
-def test_wrong_urls_are_one_line(url, error, says):
-    with pytest.raises(error, match=says) as caught:
-        OdriveDevice(parse_device(url), DeviceRequirements(1000, 0.02, 12.0))
-    assert "\n" not in str(caught.value)

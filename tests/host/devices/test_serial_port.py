@@ -1,11 +1,7 @@
 """How a serial port is opened, who has it, and what its adapter and line can carry."""
 
-import os
-import pty
 import subprocess
 import sys
-import termios
-import types
 from pathlib import Path
 
 import pytest
@@ -25,28 +21,6 @@ def refused(place: object) -> str:
     with pytest.raises(DeviceError) as error:
         open_port(str(place), 9600)
     return str(error.value).removeprefix(f"{place}: ")
-
-
-def test_a_port_is_opened_for_one_process_and_never_waits(monkeypatch) -> None:
-    far, near = pty.openpty()
-    asked = []
-
-    def opened(*arguments, **options):
-        asked.append((arguments, options))
-        return types.SimpleNamespace(fd=near)
-
-    settings = termios.tcgetattr(near)
-    settings[6][termios.VMIN] = 7
-    termios.tcsetattr(near, termios.TCSANOW, settings)
-    monkeypatch.setattr(serial_port.serial, "Serial", opened)
-    monkeypatch.setattr(serial_port, "used_by", lambda place: "")
-    assert open_port(os.ttyname(near), 9600).fd == near
-    options = {"timeout": 0, "write_timeout": 1, "exclusive": True}
-    assert asked == [((os.ttyname(near), 9600), options)]
-    assert termios.tcgetattr(near)[6][termios.VMIN] in (1, b"\x01")
-    assert not os.get_blocking(near)
-    os.close(far)
-    os.close(near)
 
 
 @pytest.mark.parametrize("wrong", [OSError, serial.SerialException, ValueError])

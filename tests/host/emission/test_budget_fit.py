@@ -1,18 +1,16 @@
 """`emit --fit`: what does not fit a budget is made smaller, measured on recordings."""
 
 import dataclasses
-import shutil
 from pathlib import Path
 
 import pytest
 from support.small import model_file, press, recording, scene, small_fit
 
 from springpot.codegen.errors import BudgetError, DataError, UsageError
-from springpot.codegen.scene import Budget, Coupling, Runtime, Scene
+from springpot.codegen.scene import Budget, Scene
 from springpot.host.emission import budget_fit
 from springpot.host.emission.budget_fit import emit_fitting
 from springpot.host.emission.emission import emit
-from springpot.host.native import toolchain
 from springpot.host.validation.validation import validate
 
 EVALUATION = recording("judge", press(1.5, 0.011))
@@ -68,29 +66,3 @@ def test_what_cannot_be_fitted_is_refused(tmp_path, recordings, fit, budget, err
         chosen, model = dataclasses.replace(chosen, budget=budget), model_file(tmp_path)
     with pytest.raises(error, match=told):
         emit_fitting(chosen, model, tmp_path / "c", False, recordings, fit=fit)
-
-
-def test_what_was_accepted_for_the_model_is_accepted_for_a_smaller_one(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    build_few(monkeypatch)
-    chosen, model, _ = tight(tmp_path)
-    unsafe = dataclasses.replace(chosen, coupling=Coupling(mode="tool", damping_nspm=2e4))
-    fitted = emit_fitting(unsafe, model, tmp_path / "c", True, [EVALUATION], fit=True)
-    assert fitted.manifest["accept_unsafe"] is True
-
-
-def test_without_a_compiler_no_model_is_blamed(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    found = shutil.which
-    monkeypatch.setattr(
-        toolchain.shutil, "which", lambda name: None if "riscv" in name else found(name)
-    )
-    chosen = dataclasses.replace(
-        scene(), runtime=Runtime(target="rv32imafc"), budget=Budget(flash_bytes=1000)
-    )
-    with pytest.raises(BudgetError) as refused:
-        emit_fitting(chosen, model_file(tmp_path), tmp_path / "c", False, [EVALUATION], fit=True)
-    assert "no compiler for rv32imafc" in str(refused.value)
-    assert "no smaller version" not in str(refused.value)

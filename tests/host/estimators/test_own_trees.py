@@ -83,13 +83,3 @@ def test_what_is_no_fitted_ensemble_is_told_what_to_give():
     ):
         with refusing(UsageError, says):
             from_ensemble(given, training())
-
-
-def test_orders_are_features():
-    values, _ = ensemble_data(training(), [0.0, 0.5, 1.0])
-    assert values.shape[1] == 3
-    paper = ensemble_data(training(), np.arange(1, 11) * 0.05)[0]
-    np.testing.assert_allclose(paper, ensemble_data(training())[0], rtol=1e-5, atol=1e-5)
-    for orders in ([], [0.1, 1.5], [-0.1], ["a"], [np.nan]):
-        with refusing(ValueError, "features"):
-            ensemble_data(training(), orders)

@@ -2,17 +2,15 @@
 press of a known object."""
 
 from itertools import product
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from support.c.pressed_tool import PressedTool
 
-from springpot.codegen.errors import DeviceError
 from springpot.host.force_sensor.alignment import alignment_command
 from springpot.host.force_sensor.sensed_press import SensedPressDevice
-from springpot.host.recording.indentation import _GAINS, OPEN_LOOP, Limits, PressedDevice
+from springpot.host.recording.indentation import _GAINS, OPEN_LOOP, PressedDevice
 from springpot.host.recording.protocols import extended, inverted_cosine, training, validation
 from springpot.host.simulation.objects import ALL_OBJECTS
 
@@ -107,14 +105,3 @@ def test_a_control_that_rings_ends_the_press() -> None:
                 missed.append(case)
     assert shaken > 40
     assert missed == []
-
-
-@pytest.mark.parametrize("fault", [FAST, UNLIKE, RINGS])
-def test_each_fault_is_one_line_that_says_what_to_do(fault: int) -> None:
-    device = PressedDevice("serial:///dev/x", "pad", Limits(), lambda _progress: None)
-    press = SimpleNamespace(fault=fault, max_mps=0.6, mean_measured_n=2.0, mean_motor_n=8.0)
-    with pytest.raises(DeviceError, match="stopped") as error:
-        device._require_no_fault(press)
-    assert "\n" not in str(error.value)
-    assert str(error.value).startswith("serial:///dev/x: ")
-    device._require_no_fault(SimpleNamespace(fault=0))

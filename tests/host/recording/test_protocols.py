@@ -117,10 +117,3 @@ def test_a_wrong_file_names_the_key(tmp_path, text, named):
     assert named in message
     assert str(file) in message
     assert "\n" not in message
-
-
-def test_an_unknown_protocol_lists_those_that_exist(tmp_path):
-    with pytest.raises(UsageError, match="paper, validation, extended"):
-        protocols.load_protocol("papr", 0)
-    with pytest.raises(UsageError, match="exists"):
-        protocols.load_protocol(str(tmp_path / "none.toml"), 0)

@@ -8,7 +8,7 @@ from support.peer import peer, wait_until
 from support.small import model_file, press, recording, scene
 
 from springpot import Session, SpringpotError
-from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.errors import DataError
 from springpot.host.cli import exit_status
 from springpot.host.emission.emission import emit
 from springpot.host.native.loop_library import NONE, RESET, SILENT
@@ -202,24 +202,3 @@ def test_damage_on_the_line_is_never_a_force(tmp_path, folder):
     read = assert_faithful(folder, log)
     assert read.position_m.min() + 1e-3 >= 0
     assert read.position_m.max() < 0.03
-
-
-def test_the_log_of_another_scene_is_a_recording(tmp_path, folders, caplog):
-    log = tmp_path / "a.h5"
-    with Session(
-        folders["float32"], "sim://ecoflex-00-30", log, seconds=0.2, report=list
-    ) as session:
-        session.start()
-        finish(session)
-    validation = validate(folders["float64"], [read_recording(log)], paced_s=0.01)
-    assert validation.mismatches == 0
-    assert "another scene" in caplog.text
-
-
-@pytest.mark.slow
-def test_a_log_is_not_overwritten(tmp_path, folder):
-    log = tmp_path / "a.h5"
-    log.write_text("mine")
-    with pytest.raises(UsageError, match="not overwritten"):
-        Session(folder, "sim://ecoflex-00-30", log, report=list).__enter__()
-    assert log.read_text() == "mine"

@@ -3,11 +3,8 @@
 import numpy as np
 import pytest
 
-from springpot.codegen.errors import UsageError
-from springpot.host.devices.device import DeviceRequirements
-from springpot.host.devices.drivers import open_device
 from springpot.host.simulation.bench import SimulatedBench
-from springpot.host.simulation.objects import PressSettings, parse_url
+from springpot.host.simulation.objects import parse_url
 
 HALF_S = 0.5 * 10 * (1 - np.cos(2 * np.pi * 2 * np.arange(500) / 1000))
 
@@ -44,11 +41,3 @@ def test_rate_drift_and_glitch_change_what_is_kept_alone() -> None:
     assert np.array_equal(glitch_m[1:], position_m[1:])
     assert glitch_m[0] == 0.0
     assert np.array_equal(glitch_n, force_n)
-
-
-def test_a_session_refuses_what_only_a_recording_uses() -> None:
-    found = parse_url("sim://mullins?rest=5&rate=100&drift=0.1&glitch=1").presses
-    assert found == PressSettings(5.0, 100, 0.1, True)
-    requirements = DeviceRequirements(1000, 0.02, 10.0)
-    with pytest.raises(UsageError, match="are of recorded presses: leave them out"):
-        open_device("sim://mullins?drift=0.1", requirements)

@@ -11,7 +11,6 @@ import pytest
 from support.silicones import paper_presses
 from support.small import (
     DEPTH_M,
-    DT_S,
     model_file,
     passive_model,
     scene,
@@ -34,8 +33,6 @@ from springpot.host.stability.small_signal import small_signal_map
 from springpot.host.stability.verdict import why_unbounded
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.predict import predict_n
-from springpot.trainer.recordings.recording import Recording
 
 OBJECTS = ("ecoflex-00-10", "ecoflex-00-30", "ecoflex-00-50", "dragon-skin-fx", "dragon-skin-10")
 # The full list, with the paper's 100 trees, belongs to `make soak`.
@@ -202,36 +199,3 @@ def test_a_loop_that_only_a_softer_object_shakes_is_refused() -> None:
     assert spectral_radius(plan) < 1.0
     with pytest.raises(UnsafeError, match=r"is passed where this one is touched first"):
         require_stable(plan)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("relaxing", "tau_s"),
-    [
-        pytest.param(0.0, 0.1, id="0.0"),
-        pytest.param(0.3, 0.1, id="0.3"),
-        pytest.param(0.6, 0.1, id="0.6"),
-        pytest.param(0.8, 2.0, id="0.8, slowly"),  # at rest it bears the push at no depth
-    ],
-)
-def test_a_push_is_judged_by_where_the_object_bears_it(relaxing: float, tau_s: float) -> None:
-    """A linear object that relaxes bears the clamp's push deep below the trained depth."""
-    fitted = passive_model()
-    law = fitted.hammerstein
-    curve_n = np.full(law.elastic_n.size, law.elastic_n.mean())
-    linear = dataclasses.replace(
-        law, elastic_n=(1.0 - relaxing) * curve_n, tau_s=np.array([tau_s]),
-        branch_n=relaxing * curve_n[None], radius_m=np.empty(0),
-        stop_n=np.empty((0, curve_n.size)), flow=None, damage=None, n_by_depth=0, recovers=False,
-    )  # fmt: skip
-    model = dataclasses.replace(fitted, hammerstein=linear)
-    reach_m = np.linspace(0.0, model.trained.max_m, 20)
-    peak_n = float(predict_n(model, Recording("x", reach_m, np.zeros(20), DT_S)).max())
-    model = dataclasses.replace(model, trained=dataclasses.replace(model.trained, max_n=peak_n))
-    found = stability(make_plan(model, scene(mode="auto"), accept_unsafe=True))
-    pushes = [item for item in found.outcomes if item.case == "deep"]
-    assert len(pushes) == 6
-    assert all(item.bounded for item in pushes), [(i.max_depth_m, i.max_force_n) for i in pushes]
-    assert (max(item.max_depth_m for item in pushes) > 1.3 * model.trained.max_m) == (
-        relaxing > 0.1
-    )

@@ -8,9 +8,9 @@ import pytest
 from support.paths import ROOT, TESTS
 from support.small_study import rate_study
 
-from springpot.host.study.definition import LOWER_BOUND, RENDERED, UPPER_BOUND, read_study
+from springpot.host.study.definition import LOWER_BOUND, UPPER_BOUND, read_study
 from springpot.host.study.plan import StudyPlan, make_orders
-from springpot.host.study.report import anova, consistency, study_report, tukey
+from springpot.host.study.report import anova, study_report, tukey
 from springpot.host.study.session import RESPONSE_COLUMNS
 from springpot.host.study.table import read_table
 
@@ -79,17 +79,3 @@ def test_the_paper_s_design(paper: StudyPlan) -> None:
     assert found["conditions"][-1]["mean"] < 10.0
     counts = [(row["answer"], row["count"]) for row in found["questions"]]
     assert counts == [("no", 4), ("yes", 14)]
-
-
-def test_the_rules_are_the_paper_s(paper: StudyPlan) -> None:
-    given = [("A", "left", 90), ("A", "right", 50), ("B", "left", 80), ("B", "right", 60),
-             ("C", "right", 10)]  # fmt: skip
-    own = [{"method": method, "material": "m", "left": "real m", "right": "real m",
-            "rating": str(rating), side: RENDERED} for method, side, rating in given]  # fmt: skip
-    found = consistency(paper.study, own)
-    spread = (np.std([90, 50], ddof=1) + np.std([80, 60], ddof=1)) / 2
-    assert found["repeat_sd"] == pytest.approx(spread)
-    assert found["side_difference"] == pytest.approx(85.0 - 40.0)
-    assert found["broken"] == ["side_difference"]
-    unknown = {"repeat_sd": None, "side_difference": None, "broken": []}
-    assert consistency(paper.study, own[:1]) == unknown

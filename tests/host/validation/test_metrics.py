@@ -1,17 +1,10 @@
 """Figures of an error, beside the noise floor and the just noticeable difference."""
 
-import json
-from dataclasses import replace
-from pathlib import Path
-
 import numpy as np
 import pytest
-from support.in_process import spring
-from support.small import press, recording, training
 
 from springpot.host.metrics import accuracy, just_noticeable_n, start_up_ramp
 from springpot.host.validation.compared import bits_differ
-from springpot.trainer.recordings.recording_file import write_recording
 
 
 def test_figures_of_a_known_error() -> None:
@@ -48,26 +41,6 @@ def test_the_start_up_ramp_is_counted_apart() -> None:
 
 def test_the_just_noticeable_difference_rises_below_two_newton() -> None:
     np.testing.assert_allclose(just_noticeable_n(np.array([0.5, 2.0, 9.0])), [0.2, 0.2, 0.9])
-
-
-@pytest.mark.slow
-def test_train_gives_both(tmp_path: Path) -> None:
-    noise = np.random.default_rng(0)
-    for folder, items in (("rec", training()), ("new", [recording("new", press(2.0))])):
-        (tmp_path / folder).mkdir()
-        for item in items:
-            for again in ("a", "b"):
-                force_n = item.force_n + noise.normal(0, 0.02, len(item.force_n))
-                name = f"{item.name}{again}"
-                write_recording(tmp_path / folder / f"{name}.h5",
-                                replace(item, name=name, force_n=force_n))  # fmt: skip
-    trained = json.loads(
-        spring("train", tmp_path / "rec", "--model", "hammerstein", "--out", tmp_path / "m.spm",
-               "--validate", tmp_path / "new", "--json").stdout
-    )  # fmt: skip
-    assert trained["noise_floor_n"] == pytest.approx(0.02, rel=0.1)
-    assert trained["noise_floor"] == f"from 2 repeats of each of {len(training()) + 1} presses"
-    assert trained["error_per_floor"] == pytest.approx(trained["rmse_n"] / trained["noise_floor_n"])
 
 
 def test_an_interval_holds_the_mean_in_19_of_20_draws() -> None:

@@ -1,12 +1,10 @@
 """Where force begins: a zero that is not the surface, and an object that has not recovered."""
 
-import re
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
-from support.files.recording_files import PressedObject
 from support.presses.structures import recorded
 
 from springpot import Recording
@@ -109,41 +107,3 @@ def test_resolution_and_noise_make_neither_a_surface_nor_a_preload(count: float)
         force_n = share ** rng.uniform(1.0, 2.0) + rng.normal(0.0, noise_n, len(share))
         force_n = np.round(force_n / (count * noise_n)) * count * noise_n
         assert contacts([Recording(f"{seed:02}", position_m, force_n, 5e-3)]) == []
-
-
-def held_on_top_of(low: float, seed: int) -> Recording:
-    """Presses and long holds between `low`, of the depth, and the depth, by any law and noise."""
-    rng = np.random.default_rng(seed)
-    rate_hz, depth_m = float(rng.choice([10.0, 25.0, 100.0])), 10.0 ** rng.uniform(-3.0, -1.8)
-    time_s, path_m = [0.0], [low * depth_m]
-    for _ in range(int(rng.integers(2, 6))):
-        hold_s, rise_s = 10.0 ** rng.uniform(0.0, 1.7), 10.0 ** rng.uniform(-0.5, 1.0)
-        time_s += [time_s[-1] + hold_s, time_s[-1] + hold_s + rise_s]
-        time_s += [time_s[-1] + rng.uniform(0.1, 1.0) * hold_s, time_s[-1] + hold_s + rise_s]
-        path_m += [low * depth_m, *[rng.uniform(0.6, 1.0) * depth_m] * 2, low * depth_m]
-    position_m = np.interp(np.arange(0.0, time_s[-1], 1.0 / rate_hz), time_s, path_m)
-    law = PressedObject(depth_m, 10.0, rng.uniform(1.0, 2.2), rng.uniform(0.1, 0.5))
-    force_n = law.force(position_m, 1.0 / rate_hz)
-    force_n += 10.0 ** rng.uniform(-2.3, -1.2) * rng.normal(0.0, 1.0, len(force_n))
-    return Recording(f"{seed:02}", position_m, force_n, 1.0 / rate_hz)
-
-
-@pytest.mark.slow
-def test_a_preload_is_no_free_air() -> None:
-    """Its zero is right: no tare and no contact point may be taken off."""
-    wrong = 0
-    for seed in range(120):
-        low = np.random.default_rng(seed).uniform(0.3, 0.6)
-        told = contact_findings([held_on_top_of(low, seed)])
-        wrong += any(re.match("import with --(tare|contact)", found.to_do) for found in told)
-    assert wrong <= 1
-
-
-@pytest.mark.slow
-def test_free_air_before_a_hold_shows_its_tare() -> None:
-    missed = 0
-    for seed in range(60):
-        held = held_on_top_of(-0.3, seed)
-        told = contact_findings([replace(held, force_n=held.force_n + 2.0)])
-        missed += not any("--tare auto" in found.to_do for found in told)
-    assert missed <= 3

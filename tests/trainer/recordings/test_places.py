@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 from springpot import Recording
-from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.importing import (
     ImportOptions,
     import_file,
-    parse_place,
     place_or_columns,
 )
 from springpot.trainer.recordings.journal import JournalWriter, journal_of, read_journal
@@ -25,7 +24,7 @@ def press(name: str, place_m: tuple[float, float] | None, stiffness: float = 400
 
 @pytest.mark.parametrize("place_m", [(0.005, -0.01), None])
 def test_a_place_is_kept_in_a_journal(tmp_path: Path, place_m: tuple[float, float] | None) -> None:
-    """In other files: tests/host/validation/test_slides_elsewhere.py."""
+
     recording = press("press", place_m)
     with JournalWriter(tmp_path / "cut.h5", "cut", 1e-3, "", {}, place_m=place_m) as journal:
         journal.append(recording.position_m, recording.force_n)
@@ -52,11 +51,3 @@ def test_columns_of_other_names_are_a_place_if_they_are_named(
     assert read.place_m == pytest.approx((0.005, -0.01))
     with pytest.raises(DataError, match="--place"):
         import_file(tmp_path / "a.csv", None, "none", None, ImportOptions(place_m=("a", "b")))
-
-
-def test_a_place_without_a_length_and_half_a_place_are_refused() -> None:
-    for text in ("5,10", "5mm", "5,10s", "a,bmm", "1,2,3mm"):
-        with pytest.raises(UsageError, match="--place"):
-            parse_place(text)
-    with pytest.raises(DataError, match="give both"):
-        Recording("a", np.zeros(2), np.zeros(2), 1.0, place_x_m=0.1)

@@ -16,7 +16,6 @@ from support.small import training
 
 import springpot
 from springpot import Recording, check_recordings
-from springpot.trainer.recordings.quality.channels import channel_findings
 from springpot.trainer.recordings.quality.cycles import find_cycles
 
 TIME_S = np.arange(4000) * 1e-3
@@ -79,24 +78,6 @@ def test_a_hold_is_not_clipping(noise_n: float) -> None:
 def test_quantisation(step_n: float, coarse: bool) -> None:
     rounded_n = np.round(sine().force_n / step_n) * step_n
     assert ("quantisation" in kinds(replace(sine(), force_n=rounded_n))) == coarse
-
-
-@pytest.mark.few(1)
-@pytest.mark.parametrize("rate_hz", [20, 50, 200])
-def test_a_coarse_sensor_that_is_interpolated_loses_no_sample(rate_hz: int) -> None:
-    for own_hz, press_hz, step_m, step_n in itertools.product(
-        (7, 25, 40, 150), (0.1, 0.5, 2.0), (0.0, 1e-5, 5e-5), (0.0, 0.01, 0.05)
-    ):
-        own_s = np.arange(0.0, 20.0, 1.0 / own_hz)
-        depth_m = 5e-3 * np.sin(np.pi * press_hz * own_s) ** 2
-        read_m, read_n = (
-            np.round(exact / step) * step if step else exact
-            for exact, step in ((depth_m, step_m), (600.0 * depth_m, step_n))
-        )
-        time_s = np.arange(0.0, own_s[-1], 1.0 / rate_hz)
-        resampled = (np.interp(time_s, own_s, read) for read in (read_m, read_n))
-        found = channel_findings(Recording("a", *resampled, 1.0 / rate_hz))
-        assert [finding.line for finding in found if finding.kind == "gap"] == []
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -4,7 +4,6 @@ Layouts of public recordings: tests/host/commands/test_real_layouts.py.
 """
 
 import re
-import shlex
 from pathlib import Path
 
 import numpy as np
@@ -39,27 +38,6 @@ def test_headers(tmp_path: Path, header: str, delimiter: str, mapping: str) -> N
     np.testing.assert_allclose(found.position_m, [0.0, 0.001, 0.002])
     assert found.force_n.tolist() == [0.0, 2.0, 4.0]
     assert found.dt_s == pytest.approx(0.01)
-
-
-@pytest.mark.parametrize(
-    ("header", "mapping", "says", "force_n"),
-    [
-        ("time_s,position_m,Force [mN]", "force=Force [mN]:N", "its header says mN", 1.0),
-        ("time_s,position_m,Force [mN]", "force=Force [mN]:-1N", "its header says mN", -1.0),
-        ("time_s,position_m,Force [mN]", "force=Force [mN]:2kN", "its header says mN", 2000.0),
-        ("time,position,force\ns,mm,kN", "force=force:N", "its row of units says kN", 1.0),
-        ("time_s,position_m,load_kPa", "force=3:N", "a unit of stress", 18.0),
-        ("time_s,position_m,load_kPa", "force=3:-1N", "a unit of stress", 18.0),
-    ],
-)
-def test_a_map_that_contradicts_the_file_is_refused_with_what_to_pass(
-    header: str, mapping: str, says: str, force_n: float, tmp_path: Path
-) -> None:
-    message = refusal(tmp_path, f"{header}\n{ROWS}", mapping)
-    assert f"{says}" in message
-    remedy = shlex.split(message.partition("--map ")[2])[0].rstrip(",")
-    found = load(tmp_path, f"{header}\n{ROWS}", remedy)
-    assert found.force_n.tolist() == pytest.approx([k * force_n for k in range(5)])
 
 
 @pytest.mark.parametrize(
@@ -137,16 +115,6 @@ def test_a_damaged_row_is_refused(damaged: str, behind: int, tmp_path: Path) -> 
     lines = ["time_s,position_mm,force_N", *pressed(0, 10), damaged, *pressed(11, behind)]
     if behind or damaged in DAMAGED[:4]:
         assert "row 12" in refusal(tmp_path, "\n".join(lines))
-
-
-@pytest.mark.parametrize(
-    "title", [["", "Hold", "Time,Position,Force", "s,mm,N"], ["", "pause", ""]]
-)
-def test_a_second_table_is_refused_with_what_to_do(title: list[str], tmp_path: Path) -> None:
-    lines = ["time_s,position_mm,force_N", *pressed(0, 10), *title, *pressed(11, 30)]
-    message = refusal(tmp_path, "\n".join(lines))
-    assert "row 13: " in message and "cut the file into one table each" in message
-    assert len(load(tmp_path, "\n".join(lines[:11])).force_n) == 10
 
 
 @pytest.mark.parametrize(("delimiter", "quote"), [(";", ""), (",", '"')])

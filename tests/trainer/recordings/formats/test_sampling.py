@@ -55,29 +55,6 @@ def test_a_gap_is_found_at_any_row_and_a_logger_that_slows_down_has_none(
     assert f"row {row + 2}: gap of" in refusal(tmp_path, rows(even), rate=100.0)
 
 
-@pytest.mark.parametrize("seed", range(6))
-def test_what_is_missing_can_be_mended_as_the_message_says(tmp_path: Path, seed: int) -> None:
-    """Rows at an end are cut, those between others make two recordings."""
-    draw = np.random.default_rng(seed)
-    begin, many = int(draw.integers(20, 60)), int(draw.integers(1, 20))
-    lines = rows(np.arange(100) * 0.01).splitlines()
-    for first in (0, begin, 100 - many):
-        bad = range(first + 1, first + many + 1)
-        cell = "nan" if seed % 2 else ""
-        text = [
-            f"{line.rpartition(',')[0]},{cell}" if k in bad else line
-            for k, line in enumerate(lines)
-        ]
-        message = refusal(tmp_path, "\n".join(text))
-        assert f"row {first + 2}: force is empty or not a finite number ({many} row" in message
-        whole = [line for k, line in enumerate(lines) if k not in bad]
-        if first != begin:
-            assert len(load(tmp_path, "\n".join(whole)).force_n) == 100 - many
-            continue
-        for part in (whole[: begin + 1], [whole[0], *whole[begin + 1 :]]):
-            load(tmp_path, "\n".join(part))
-
-
 @pytest.mark.parametrize("first_s", [2.08e-3, 0.5e-3, 0.3])
 def test_a_first_row_that_is_out_of_step_is_cut(first_s: float, tmp_path: Path) -> None:
     """Interpolation onto it would blur every other sample, and lower the noise floor."""
