@@ -7,11 +7,9 @@ import pytest
 
 from springpot.codegen.atomic_write import (
     folder_written_aside,
-    require_place,
     write_file,
     written_aside,
 )
-from springpot.codegen.errors import UsageError
 
 
 @pytest.mark.parametrize("options", [{}, {"overwrite": False}, {"durable": True}])
@@ -25,21 +23,6 @@ def test_a_write_that_fails_leaves_nothing_aside(tmp_path: Path, options: dict[s
         write(tmp_path / "a")
     assert failed.value.filename == str(tmp_path / "a")
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_place_that_no_file_can_have_is_refused_before_the_work(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "file").touch()
-    for path in (tmp_path / "a", tmp_path / "new" / "folders" / "a", tmp_path / "file"):
-        require_place(path)
-    assert not (tmp_path / "new").exists()
-    for path in (tmp_path, tmp_path / "file" / "a", tmp_path / "file" / "b" / "a"):
-        with pytest.raises(UsageError, match=rf"^{path}: .*: (give|choose)"):
-            require_place(path)
-    monkeypatch.setattr(os, "access", lambda place, mode: place != tmp_path)
-    with pytest.raises(UsageError, match=f"cannot be written in {tmp_path}: choose"):
-        require_place(tmp_path / "new" / "a")
 
 
 def test_the_old_content_stands_until_the_new_one_is_whole(tmp_path: Path) -> None:

@@ -97,41 +97,6 @@ def python(environment: dict[str, str], script: str) -> subprocess.CompletedProc
                           text=True, check=False)  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    "link",
-    [
-        "int broken(",
-        "/* springpot declarations begin */ int f(void);",
-        "/* springpot declarations begin */\nunsigned sp_link_sim_size(void);\n"
-        "/* springpot declarations end */",
-        None,
-    ],
-)
-def test_a_link_that_cannot_be_built_leaves_all_other_links(
-    tmp_path: Path, link: str | None
-) -> None:
-    file = tmp_path / "other.c"
-    if link is not None:
-        file.write_text(link)
-    (tmp_path / "good.c").write_text(
-        "/* springpot declarations begin */\nint good(void);\n/* springpot declarations end */\n"
-        "int good(void)\n{\n    return 7;\n}\n"
-    )
-    links = f"Path({str(file)!r}), Path({str(tmp_path / 'good.c')!r})"
-    module = (
-        "from pathlib import Path\nfrom springpot.host.devices.drivers import Driver\n"
-        f"OTHER = Driver('other://1', 'other:Other', links=({links}))\n"
-    )
-    environment = beside(tmp_path, "[springpot.devices]\nother = other:OTHER\n", module)
-    result = python(environment, "from springpot.host.native.loop_library import loop_library\n"
-                    "c = loop_library('double').c\n"
-                    "print(c.sp_link_sim_size() > 0, c.good())")  # fmt: skip
-    assert result.stdout == "True 7\n", result.stderr
-    (said,) = [line for line in result.stderr.splitlines() if "left out" in line]
-    assert str(file) in said
-    assert "good.c" not in said
-
-
 class Mute(OpenedDevice):
     """It has no link, and does not say what its force does unreached."""
 

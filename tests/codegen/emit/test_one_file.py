@@ -122,24 +122,3 @@ def test_fast_math_does_not_compile(tmp_path: Path, language: tuple[str, str, st
     done = compiled(tmp_path / "x.o", compiler, "-Ofast", "-c", source)
     assert done.returncode != 0
     assert "without -ffast-math" in done.stderr
-
-
-def test_the_header_says_the_scene_s_numbers(tmp_path: Path) -> None:
-    plan = hammerstein()
-    source = write_single(plan, tmp_path)
-    main = tmp_path / "main.c"
-    main.write_text(
-        '#include <stdio.h>\n#include "soft.h"\n'
-        '_Static_assert((int)SOFT_RATE_HZ == RATE, "emit the scene with the rate of this loop");\n'
-        'int main(void) { printf("%d %.9g %.9g %.9g %d", (int)SOFT_RATE_HZ, (double)SOFT_DT_S,'
-        " (double)SOFT_MAX_FORCE_N, (double)SOFT_TRAINED_DEPTH_M,"
-        " SOFT_STATE_BYTES == sizeof(soft_state)); return 0; }\n"
-    )
-    done = compiled(tmp_path / "main", "gcc", *WARNINGS, "-DRATE=1000", main, source)
-    assert done.returncode == 0, done.stderr
-    printed = subprocess.run([tmp_path / "main"], capture_output=True, text=True, check=True).stdout
-    depth_m = plan.model.trained.max_m
-    told = [round(1.0 / plan.dt_s), plan.dt_s, float(plan.output.max_n), depth_m, 1]
-    assert list(map(float, printed.split())) == pytest.approx(told)
-    slower = compiled(tmp_path / "main", "gcc", "-DRATE=90", main, source)
-    assert "emit the scene with the rate of this loop" in slower.stderr

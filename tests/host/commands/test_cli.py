@@ -67,24 +67,6 @@ def test_train_emit_build_validate_report(job: Path) -> None:
     assert set(re.findall(r"https?://[\w.]+", page)) <= {"http://www.w3.org"}
 
 
-def test_refusals_are_one_line_with_the_right_status(job: Path, tmp_path: Path) -> None:
-    out = tmp_path / "x.spm"
-    train = ("train", "--model", "rf-fd", "--out", out)
-    assert "no such file" in refusal(3, *train, tmp_path / "none.h5")
-    assert "no .h5 file" in refusal(3, *train, tmp_path)
-    assert "Missing argument" in refusal(2, *train)
-    assert "'rf-df' is not one of" in refusal(2, "train", job, "--model", "rf-df", "--out", out)
-    assert "end in .spm" in refusal(2, "train", job, "--model", "rf-fd", "--out", "x.pkl")
-    assert "No such command 'trian'" in refusal(2, "trian")
-    assert "no driver" in refusal(
-        5, "record", "--device", "bus://x", "--protocol", "paper", "--out", tmp_path / "r"
-    )
-    assert "not an emitted folder" in refusal(3, "build", tmp_path)
-    assert "not an emitted folder" in refusal(3, "report", tmp_path)
-    assert "ecoflex-00-30" in refusal(2, "demo", "--object", "jelly", "--out", tmp_path / "d")
-    assert not out.exists()
-
-
 def test_without_a_compiler_the_c_is_still_written(job: Path, tmp_path: Path) -> None:
     empty = tmp_path / "bin"
     empty.mkdir()

@@ -45,16 +45,3 @@ def test_nobody_there(tmp_path: Path) -> None:
         result = recorded(device, tmp_path, keys="")
     assert result.returncode == 2
     assert "run it in a terminal" in result.stderr
-
-
-@pytest.mark.parametrize(
-    ("url", "words"),
-    [
-        ("sim://ecoflex-00-30", "leave --find-surface out"),
-        ("dhd://?surface_mm=3", "leave surface_mm out"),
-    ],
-)
-def test_wrong_use(url: str, words: str) -> None:
-    result = cli("record", "--device", url, "--find-surface", "--protocol", "paper", "--out", "x")
-    assert result.returncode == 2
-    assert words in result.stderr

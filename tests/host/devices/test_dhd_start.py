@@ -40,24 +40,6 @@ def test_a_device_that_cannot_be_used(option: str, cause: str, remedy: str) -> N
 
 
 @pytest.mark.parametrize(
-    ("settings", "words"),
-    [
-        ("&axis=w", "give the way into the object: x, -x, y, -y, z, -z"),
-        ("&walls_npm=1e6", "give a number between 0 and 5000"),
-        ("&watchdog=no", "give on or off"),
-        ("&baud=9600", "no setting 'baud'"),
-    ],
-)
-def test_a_wrong_setting(settings: str, words: str) -> None:
-    assert words in refusal(settings)
-
-
-def test_a_number_beyond_the_devices_found() -> None:
-    with peer("dhd_device") as device, pytest.raises(DeviceError, match="there is no device 3: 1"):
-        open_device(device.url.replace("dhd://", "dhd://3"), WANTED)
-
-
-@pytest.mark.parametrize(
     ("wanted", "told"),
     [
         (replace(WANTED, rate_hz=20.0, watchdog_s=0.1, presses=False), "needs at least 63 Hz"),

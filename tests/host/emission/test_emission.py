@@ -12,11 +12,8 @@ from support.small import model_file, passive_model, scene, small_model
 
 from springpot import Model
 from springpot.codegen.errors import BudgetError, MismatchError, UsageError
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.units import state_bytes
 from springpot.codegen.scene import Budget
 from springpot.host.emission.emission import Emission, emit
-from springpot.host.native.footprint import deepest_stack
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.runtime_c.paths import flags
 
@@ -70,19 +67,6 @@ def test_generated_c_is_warning_clean(
         result = subprocess.run(command, capture_output=True, text=True, check=False)
         assert result.returncode == 0, result.stderr
         assert result.stderr == ""
-
-
-@pytest.mark.few(1)
-@pytest.mark.parametrize("shape", list(SHAPES))
-def test_state_is_as_large_as_planned_and_what_is_left_out_is_told(
-    emission_of: Emitted, shape: str
-) -> None:
-    emission = emission_of(shape)
-    planned = state_bytes(make_plan(model(shape), SHAPES[shape]))
-    assert SceneLibrary(emission.folder).state_bytes == emission.ram_bytes == planned
-    told = {item["what"]: item["why"] for item in emission.manifest["left_out"]}
-    assert all(told.values())
-    assert {"coupling", "smoothing", "velocity estimate"} <= set(told) or shape != "plain"
 
 
 @pytest.mark.slow
@@ -174,15 +158,3 @@ def test_budget_is_kept(tmp_path: Path) -> None:
     with pytest.raises(BudgetError, match="the scene's budget is 1000"):
         emit(tight, model_file(tmp_path), tmp_path / "c")
     assert not (tmp_path / "c").exists()
-
-
-def test_deepest_stack_follows_the_calls() -> None:
-    graph = (
-        'node: { title: "a" label: "a\\nx.c:1:1\\n32 bytes (static)\\n0 dynamic objects" }\n'
-        'node: { title: "b" label: "b\\nx.c:2:1\\n48 bytes (static)\\n0 dynamic objects" }\n'
-        'node: { title: "memset" label: "__builtin_memset\\n<built-in>" shape : ellipse }\n'
-        'edge: { sourcename: "a" targetname: "b" label: "x.c:1:2" }\n'
-        'edge: { sourcename: "b" targetname: "memset" label: "x.c:2:2" }\n'
-    )
-    assert deepest_stack(graph) == 80
-    assert deepest_stack(graph + 'edge: { sourcename: "b" targetname: "a" label: "" }\n') is None

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from support.peer import peer
 
-from springpot.codegen.errors import DeviceError, UsageError
+from springpot.codegen.errors import DeviceError
 from springpot.host.devices.wire import constant
 from springpot.host.force_sensor.sensed_press import (
     ForceSensor,
@@ -18,7 +18,6 @@ from springpot.host.force_sensor.sensed_press import (
     opened_sensor,
 )
 from springpot.host.recording.indentation import Limits
-from springpot.host.recording.session import open_press_device
 
 
 def heard(*rows: tuple[float, float, float]) -> Any:
@@ -65,16 +64,6 @@ def test_a_sensor_that_falls_silent_ends_the_press() -> None:
     assert "serial:///dev/x: silent for 100 ms" in str(device.unmeasured())
     sensor.error = DeviceError("unplugged")
     assert str(device.unmeasured()) == "unplugged"
-
-
-def test_wrong_use() -> None:
-    with (
-        pytest.raises(DeviceError, match="no driver for 'sim': use serial:"),
-        opened_sensor("sim://ecoflex-00-30"),
-    ):
-        pass
-    with pytest.raises(UsageError, match="leave --force out"):
-        open_press_device("sim://ecoflex-00-30", pressing=SimpleNamespace)
 
 
 def test_a_serial_device_without_a_load_cell() -> None:

@@ -1,6 +1,5 @@
 """C in this process: what a loaded library may rely on, and whose library is loaded."""
 
-import gc
 import hashlib
 import os
 from pathlib import Path
@@ -44,22 +43,6 @@ def test_a_header_is_what_python_calls(tmp_path: Path, real: str, dtype: type) -
     with pytest.raises(TypeError):
         library.c.sum(library.array(np.zeros(3, dtype=np.int32)), 3)
     assert declarations([tmp_path / "sum.h"], real).startswith(f"typedef {real} sp_real;")
-
-
-def test_memory_is_zero_aligned_and_lives_as_long_as_its_pointer(tmp_path: Path) -> None:
-    library = summing(tmp_path, "double")
-    for size in (1, 7, 8, 9, 1001):
-        pointer = library.memory(size)
-        gc.collect()
-        content = library.ffi.buffer(pointer, size)
-        assert bytes(content) == bytes(size)
-        assert library.address(pointer) % 8 == 0
-        content[:] = b"x" * size
-    other = library.memory(8)
-    assert library.address(other) != library.address(pointer)
-    again = library.ffi.cast("double *", library.pointer(library.address(other)))
-    again[0] = 7.0
-    assert other[0] == 7.0
 
 
 ANSWER = "int answer(void);\nint answer(void)\n{\n    return 42;\n}\n"

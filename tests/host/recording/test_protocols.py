@@ -51,23 +51,6 @@ def test_validation_signals_peak_at_10_n_and_end_at_zero():
         assert amplitudes_n.max() / amplitudes_n.min() <= 5  # drawn from 0.2 .. 1
 
 
-def test_extended_adds_a_multisine_and_a_hold():
-    profiles = protocols.extended(1)
-    names = [profile.name for profile in profiles]
-    assert sorted(set(names)) == names
-    multisine, hold = profiles[27:]
-    assert len(multisine.command_n) == 15_000
-    assert len(hold.command_n) == 20_000
-    for profile in (multisine, hold):
-        assert profile.command_n[0] == 0
-        assert profile.command_n[-1] < 0.001
-        assert profile.command_n.min() >= 0
-        assert profile.command_n.max() == pytest.approx(profile.metadata["amplitude_n"])
-    assert np.all(hold.command_n[500:-500] == hold.command_n.max())
-    power = np.abs(np.fft.rfft(multisine.command_n)) ** 2
-    assert power[15 * 5 :].sum() > 0.05 * power[1:].sum()  # bins of 1/15 Hz: fast tones are there
-
-
 def test_a_users_file(tmp_path):
     file = tmp_path / "mine.toml"
     file.write_text(

@@ -10,15 +10,12 @@ from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.reference.notes import (
     CLAMPED,
     HELD,
-    LATCHED,
-    LIMITED,
     OUTSIDE,
     RAMPED,
     RESYNC,
 )
 from springpot.host.native.loop_library import COLUMN, NONE, empty_rows
 from springpot.host.session.live_warnings import LiveWarnings
-from springpot.host.session.outcome import NOTE_WORDS, UPPER
 from springpot.trainer.recordings.recording_file import read_recording, write_recording
 
 PLAN = make_plan(passive_model(), scene())
@@ -58,20 +55,6 @@ def test_what_lasts_is_told_when_it_begins_and_when_it_ends():
     assert 4500 < end <= 4700
     assert "over: deeper than was recorded, 13.4 of 12 mm, for 3 s" in last
     assert events == [{"time_s": 1.0, "what": "deeper than was recorded", "count": 3000}]
-
-
-@pytest.mark.parametrize(
-    ("bit", "ticks"), [(OUTSIDE, 1), (LIMITED, 1), (CLAMPED, 1), (HELD, 20), (LATCHED, 1)]
-)
-def test_each_note_is_told_in_the_words_of_the_page(bit, ticks):
-    rows = rows_of(2000)
-    rows[1010 : 1010 + ticks, COLUMN["notes"]] = bit
-    said, events = watched(rows)
-    words = {OUTSIDE: DEEP, CLAMPED: UPPER}.get(bit, NOTE_WORDS[bit])
-    assert events == [{"time_s": 1.01, "what": words, "count": ticks}]
-    assert said[0][2]
-    # The watchdog's line is the supervisor's: only the bell is heard.
-    assert all(line == "" if bit == LATCHED else words in line for _, line, _ in said)
 
 
 def test_what_belongs_to_a_session_is_no_warning():

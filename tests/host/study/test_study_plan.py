@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 from support.paths import ROOT
-from support.small_study import STUDY, planned_study, write_small_study
+from support.small_study import planned_study
 
 from springpot.codegen.errors import DataError, UsageError
 from springpot.host.study.definition import LOWER_BOUND, RENDERED, UPPER_BOUND, read_study
@@ -13,33 +13,6 @@ from springpot.host.study.plan import make_orders, read_plan, write_plan
 from springpot.host.study.table import growing_table
 
 PAPER = ROOT / "host" / "scenes" / "paper-study.toml"
-
-
-@pytest.mark.parametrize(
-    ("change", "said"),
-    [
-        (("seed = 3\n", ""), "seed: missing"),
-        (("seed = 3", "seed = 3\ncolour = 1"), "colour: no such key: known here are schema"),
-        (
-            ("scenes.passive", "x = 1\nscenes.passive"),
-            r"material.0.x: no such key: known here are n",
-        ),
-        (("sessions = 2", "sessions = 0"), "sessions: .* greater than or equal to 1"),
-        (('name = "hard"', 'name = "soft"'), "material 'soft': give every material a printable"),
-        (
-            ('name = "hard"\nscenes.passive', 'name = "hard"\nscenes.RF'),
-            "give it scenes of passive",
-        ),
-        (("scenes.passive", "scenes.REAL"), "method 'REAL': give letters"),
-        (("scenes.passive", 'scenes."../x"'), r"method '../x': give letters"),
-        (('"soft", "hard"', '"soft", "wood"'), "no material 'wood': known here are soft, hard"),
-        (("practice = 1", "practice = 7"), "practice: 7 trials: a session has 6"),
-    ],
-)
-def test_a_wrong_key_is_named(tmp_path: Path, change: tuple[str, str], said: str) -> None:
-    file = write_small_study(tmp_path, STUDY.replace(*change))
-    with pytest.raises(UsageError, match=f"study.toml: .*{said}"):
-        read_study(file)
 
 
 def test_every_session_has_every_condition_in_an_order_of_its_own() -> None:

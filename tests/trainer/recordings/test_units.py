@@ -1,14 +1,11 @@
 """Units and column maps of files from outside."""
 
-import numpy as np
 import pytest
 from support.messages import refusing
 
-from springpot import Recording
 from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.recordings.formats.column_map import Column, parse_map
 from springpot.trainer.recordings.formats.units import Quantity, factor_to_si
-from springpot.trainer.recordings.quality.units import glance
 
 
 @pytest.mark.parametrize(
@@ -90,28 +87,3 @@ def test_refused_maps(text: str, message: str) -> None:
         parse_map(text)
     with refusing(UsageError, "time=0Hz", "is no rate", "time=1000Hz"):
         parse_map("time=0Hz")
-
-
-PRESS_M = 2.5e-3 * (1.0 - np.cos(np.arange(0.0, 8.0, 5e-3) * np.pi))
-PRESS_N = 38.6 * (PRESS_M / 5e-3) ** 1.6
-
-
-@pytest.mark.parametrize(
-    ("force", "position", "time", "says"),
-    [
-        (1.0, 1.0, 1.0, ""),
-        (1.0 / 4.448, 1.0, 1.0, ""),  # lbf: another object's
-        (101.97, 1.0, 1.0, "force is in gf"),
-        (1e-3, 1.0, 1.0, "force is in kN"),
-        (1.0, 1.0 / 25.4, 1.0, "stiffer than rubber"),
-        (1.0, 1.0, 1.0 / 60.0, "faster than a hand"),
-    ],
-)
-def test_a_unit_that_makes_an_unusual_object_is_said_at_a_glance(
-    force: float, position: float, time: float, says: str
-) -> None:
-    recording = Recording("a", PRESS_M * position, PRESS_N * force, 5e-3 * time)
-    assert says in glance(recording).words.partition("mean")[2]
-    assert bool(says) == ("unless" in glance(recording).words)
-    assert glance(recording).stroke_m == pytest.approx(5e-3 * position)
-    assert glance(recording).peak_n == pytest.approx(38.6 * force)
