@@ -7,24 +7,15 @@ import numpy as np
 import pytest
 from matplotlib import pyplot
 from matplotlib.axes import Axes
-from support.small import passive_model, training
+from support.small import training
 
-import springpot
 from springpot.codegen.errors import UsageError
-from springpot.host.validation.validation import Validation
 
 
 @pytest.fixture(autouse=True)
 def no_figure_stays() -> Iterator[None]:
     yield
     pyplot.close("all")
-
-
-@pytest.fixture(scope="module")
-def validation(tmp_path_factory: pytest.TempPathFactory) -> Validation:
-    folder = tmp_path_factory.mktemp("emitted") / "c"
-    springpot.emit(folder, model=passive_model())
-    return springpot.validate(folder, list(training()[:3]), paced_s=0.01)
 
 
 def test_a_recording_is_force_against_position(monkeypatch: pytest.MonkeyPatch) -> None:

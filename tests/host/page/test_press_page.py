@@ -1,4 +1,4 @@
-"""The page in a browser: it is pressed by a pointer, and its forces have the bits of the C."""
+"""The page that is pressed in a browser: its forces have the bits of the C."""
 
 import json
 import shutil
@@ -7,7 +7,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.driven_browser import DrivenBrowser
 from support.in_process import spring
 from support.small import model_file, passive_model, scene
 
@@ -21,10 +20,6 @@ NEEDS_CLANG = pytest.mark.skipif(
     shutil.which("clang") is None or shutil.which("wasm-ld") is None,
     reason="no clang and wasm-ld: apt-get install clang lld",
 )
-CSV = """new Promise((done) => {
-  URL.createObjectURL = (blob) => { blob.text().then(done); return "#"; };
-  document.getElementById("download").click();
-})"""
 
 
 def emitted(folder: Path, number: str = "float32", mode: str = "off", prefix: str = "sp") -> Path:
@@ -32,18 +27,6 @@ def emitted(folder: Path, number: str = "float32", mode: str = "off", prefix: st
     chosen = replace(scene(number=number, mode=mode, prefix=prefix), name=folder.name)
     emit(chosen, model_file(folder, passive_model()), folder / "c", accept_unsafe=True)
     return folder / "c"
-
-
-def pressed(browser: DrivenBrowser) -> np.ndarray:
-    """Press with a real pointer and let go; time, position, velocity and force, (n, 4)."""
-    left, y, width, height = browser.box("object")
-    x = left + width / 2
-    browser.mouse("mousePressed", x, y + 0.32 * height)
-    browser.mouse("mouseMoved", x, y + 0.7 * height)
-    browser.wait_for(lambda: float(browser.text("force").split()[0]) > 0.5, "a force")
-    browser.mouse("mouseReleased", x, y + 0.7 * height)
-    browser.wait_for(lambda: float(browser.text("depth").split()[0]) < 0.0, "the hand has left")
-    return np.loadtxt(str(browser.value(CSV)).splitlines(), delimiter=",", skiprows=1)
 
 
 @NEEDS_CLANG
