@@ -10,7 +10,7 @@ from support.small import passive_model, scene, training
 
 import springpot
 from springpot import Recording
-from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.errors import UsageError
 from springpot.host.estimators.ensemble import ensemble_data
 
 ITEM = training()[-1]
@@ -49,16 +49,6 @@ TAKING = {
 def test_what_is_no_list_of_recordings_is_told_how_to_become_one(given, says, call):
     with refusing(UsageError, says):
         call(given)
-
-
-@pytest.mark.parametrize(
-    "position_m",
-    [[ITEM.position_m, ITEM.position_m], ITEM.position_m[:, None], [[0.0], [0.0, 1e-3]], "a", None],
-    ids=["a list", "a column", "uneven", "text", "nothing"],
-)
-def test_predict_asks_for_one_press_at_a_time(position_m):
-    with refusing(DataError, "position_m: ", "give "):
-        springpot.predict(passive_model(), position_m)
 
 
 TURNED = {"force": (1.0, -1.0), "position": (-1.0, 1.0)}

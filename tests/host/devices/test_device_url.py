@@ -7,7 +7,7 @@ from support.messages import refusing
 
 from springpot.codegen.errors import UsageError
 from springpot.host.devices.device import DeviceRequirements
-from springpot.host.devices.drivers import drivers, open_device, parse_device
+from springpot.host.devices.drivers import open_device, parse_device
 from springpot.host.devices.url import Address
 
 
@@ -27,15 +27,6 @@ from springpot.host.devices.url import Address
 def test_an_address_has_scheme_interface_place_and_settings(url: str, parts: tuple) -> None:
     assert parse_device(url) == Address(url, *parts)
     assert repr(parse_device(url)).startswith(f"Address(url={url!r}, scheme={parts[0]!r}, ")
-
-
-@pytest.mark.parametrize("url", ["sim://", "replay://", "serial://?baud=1", "odrive://slcan",
-                                 "odrive:///dev/x", "odrive://slcan/"])  # fmt: skip
-def test_an_address_without_a_place_is_told_with_what_it_looks_like(url: str) -> None:
-    with refusing(
-        UsageError, f"{url}: not complete: use {drivers()[url.partition(':')[0]].example}"
-    ):
-        parse_device(url)
 
 
 def test_settings_are_numbers_within_their_limits() -> None:
