@@ -25,7 +25,7 @@ from springpot.codegen.stages.tool_velocity import TIME_S
 
 STEP_M = 10e-6  # of an encoder
 QUIET_MPS = 1.2e-3
-MANY = pytest.mark.parametrize("count", [4, pytest.param(12, marks=pytest.mark.slow)])
+MANY = pytest.mark.parametrize("count", [6, pytest.param(12, marks=pytest.mark.slow)])
 
 
 def drawn(rng: np.random.Generator) -> tuple[float, float, LoopDevice]:
