@@ -29,7 +29,7 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
         ("trainer/*.py", 8550),
         ("host/*.py", 14250),
         ("runtime_c/*.[ch]", 7300),
-        ("tests/*.py", 25000),
+        ("tests/*.py", 25150),
     ],
 )
 def test_lines(what: str, most: int) -> None:
@@ -37,7 +37,7 @@ def test_lines(what: str, most: int) -> None:
 
 
 def test_files_of_the_product() -> None:
-    assert len(tracked(*PYTHON)) <= 294
+    assert len(tracked(*PYTHON)) <= 281
 
 
 def test_documents() -> None:

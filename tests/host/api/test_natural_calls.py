@@ -11,7 +11,7 @@ from support.small import passive_model, scene, training
 import springpot
 from springpot import Recording
 from springpot.codegen.errors import DataError, UsageError
-from springpot.host.estimators.ensemble import ensemble_data
+from springpot.host.ensemble import ensemble_data
 
 ITEM = training()[-1]
 

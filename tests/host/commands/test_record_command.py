@@ -6,7 +6,7 @@ from click.testing import CliRunner
 from support.messages import require_line
 
 from springpot.codegen.errors import DeviceError, UsageError
-from springpot.host.commands.recordings.record import record
+from springpot.host.commands.record import record
 from springpot.host.recording import protocols
 from springpot.trainer.recordings.journal import JournalWriter
 from springpot.trainer.recordings.recording_file import read_recordings

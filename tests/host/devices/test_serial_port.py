@@ -12,6 +12,7 @@ import pytest
 import serial
 
 from springpot.codegen.errors import DeviceError
+from springpot.host.commands import doctor
 from springpot.host.devices import serial_port
 from springpot.host.devices.serial_port import (
     latency_timer,
@@ -19,7 +20,6 @@ from springpot.host.devices.serial_port import (
     require_fast_adapter,
     used_by,
 )
-from springpot.host.doctor import doctor
 
 
 def refused(place: object) -> str:

@@ -13,7 +13,7 @@ from springpot import Model, Recording, Scene
 from springpot.codegen.errors import UsageError
 from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.scene import Coupling, Device, Runtime
-from springpot.host.commands.scenes.emit import emission_rows
+from springpot.host.commands.emit import emission_rows
 from springpot.host.emission.emission import emit
 from springpot.host.emission.felt import FELT_SHARE, felt_notices, rate_notices
 from springpot.trainer.kinds import fit_model

@@ -10,10 +10,10 @@ import pytest
 from support.c.pressed_tool import PressedTool
 
 from springpot.codegen.errors import DeviceError
-from springpot.host.force_sensor.alignment import alignment_command
-from springpot.host.force_sensor.sensed_press import SensedPressDevice
+from springpot.host.recording.alignment import alignment_command
 from springpot.host.recording.indentation import _GAINS, OPEN_LOOP, Limits, PressedDevice
 from springpot.host.recording.protocols import extended, inverted_cosine, training, validation
+from springpot.host.recording.sensed_press import SensedPressDevice
 from springpot.host.simulation.objects import ALL_OBJECTS
 
 FAST, UNLIKE, RINGS = 1, 2, 3

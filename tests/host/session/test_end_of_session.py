@@ -10,7 +10,7 @@ from support.peer import peer, wait_until
 
 from springpot import Session
 from springpot.host.cli import exit_status
-from springpot.host.commands.scenes.run import run
+from springpot.host.commands.run import run
 from springpot.host.native.loop_library import Stop, empty_rows
 from springpot.host.recording.indentation import trip_error
 from springpot.host.session import runner

@@ -16,7 +16,7 @@ from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE
 from springpot.codegen.model.model_file import read_model
 from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.scene import Coupling, Device, Guard
-from springpot.host.commands.scenes.stability import stability_rows
+from springpot.host.commands.stability import stability_rows
 from springpot.host.emission.emission import _activity
 from springpot.host.simulation.hand_loop import Scenario, Trace
 from springpot.host.simulation.scenarios import Case

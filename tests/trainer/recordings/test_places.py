@@ -8,8 +8,8 @@ from click.testing import CliRunner
 
 from springpot import Recording
 from springpot.codegen.errors import DataError, UsageError
-from springpot.host.commands.recordings.check import check_
-from springpot.host.commands.recordings.import_ import import_
+from springpot.host.commands.check import check_
+from springpot.host.commands.import_ import import_
 from springpot.trainer.recordings.formats.importing import (
     ImportOptions,
     import_file,

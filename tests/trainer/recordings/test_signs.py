@@ -17,7 +17,7 @@ from support.files.mislabelled import Mislabelled, mislabelled, motion, true_for
 import springpot
 from springpot import Recording, SpringpotError, check_recordings
 from springpot.codegen.errors import DataError
-from springpot.host.commands.recordings.import_ import import_
+from springpot.host.commands.import_ import import_
 from springpot.host.validation.seen import accepted_words
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions

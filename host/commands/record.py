@@ -108,7 +108,7 @@ def record(
     limits = Limits(max_force_n, max_depth_mm / 1e3, max_speed_mps)
     sensor: AbstractContextManager[Callable[..., PressedDevice] | None] = nullcontext()
     if sensor_url is not None:
-        from springpot.host.force_sensor.sensed_press import opened_sensor
+        from springpot.host.recording.sensed_press import opened_sensor
 
         sensor = opened_sensor(sensor_url)
     profiles = load_protocol(protocol, seed)

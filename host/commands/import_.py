@@ -13,12 +13,10 @@ from springpot.codegen.errors import UsageError
 from springpot.host.console.options import NOT_NEGATIVE, PATH, FiniteRange
 from springpot.host.console.output import json_option, print_json, progress_bar, say
 from springpot.trainer.recordings.formats.column_map import MAP_EXAMPLE, DecimalMark, parse_map
-from springpot.trainer.recordings.recording import RECORDING_SUFFIX, Recording
-from springpot.trainer.recordings.recording_file import write_recording
 
 if TYPE_CHECKING:
     from springpot.trainer.recordings.quality.report import QualityReport
-    from springpot.trainer.recordings.recording import Zero
+    from springpot.trainer.recordings.recording import Recording, Zero
 
 
 class _AutoOrNumber(click.ParamType[Any]):
@@ -99,7 +97,6 @@ def import_(
     One HDF5 file each. Headers such as time_s,position_m,force_N need no --map. Where one file is
     refused, nothing is written.
     """
-    from springpot.host.commands.recordings.import_ import write_all
     from springpot.host.console.quality import report_quality
     from springpot.trainer.recordings.conditioning import Conditioning
     from springpot.trainer.recordings.formats.import_set import import_set
@@ -176,6 +173,9 @@ def _show(rows: Sequence[dict[str, Any]]) -> None:
 
 def write_all(out: Path, recordings: list[Recording]) -> list[Path]:
     """Write all recordings, or none of them where one file exists already."""
+    from springpot.trainer.recordings.recording import RECORDING_SUFFIX
+    from springpot.trainer.recordings.recording_file import write_recording
+
     files: dict[Path, Recording] = {}
     for recording in recordings:
         path = out / f"{recording.name}{RECORDING_SUFFIX}"
