@@ -72,6 +72,9 @@ def main() -> None:
         package = (error.name or "").split(".")[0]
         if package == "springpot":
             raise
+        if package in sys.stdlib_module_names:  # fcntl, termios, resource
+            say(f"springpot: this system's Python has no {package}: use Linux, or WSL2 on Windows")
+            sys.exit(2)
         extras = "springpot[train,report,can,files,m2cgen,study]"
         say(f"springpot: {package} is not installed: `pip install '{extras}'`")
         sys.exit(2)

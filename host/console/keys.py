@@ -4,8 +4,6 @@ import contextlib
 import os
 import select
 import sys
-import termios
-import tty
 from collections.abc import Iterator
 from typing import TextIO
 
@@ -32,7 +30,12 @@ class Keys:
 @contextlib.contextmanager
 def reading_keys() -> Iterator[Keys]:
     """Read keys one by one while this lasts."""
-    if not sys.stdin.isatty():
+    try:
+        import termios
+        import tty
+    except ModuleNotFoundError:  # Windows
+        termios = None  # type: ignore[assignment]
+    if termios is None or not sys.stdin.isatty():
         yield Keys(None)
         return
     before = termios.tcgetattr(sys.stdin)

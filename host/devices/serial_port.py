@@ -1,7 +1,6 @@
 """Serial ports: opened for one process, with what can be wrong said in one line each."""
 
 import os
-import termios
 from pathlib import Path
 
 import serial
@@ -31,6 +30,8 @@ def open_port(place: str, baud: int) -> serial.Serial:
         user = used_by(place)
         found = f"in use by {user}: end that program first" if user else str(error)
         raise DeviceError(f"{place}: cannot be opened: {found}") from None
+    import termios
+
     settings = termios.tcgetattr(port.fd)
     settings[6][termios.VMIN] = 1  # so that "nothing there" and "gone" read differently
     termios.tcsetattr(port.fd, termios.TCSANOW, settings)

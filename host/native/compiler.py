@@ -147,6 +147,8 @@ def _require_own(path: Path) -> None:
         status = path.stat()
     except FileNotFoundError:
         return
+    if not hasattr(os, "geteuid"):  # Windows keeps a user's folders to the user
+        return
     if status.st_uid != os.geteuid():
         whose = f"belongs to user {status.st_uid}"
     elif status.st_mode & (stat.S_IWGRP | stat.S_IWOTH):

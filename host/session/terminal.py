@@ -56,8 +56,10 @@ def progress_line(progress: Progress, keys: str = _KEYS) -> str:
     return "  ".join([*words, *(name for name, on in flags.items() if on), f"[{keys}]"])
 
 
-# A kill, a closed terminal and Ctrl-\ ask for the same thing.
-_ENDING = (signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT)
+# A kill, a closed terminal and Ctrl-\ ask for the same thing; Windows has the first alone.
+_ENDING = tuple(
+    getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGQUIT") if hasattr(signal, name)
+)
 
 
 @contextlib.contextmanager
@@ -72,7 +74,7 @@ def stopping_on_sigterm() -> Iterator[None]:
     def leave(number: int, _frame: FrameType | None) -> None:
         for again in before:
             signal.signal(again, signal.SIG_IGN)
-        if number == signal.SIGHUP:
+        if signal.Signals(number).name == "SIGHUP":
             _write_nowhere(terminals)
         raise KeyboardInterrupt(signal.Signals(number).name)  # Python's own of Ctrl-C says nothing
 

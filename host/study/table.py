@@ -1,7 +1,6 @@
 """A CSV table that grows by a row at a time and loses none of them."""
 
 import csv
-import fcntl
 import io
 import os
 from collections.abc import Callable, Iterator, Sequence
@@ -23,6 +22,8 @@ def growing_table(
     A last row that a crash cut is dropped. Raises UsageError while another process has the table,
     DataError where it is damaged.
     """
+    import fcntl
+
     with file.open("a", newline="", encoding="utf-8", errors="backslashreplace") as stream:
         try:
             fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
-from contextlib import nullcontext
+from collections.abc import Callable, Sequence
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -23,6 +23,7 @@ from springpot.host.console.output import (
 )
 
 if TYPE_CHECKING:
+    from springpot.host.recording.indentation import PressedDevice
     from springpot.host.recording.session import PressQuality
     from springpot.host.session.runner import Progress as SessionProgress
 
@@ -79,7 +80,6 @@ def record(
 
     On a real device, the key q and Ctrl-C stop with zero force.
     """
-    from springpot.host.force_sensor.sensed_press import opened_sensor
     from springpot.host.recording.indentation import Limits
     from springpot.host.recording.protocols import load_protocol
     from springpot.host.recording.session import open_press_device, record_session
@@ -106,10 +106,15 @@ def record(
         say(f"surface_mm = {surface_mm:g}: also for [device] of a scene")
         url += f"{'&' if '?' in url else '?'}surface_mm={surface_mm:g}"
     limits = Limits(max_force_n, max_depth_mm / 1e3, max_speed_mps)
+    sensor: AbstractContextManager[Callable[..., PressedDevice] | None] = nullcontext()
+    if sensor_url is not None:
+        from springpot.host.force_sensor.sensed_press import opened_sensor
+
+        sensor = opened_sensor(sensor_url)
     profiles = load_protocol(protocol, seed)
     total_s = sum(len(profile.command_n) for profile in profiles) / 1000
     with (
-        nullcontext() if sensor_url is None else opened_sensor(sensor_url) as pressing,
+        sensor as pressing,
         progress,
         stopping_on_sigterm(),
     ):

@@ -6,7 +6,6 @@ reads them in a process of its own, with limits, which prints the arrays as one 
 
 import io
 import os
-import resource
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping, Sequence
@@ -140,7 +139,7 @@ def _npz_apart(path: Path, kind: str) -> bytes:
         raise ModuleNotFoundError("MAT files are read by scipy", name="scipy")
     try:
         done = subprocess.run(
-            [sys.executable, "-m", __name__, path, kind], capture_output=True, check=False,
+            [sys.executable, "-P", "-m", __name__, path, kind], capture_output=True, check=False,
             timeout=_TIMEOUT_S,
             env=os.environ | {"OPENBLAS_NUM_THREADS": "1"},  # each thread counts as memory
         )  # fmt: skip
@@ -224,6 +223,10 @@ def _of_hdf5(path: Path) -> list[Found]:
 
 def limit_reader(path: Path) -> None:
     """Limit this process to the memory and time that reading a file of its size may take."""
+    try:
+        import resource
+    except ModuleNotFoundError:  # Windows has no such limits
+        return
     mib = path.stat().st_size >> 20
     max_bytes = min(_MAX_BYTES, _LEAST_BYTES + (mib << 28))
     cpu_s = min(_MAX_CPU_S, _LEAST_CPU_S + mib)
