@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from springpot.codegen.errors import UsageError
-from springpot.codegen.plurals import number_of
+from springpot.codegen.messages import number_of
 from springpot.codegen.types import JsonObject
 from springpot.host.console.options import NOT_NEGATIVE, PATH, POSITIVE, SEED, FiniteRange
 from springpot.host.console.output import (

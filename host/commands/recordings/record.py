@@ -12,7 +12,7 @@ import click
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from springpot.codegen.errors import UsageError
-from springpot.codegen.plurals import number_of
+from springpot.codegen.messages import number_of
 from springpot.host.console.options import PATH, POSITIVE
 from springpot.host.console.output import (
     json_option,

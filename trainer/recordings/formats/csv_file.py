@@ -12,7 +12,7 @@ import numpy as np
 
 from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.errors import DataError
-from springpot.codegen.plurals import number_of
+from springpot.codegen.messages import number_of
 from springpot.trainer.recordings.formats.column_map import (
     FileRequest,
     guess_column,
