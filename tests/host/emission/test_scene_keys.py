@@ -7,6 +7,7 @@ from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
+import numpy as np
 import pytest
 from support.messages import refusing
 
@@ -199,6 +200,12 @@ def test_only_what_differs_is_written_section_by_section(tmp_path: Path) -> None
 def test_the_json_is_indented_and_ends_with_a_line(tmp_path: Path) -> None:
     assert scene_to_json(PLAIN) == json.dumps(dataclasses.asdict(PLAIN), indent=2) + "\n"
     assert scene_to_json(PLAIN).startswith('{\n  "schema": 1,\n')
+
+
+@pytest.mark.parametrize("number", [np.float32(5.0), np.float64(5.0), np.int64(5)])
+def test_numbers_of_numpy_are_numbers(number: float) -> None:
+    scene = dataclasses.replace(PLAIN, guard=dataclasses.replace(PLAIN.guard, max_force_n=number))
+    assert checked_scene(scene).guard.max_force_n == 5.0
 
 
 def test_a_scene_of_python_is_checked_as_a_file_is(tmp_path: Path) -> None:

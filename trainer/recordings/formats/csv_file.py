@@ -95,6 +95,7 @@ def _lines(path: Path) -> tuple[list[str], str]:
         raise DataError(f"{path}, row {row}: a NUL character: export it as CSV in UTF-8")
     if not text.strip():
         raise NoRecordingError(f"{path}: the file is empty: give a header and rows of numbers")
+    text = text.replace("\u2212", "-")  # the minus of typesetters
     return io.StringIO(text, newline=None).readlines(), note
 
 
