@@ -66,7 +66,7 @@ if TYPE_CHECKING:
     from springpot.host.api.steps import (
         validate as validate,
     )
-    from springpot.host.estimators.ensemble import (
+    from springpot.host.ensemble import (
         from_ensemble as from_ensemble,
     )
     from springpot.host.session.session import (
@@ -97,7 +97,7 @@ _MODULES = {
     "read_model": _FILES,
     "write_model": _FILES,
     "Features": "codegen.model.features",
-    "from_ensemble": "host.estimators.ensemble",
+    "from_ensemble": "host.ensemble",
     "predict": _STEPS,
     "Scene": "codegen.scene",
     "read_scene": _FILES,

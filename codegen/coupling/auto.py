@@ -8,7 +8,7 @@ import numpy as np
 
 from springpot.codegen.coupling.linear_loop import HAND_MODELS, Hand, LinearLoop
 from springpot.codegen.coupling.loop_device import LoopDevice
-from springpot.codegen.plurals import number_of
+from springpot.codegen.messages import number_of
 from springpot.codegen.scene import Coupling
 
 # The loop must be stable with an object stiffer than this model by so much.

@@ -19,8 +19,8 @@ from springpot.codegen.stages.stage import (
     feature_stage,
     held_before,
     padded,
+    stage_code,
 )
-from springpot.codegen.stages.stage_code import stage_code
 from springpot.codegen.types import RealType
 
 SUMS = 16  # SP_TAPS_SUMS

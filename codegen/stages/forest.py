@@ -21,8 +21,8 @@ from springpot.codegen.stages.stage import (
     Member,
     RegressorStage,
     regressor_stage,
+    stage_code,
 )
-from springpot.codegen.stages.stage_code import stage_code
 from springpot.codegen.types import JsonObject, RealType
 
 _LEVELS_A_ROUND = 3  # SP_FOREST_UNCHECKED

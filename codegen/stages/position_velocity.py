@@ -19,8 +19,8 @@ from springpot.codegen.stages.stage import (
     Starts,
     feature_stage,
     held_before,
+    stage_code,
 )
-from springpot.codegen.stages.stage_code import stage_code
 from springpot.codegen.types import RealType
 
 

@@ -10,8 +10,13 @@ from springpot.codegen.literals import array_text
 from springpot.codegen.model.regressors import Rbf
 from springpot.codegen.scene import Runtime
 from springpot.codegen.stages.costs import Costs
-from springpot.codegen.stages.stage import Columns, RegressorStage, padded, regressor_stage
-from springpot.codegen.stages.stage_code import stage_code
+from springpot.codegen.stages.stage import (
+    Columns,
+    RegressorStage,
+    padded,
+    regressor_stage,
+    stage_code,
+)
 from springpot.codegen.types import RealType
 
 RBF_VECTOR_WIDTH = 8  # SP_RBF_WIDTH

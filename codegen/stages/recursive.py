@@ -20,8 +20,8 @@ from springpot.codegen.stages.stage import (
     feature_stage,
     numbers,
     segments,
+    stage_code,
 )
-from springpot.codegen.stages.stage_code import stage_code
 from springpot.codegen.stages.weighted_sum import WeightedSumStage, in_lanes
 from springpot.codegen.types import RealType
 

@@ -4,6 +4,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import singledispatch
+from importlib.resources import files
 from itertools import pairwise
 from typing import ClassVar
 
@@ -219,3 +220,9 @@ def held_before(depth: Reals, starts: Starts, length: int) -> list[tuple[slice, 
         ))
         for begin, end, held in segments(len(depth), starts)
     ]  # fmt: skip
+
+
+def stage_code(name: str) -> str:
+    """Return the text of NAME.c.j2; its blocks are named in `Stage.code`."""
+    template = files("springpot.codegen.stages") / "templates" / f"{name}.c.j2"
+    return template.read_text(encoding="utf-8")

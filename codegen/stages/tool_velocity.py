@@ -4,8 +4,7 @@ from dataclasses import dataclass
 
 from springpot.codegen.arrays import Real
 from springpot.codegen.literals import constant_text
-from springpot.codegen.stages.stage import REAL, Member, SceneTicks, Stage, flushed
-from springpot.codegen.stages.stage_code import stage_code
+from springpot.codegen.stages.stage import REAL, Member, SceneTicks, Stage, flushed, stage_code
 from springpot.codegen.types import Scalar
 
 TIME_S = 0.004  # of the low-pass

@@ -22,7 +22,7 @@ def firmware(scene: Path, name: str, out: Path, as_json: bool) -> None:
     """Build a board's firmware; all its sources lie beside it."""
     from springpot.host.boards.firmware import TRANSDUCER, build_firmware
     from springpot.host.emission.checksums import is_edited
-    from springpot.host.emission.folder import emitted_folder
+    from springpot.host.emission.emission import emitted_folder
 
     board = board_of(name)
     if is_edited(out, TRANSDUCER):

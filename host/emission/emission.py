@@ -2,13 +2,16 @@
 
 import json
 import shutil
+import tempfile
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
 from springpot.codegen.atomic_write import folder_written_aside
 from springpot.codegen.emit.files import emit_files
-from springpot.codegen.errors import BudgetError, DataError, MismatchError
+from springpot.codegen.errors import BudgetError, DataError, MismatchError, UsageError
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import MODEL_SUFFIX, read_model
 from springpot.codegen.plan.make_plan import make_plan
@@ -17,6 +20,7 @@ from springpot.codegen.plan.units import state_bytes
 from springpot.codegen.scene import Scene
 from springpot.codegen.short_repr import short_repr
 from springpot.codegen.types import JsonObject
+from springpot.host.console.output import say
 from springpot.host.emission.checksums import (
     edited_files,
     edited_hash,
@@ -25,7 +29,12 @@ from springpot.host.emission.checksums import (
 )
 from springpot.host.emission.felt import felt_notices, rate_notices
 from springpot.host.emission.result import Emission, over_budget
-from springpot.host.emission.scene_file import scene_from_json, scene_to_json
+from springpot.host.emission.scene_file import (
+    model_path,
+    read_scene,
+    scene_from_json,
+    scene_to_json,
+)
 from springpot.host.native.compiler import NoCompilerError
 from springpot.host.native.footprint import measure_footprint
 from springpot.host.native.scene_library import SceneLibrary, scene_prefix
@@ -216,3 +225,19 @@ def _unchecked(plan: Plan) -> list[str]:
             "their library is not counted"
         )
     return messages
+
+
+@contextmanager
+def emitted_folder(scene: Path) -> Iterator[Path]:
+    """The folder itself, or that of a scene file emitted for this session."""
+    if (scene / SCENE_COPY).exists():
+        yield scene
+        return
+    if scene.is_dir():
+        raise UsageError(f"{scene}: not an emitted folder: `springpot emit --out` makes one")
+    described = read_scene(scene)
+    with tempfile.TemporaryDirectory(prefix="springpot-run-") as scratch:
+        folder = Path(scratch) / "c"
+        for found in emit(described, model_path(described, scene), folder).notices:
+            say(found)
+        yield folder

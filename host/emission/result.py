@@ -41,8 +41,13 @@ class Emission:
     notices: tuple[str, ...]
 
     def __repr__(self) -> str:
-        flash = f"flash {self.footprint.flash_bytes}, " if self.footprint else ""
+        flash = f"flash {self.flash_bytes}, " if self.footprint else ""
         return f"Emission({str(self.folder)!r}, {flash}RAM {self.ram_bytes} bytes)"
+
+    @property
+    def flash_bytes(self) -> int | None:
+        """Code, constants and initialised data of the scene; None without a compiler."""
+        return self.footprint.flash_bytes if self.footprint else None
 
     def as_dict(self) -> JsonObject:
         """Keys of `emit --json`."""
@@ -50,7 +55,7 @@ class Emission:
         return {
             "out": str(self.folder),
             "hash": self.hash,
-            "flash_bytes": footprint.flash_bytes if footprint else None,
+            "flash_bytes": self.flash_bytes,
             "ram_bytes": self.ram_bytes,
             "stack_bytes": footprint.stack_bytes if footprint else None,
             **{key: self.manifest.get(key) for key in _OF_MANIFEST},

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from pydantic import TypeAdapter
 
 from springpot.codegen.atomic_write import write_file
@@ -41,7 +42,14 @@ def scene_from_json(text: str, where: str) -> Scene:
 
 def scene_to_json(scene: Scene) -> str:
     """All keys of the scene, defaults included."""
-    return json.dumps(dataclasses.asdict(scene), indent=2) + "\n"
+    return json.dumps(dataclasses.asdict(scene), indent=2, default=_plain_number) + "\n"
+
+
+def _plain_number(value: object) -> object:
+    """A number of numpy as Python's. Raises TypeError for anything else."""
+    if isinstance(value, np.generic):
+        return value.item()
+    raise TypeError(f"{value!r} is no number")
 
 
 def checked_scene(scene: Scene) -> Scene:

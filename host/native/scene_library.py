@@ -8,7 +8,7 @@ import numpy as np
 from springpot.codegen.arrays import Reals
 from springpot.codegen.emit.render import ABI_VERSION
 from springpot.codegen.errors import DataError, UsageError
-from springpot.codegen.plurals import number_of
+from springpot.codegen.messages import number_of
 from springpot.codegen.types import CData, JsonObject, RealType
 from springpot.host.native.c_library import CLibrary, declarations
 from springpot.host.native.compiler import shared_library

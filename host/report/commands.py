@@ -13,8 +13,8 @@ from springpot.host.console.output import json_option, print_result, progress_ba
 @json_option
 def demo(out: Path, object_name: str, as_json: bool) -> None:
     """Do the whole job on a simulated object: record, train, emit, build, validate, report."""
-    from springpot.host.commands.scenes.emit import emission_rows
-    from springpot.host.commands.scenes.validate import validation_rows
+    from springpot.host.commands.emit import emission_rows
+    from springpot.host.commands.validate import validation_rows
     from springpot.host.report.demo import run_demo
     from springpot.host.validation.validation import fail_on_mismatch
 

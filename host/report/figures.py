@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from springpot.host.pages.plot_style import MUTED, STYLE, stride, svg_text
-from springpot.host.validation.drawing import draw_forces, median_error
 from springpot.host.validation.store import Series
+from springpot.host.validation.validation import draw_forces, median_error
 
 _SIZE_INCHES = (4.4, 3.4)
 _TOTAL_POINTS = 20_000  # of all recordings in one figure

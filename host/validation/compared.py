@@ -8,9 +8,9 @@ from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Reals, Samples
 from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.messages import counted
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import member_offset
-from springpot.codegen.progress import counted
 from springpot.codegen.reference.run import run_reference
 from springpot.host.metrics import start_up_ramp
 from springpot.host.native.loop_library import NONE, SILENT, UNSENT

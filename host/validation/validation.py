@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.arrays import rms
+from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import DataError, MismatchError
 from springpot.codegen.model.model import Model
@@ -22,7 +22,6 @@ from springpot.host.native.replay import Replay, TickTimes
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.stiffness import SlopeErrors, slope_errors, slope_keys
 from springpot.host.validation.compared import compared_all, is_log_of
-from springpot.host.validation.drawing import draw_forces, median_error
 from springpot.host.validation.parts import PlaceError, place_errors
 from springpot.host.validation.seen import seen_by
 from springpot.host.validation.ticks import at_samples, at_ticks
@@ -215,3 +214,26 @@ def _validated(
         clamped_low=found.clamped_low,
         min_n=float(plan.output.min_n),
     )
+
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+
+def draw_forces(
+    axes: "Axes", name: str, dt_s: float, measured_n: Samples, predicted_n: Samples
+) -> None:
+    """Draw both forces, (n,), N, against time."""
+    time_s = dt_s * np.arange(len(measured_n))
+    axes.plot(time_s, measured_n, color="black", lw=1.2, label="measured")
+    axes.plot(time_s, predicted_n, color="tab:red", lw=1.0, ls="--", label="C")
+    axes.set(xlabel="time, s", ylabel="force, N")
+    axes.set_title(name, loc="left", fontsize=9)
+    axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), frameon=False, ncols=2)
+
+
+def median_error(measured_n: Sequence[Samples], predicted_n: Sequence[Samples]) -> int:
+    """Return the number of the recording that has the median RMSE."""
+    pairs = zip(measured_n, predicted_n, strict=True)
+    errors_n = [rms(predicted - measured) for measured, predicted in pairs]
+    return int(np.argsort(errors_n)[len(errors_n) // 2])

@@ -88,8 +88,8 @@ def test_no_folder_is_crowded() -> None:
 FITTING = {
     "bench",
     "study",
-    "estimators",
-    "force_sensor",
+    "ensemble",
+    "recording",
     "report",
 }  # rooms of host
 
@@ -101,8 +101,8 @@ def test_only_what_fits_imports_what_fits() -> None:
                 assert module.split(".")[0] not in FITS, f"{file} imports {module}"
 
 
-LIGHT = ("cli", "commands.scenes.validate", "native.scene_library", "commands.models.train",
-         "commands.recordings.record", "study.session")  # fmt: skip
+LIGHT = ("cli", "commands.validate", "native.scene_library", "commands.train",
+         "commands.record", "study.session")  # fmt: skip
 
 
 def test_replaying_and_logging_load_no_fit() -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples, kept_numbers
 from springpot.codegen.errors import DataError, UsageError
-from springpot.codegen.plurals import number_of
+from springpot.codegen.messages import number_of
 from springpot.trainer.plot_axes import axes_for_plot
 
 if TYPE_CHECKING:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from springpot.codegen.arrays import Indices, Samples
-from springpot.codegen.progress import at_step
+from springpot.codegen.messages import at_step
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.folds import geometric_mean
 from springpot.trainer.selection.cross_validation import FoldedRows, TreeFit

@@ -20,8 +20,8 @@ from springpot.codegen.stages.stage import (
     Stage,
     Starts,
     segments,
+    stage_code,
 )
-from springpot.codegen.stages.stage_code import stage_code
 
 
 @dataclass(frozen=True)

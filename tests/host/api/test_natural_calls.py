@@ -1,17 +1,15 @@
 """Calls that a person tries first: each works, or one line says what to call."""
 
-import warnings
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from support.messages import refusing
-from support.small import passive_model, scene, training
+from support.small import training
 
 import springpot
-from springpot import Recording
 from springpot.codegen.errors import UsageError
-from springpot.host.estimators.ensemble import ensemble_data
+from springpot.host.ensemble import ensemble_data
 
 ITEM = training()[-1]
 
@@ -49,24 +47,3 @@ TAKING = {
 def test_what_is_no_list_of_recordings_is_told_how_to_become_one(given, says, call):
     with refusing(UsageError, says):
         call(given)
-
-
-TURNED = {"force": (1.0, -1.0), "position": (-1.0, 1.0)}
-
-
-@pytest.mark.few(1)
-@pytest.mark.parametrize("signs", TURNED.values(), ids=TURNED)
-def test_a_turned_sign_is_said_where_a_recording_meets_a_model(signs, tmp_path, caplog):
-    turned = Recording("neg", signs[0] * ITEM.position_m, signs[1] * ITEM.force_n, ITEM.dt_s)
-    for item, doubted in ((ITEM, False), (turned, True)):
-        folder = tmp_path / item.name
-        folder.mkdir()
-        springpot.emit(folder / "c", model=passive_model(), scene=scene())
-        with warnings.catch_warnings(record=True) as said:
-            warnings.simplefilter("always")
-            springpot.predict(passive_model(), item)
-        told = "; ".join(str(one.message) for one in said)
-        assert ("turn " in told and f"{item.name}: force falls" in told) == doubted
-        caplog.clear()
-        springpot.validate(folder / "c", item, paced_s=0.01)
-        assert ("force falls as position rises" in caplog.text) == doubted

@@ -14,7 +14,7 @@ import springpot
 from springpot.codegen.errors import DataError
 from springpot.codegen.scene import Guard
 from springpot.host.api.files import write_scene
-from springpot.host.estimators.ensemble import ensemble_data
+from springpot.host.ensemble import ensemble_data
 
 
 def example(file: str) -> str:

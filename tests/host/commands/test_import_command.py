@@ -6,7 +6,7 @@ from pathlib import Path
 from click.testing import CliRunner, Result
 
 from springpot.codegen.errors import DataError, UsageError
-from springpot.host.commands.recordings.import_ import import_
+from springpot.host.commands.import_ import import_
 from springpot.trainer.recordings.recording_file import read_recording
 
 TABLE = "time_s,position_mm,force_N\n0.0,1,2\n0.5,2,3\n1.0,3,5\n"

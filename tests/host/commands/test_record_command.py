@@ -5,7 +5,7 @@ import pytest
 from click.testing import CliRunner
 
 from springpot.codegen.errors import UsageError
-from springpot.host.commands.recordings.record import record
+from springpot.host.commands.record import record
 from springpot.host.recording import protocols
 from springpot.trainer.recordings.recording_file import read_recordings
 

@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from support.messages import refusing
 
@@ -168,6 +169,12 @@ def test_a_scene_comes_back_as_it_was_written(tmp_path: Path) -> None:
         write_scene(tmp_path / "scene.toml", scene)
         assert read_scene(tmp_path / "scene.toml") == scene
         assert scene_from_json(scene_to_json(scene), "") == checked_scene(scene) == scene
+
+
+@pytest.mark.parametrize("number", [np.float32(5.0), np.float64(5.0), np.int64(5)])
+def test_numbers_of_numpy_are_numbers(number: float) -> None:
+    scene = dataclasses.replace(PLAIN, guard=dataclasses.replace(PLAIN.guard, max_force_n=number))
+    assert checked_scene(scene).guard.max_force_n == 5.0
 
 
 def test_a_scene_of_python_is_checked_as_a_file_is(tmp_path: Path) -> None:

@@ -16,7 +16,7 @@ from support.messages import refusing
 from support.small import training
 
 from springpot.codegen.errors import UsageError
-from springpot.host.estimators.ensemble import ensemble_data, from_ensemble, require_same_data
+from springpot.host.ensemble import ensemble_data, from_ensemble, require_same_data
 
 FOREST, EXTRA, BOOSTED = RandomForestRegressor, ExtraTreesRegressor, HistGradientBoostingRegressor
 RIGHT = [

@@ -8,7 +8,7 @@ import pytest
 from support.c.pressed_tool import PressedTool
 
 from springpot.codegen.errors import DeviceError
-from springpot.host.force_sensor.alignment import Delay, alignment_command, find_delay
+from springpot.host.recording.alignment import Delay, alignment_command, find_delay
 from springpot.host.recording.indentation import OPEN_LOOP
 
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from support.c.pressed_tool import PressedTool
 
-from springpot.host.force_sensor.alignment import Delay, late_gains
+from springpot.host.recording.alignment import Delay, late_gains
 from springpot.host.recording.indentation import OPEN_LOOP, press_step_functions
 from springpot.host.recording.protocols import inverted_cosine, training
 

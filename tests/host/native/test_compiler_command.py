@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from support.small import model_file, scene
 
-from springpot.host.doctor.doctor import examine
+from springpot.host.commands.doctor import examine
 from springpot.host.emission.emission import emit
 from springpot.host.native.compiler import (
     NoCompilerError,

@@ -16,7 +16,7 @@ from support.files.recording_files import PressedObject
 import springpot
 from springpot import Recording, SpringpotError, check_recordings
 from springpot.codegen.errors import DataError
-from springpot.host.commands.recordings.import_ import import_
+from springpot.host.commands.import_ import import_
 from springpot.host.validation.seen import accepted_words
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions

@@ -12,7 +12,7 @@ import numpy as np
 
 from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.errors import DataError
-from springpot.codegen.plurals import number_of
+from springpot.codegen.messages import number_of
 from springpot.trainer.recordings.formats.column_map import (
     FileRequest,
     guess_column,
@@ -95,6 +95,7 @@ def _lines(path: Path) -> tuple[list[str], str]:
         raise DataError(f"{path}, row {row}: a NUL character: export it as CSV in UTF-8")
     if not text.strip():
         raise NoRecordingError(f"{path}: the file is empty: give a header and rows of numbers")
+    text = text.replace("\u2212", "-")  # the minus of typesetters
     return io.StringIO(text, newline=None).readlines(), note
 
 

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.errors import DataError
-from springpot.codegen.plurals import number_of
+from springpot.codegen.messages import number_of
 from springpot.trainer.recordings.recording import Recording, Zero, zero_word
 
 MIN_ROWS = 3

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
-from springpot.codegen.plurals import number_of
+from springpot.codegen.messages import number_of
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.sensor import noise_n, quantisation_step

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from springpot.codegen.errors import DataError
-from springpot.codegen.progress import counted
+from springpot.codegen.messages import counted
 from springpot.codegen.types import JsonObject
 from springpot.trainer.recordings.quality.channels import channel_findings
 from springpot.trainer.recordings.quality.contact import contact_findings

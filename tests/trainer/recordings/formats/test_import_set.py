@@ -68,3 +68,13 @@ def test_a_surface_that_is_not_known_is_refused(tmp_path: Path, noise_n: float) 
         DataError, match=r"surface is known to .*: leave Conditioning\(contact_force\) out"
     ):
         springpot.import_recordings(file, options=AUTO)
+
+
+@pytest.mark.filterwarnings("always::UserWarning")
+def test_a_minus_of_typesetters_is_one(tmp_path: Path) -> None:
+    write_press(tmp_path / "a.csv", 0, 5e-3)
+    text = (tmp_path / "a.csv").read_text()
+    (tmp_path / "b.csv").write_text(text.replace("-", "\u2212"), encoding="utf-8")
+    one, other = (springpot.import_recordings(tmp_path / f"{name}.csv")[0] for name in "ab")
+    assert one.force_n.min() < 0.0
+    assert one.force_n.tobytes() == other.force_n.tobytes()

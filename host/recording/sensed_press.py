@@ -20,7 +20,7 @@ from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.serial_device import SerialDevice
 from springpot.host.devices.url import Address, parse_address
 from springpot.host.devices.wire import constant
-from springpot.host.force_sensor.alignment import (
+from springpot.host.recording.alignment import (
     CHIRP_PEAK_N,
     Delay,
     alignment_command,

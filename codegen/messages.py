@@ -1,8 +1,18 @@
-"""Progress of long work: a log record before each step, for a program that shows it."""
+"""Words of messages, and progress of long work."""
 
 import logging
 from collections.abc import Iterator, Sequence
 from typing import TypeVar
+
+
+def number_of(number: int, what: str) -> str:
+    """Write how many there are of what.
+
+    >>> number_of(1, "gap"), number_of(2, "gap")
+    ('1 gap', '2 gaps')
+    """
+    return f"{number} {what}" + ("" if number == 1 else "s")
+
 
 _Item = TypeVar("_Item")
 _LOG = logging.getLogger("springpot.progress")

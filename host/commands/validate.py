@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from springpot.codegen.plurals import number_of
+from springpot.codegen.messages import number_of
 from springpot.host.console.options import PATH, recordings_given
 from springpot.host.console.output import json_option, print_result, progress_bar
 

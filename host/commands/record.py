@@ -12,7 +12,7 @@ import click
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from springpot.codegen.errors import UsageError
-from springpot.codegen.plurals import number_of
+from springpot.codegen.messages import number_of
 from springpot.host.console.options import PATH, POSITIVE
 from springpot.host.console.output import (
     json_option,
@@ -108,7 +108,7 @@ def record(
     limits = Limits(max_force_n, max_depth_mm / 1e3, max_speed_mps)
     sensor: AbstractContextManager[Callable[..., PressedDevice] | None] = nullcontext()
     if sensor_url is not None:
-        from springpot.host.force_sensor.sensed_press import opened_sensor
+        from springpot.host.recording.sensed_press import opened_sensor
 
         sensor = opened_sensor(sensor_url)
     profiles = load_protocol(protocol, seed)

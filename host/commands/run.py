@@ -56,7 +56,7 @@ def run(
 
     Keys: q stop, p pause, r reset; Ctrl-C stops too.
     """
-    from springpot.host.emission.folder import emitted_folder
+    from springpot.host.emission.emission import emitted_folder
     from springpot.host.session.session import Session
     from springpot.host.session.terminal import stopping_on_sigterm
     from springpot.trainer.recordings.formats.importing import parse_place

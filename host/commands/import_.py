@@ -16,7 +16,7 @@ from springpot.trainer.recordings.formats.column_map import MAP_EXAMPLE, Decimal
 
 if TYPE_CHECKING:
     from springpot.trainer.recordings.quality.report import QualityReport
-    from springpot.trainer.recordings.recording import Zero
+    from springpot.trainer.recordings.recording import Recording, Zero
 
 
 class _AutoOrNumber(click.ParamType[Any]):
@@ -97,7 +97,6 @@ def import_(
     One HDF5 file each. Headers such as time_s,position_m,force_N need no --map. Where one file is
     refused, nothing is written.
     """
-    from springpot.host.commands.recordings.import_files import write_all
     from springpot.host.console.quality import report_quality
     from springpot.trainer.recordings.conditioning import Conditioning
     from springpot.trainer.recordings.formats.import_set import import_set
@@ -170,3 +169,32 @@ def _show(rows: Sequence[dict[str, Any]]) -> None:
             f"  {row['glance']}" + ("" if words in said else f"\n  {words}")
         )
         said.add(words)
+
+
+def write_all(out: Path, recordings: list[Recording]) -> list[Path]:
+    """Write all recordings, or none of them where one file exists already."""
+    from springpot.trainer.recordings.recording import RECORDING_SUFFIX
+    from springpot.trainer.recordings.recording_file import write_recording
+
+    files: dict[Path, Recording] = {}
+    for recording in recordings:
+        path = out / f"{recording.name}{RECORDING_SUFFIX}"
+        if path in files:
+            raise UsageError(
+                f"{path}: both {files[path].source} and {recording.source} would be written there: "
+                "import them into two folders"
+            )
+        if path.exists():
+            raise UsageError(f"{path}: exists already: remove it or choose another --out")
+        files[path] = recording
+    try:
+        out.mkdir(parents=True, exist_ok=True)
+        for path, recording in files.items():
+            write_recording(path, recording, overwrite=False)
+    except FileExistsError as error:
+        raise UsageError(
+            f"{error.filename2 or out}: came into being meanwhile: choose another --out"
+        ) from None
+    except OSError as error:
+        raise UsageError(f"{out}: cannot write here ({error}): choose another --out") from None
+    return list(files)

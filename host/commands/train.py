@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from springpot.codegen.errors import UsageError
-from springpot.codegen.plurals import number_of
+from springpot.codegen.messages import number_of
 from springpot.codegen.types import JsonObject
 from springpot.host.console.options import NOT_NEGATIVE, PATH, POSITIVE, SEED, FiniteRange
 from springpot.host.console.output import (
@@ -108,7 +108,7 @@ def train(
 ) -> None:
     """Fit a model on RECORDINGS (files or folders)."""
     _require_model_file(out)  # before minutes of work
-    from springpot.host.commands.models.fit_result import errors, training_result, training_rows
+    from springpot.host.commands.fit_result import errors, training_result, training_rows
     from springpot.host.console.quality import report_quality
     from springpot.host.validation.seen import seen_line
     from springpot.trainer.models.fit import FitOptions  # scikit-learn, only where it fits

@@ -1,1 +1,0 @@
-"""Commands that emit, check, validate and run scenes."""

@@ -1,1 +1,0 @@
-"""Regressors and tree ensembles of scikit-learn: springpot's models as theirs, theirs as models."""

@@ -1,1 +1,0 @@
-"""A force sensor beside a device that measures no force."""
