@@ -24,7 +24,7 @@ KIND = "ensemble"
 GivenFeatures = Features | Sequence[float] | None
 _AGREES = 1e-4  # of the peak force: float32 leaves a tree now and then on the other side
 _CHECKED_ROWS = 5000
-# Of 1 - R2 of the same regressor on right features (tests/bench/trees/own_trees.py).
+# Of 1 - R2 of the same regressor on right features.
 _TIMES, _MORE = 2.0, 0.005
 
 

@@ -14,8 +14,7 @@ from springpot.codegen.model.regressors import Forest
 
 # The paper gives neither. With a third of the features at a split, leaves follow features that lag
 # behind the force, and up to 15 of 30 small-signal cells of the forest were not passive; with
-# all of them none. Few rows a tree make up for the time and halve the nodes
-# (tests/bench/trees/tree_evidence.py).
+# all of them none. Few rows a tree make up for the time and halve the nodes.
 FEATURES_AT_SPLIT = 1.0
 ROWS_OF_A_TREE = 0.35
 # What to give in place of what is often given.
