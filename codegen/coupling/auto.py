@@ -66,8 +66,7 @@ def choose_coupling(
             why += f" (not counted: the light hand one sample later, up to {_npmm(light_npm)})"
         return CouplingChoice(off, why, stiffness_npm)
     search = _ProxySearch(stiffness_npm, dt_s, device, smoothing)
-    stiffest = search.stiffest()
-    proxy = stiffest or search.calmest_of_softest()
+    proxy = search.stiffest() or search.calmest_of_softest()
     felt = series(proxy.stiffness_npm, stiffness_npm)
     why = (
         f"proxy: auto: {found}, pass the bare loop's limit of {_npmm(min(limits))} "
@@ -75,7 +74,7 @@ def choose_coupling(
         f"{proxy.stiffness_npm:g} N/m, {proxy.damping_nspm:g} N s/m, {proxy.mass_kg:g} kg; "
         f"the hand feels {_npmm(felt)}"
     )
-    return CouplingChoice(proxy, why, felt, every_hand=stiffest is not None)
+    return CouplingChoice(proxy, why, felt, every_hand=search.is_stable(proxy))
 
 
 class _ProxySearch:
@@ -132,6 +131,10 @@ class _ProxySearch:
             for damping_nspm in _DAMPINGS_NSPM
         ]
         return min(softest, key=lambda one: max(self._radii(one)))
+
+    def is_stable(self, proxy: Coupling) -> bool:
+        """Whether nothing grows, however little damping is left."""
+        return max(self._radii(proxy)) < 1.0
 
     def _stiffest_of(self, softest: Coupling, least_npm: float) -> Coupling | None:
         """The stiffest of one mass and damping; None if it is below least_npm."""

