@@ -74,7 +74,7 @@ def choose_coupling(
         f"{proxy.stiffness_npm:g} N/m, {proxy.damping_nspm:g} N s/m, {proxy.mass_kg:g} kg; "
         f"the hand feels {_npmm(felt)}"
     )
-    return CouplingChoice(proxy, why, felt, every_hand=search.is_stable(proxy))
+    return CouplingChoice(proxy, why, felt, every_hand=max(search.radii(proxy)) < 1.0)
 
 
 class _ProxySearch:
@@ -130,11 +130,7 @@ class _ProxySearch:
             for mass_kg in _MASSES_KG
             for damping_nspm in _DAMPINGS_NSPM
         ]
-        return min(softest, key=lambda one: max(self._radii(one)))
-
-    def is_stable(self, proxy: Coupling) -> bool:
-        """Whether nothing grows, however little damping is left."""
-        return max(self._radii(proxy)) < 1.0
+        return min(softest, key=lambda one: max(self.radii(one)))
 
     def _stiffest_of(self, softest: Coupling, least_npm: float) -> Coupling | None:
         """The stiffest of one mass and damping; None if it is below least_npm."""
@@ -155,11 +151,9 @@ class _ProxySearch:
 
     def _stable(self, proxy: Coupling) -> bool:
         limits = (limit for _, limit in self._loops)
-        return all(
-            radius <= limit for radius, limit in zip(self._radii(proxy), limits, strict=True)
-        )
+        return all(radius <= limit for radius, limit in zip(self.radii(proxy), limits, strict=True))
 
-    def _radii(self, proxy: Coupling) -> Iterator[float]:
+    def radii(self, proxy: Coupling) -> Iterator[float]:
         for loop, _ in self._loops:
             yield float(replace(loop, coupling=proxy).swing_radius(self._loads_npm).max())
 
