@@ -22,7 +22,7 @@ def written_aside(path: Path, *, overwrite: bool = True, durable: bool = False) 
     try:
         yield aside
         if durable:
-            _sync(aside)
+            sync_path(aside)
         if overwrite:
             aside.replace(path)
         else:
@@ -34,7 +34,7 @@ def written_aside(path: Path, *, overwrite: bool = True, durable: bool = False) 
         with suppress(NotADirectoryError):
             aside.unlink(missing_ok=True)
     if durable:
-        sync_folder(path.parent)
+        sync_path(path.parent)
 
 
 @contextmanager
@@ -74,12 +74,8 @@ def write_file(path: Path, content: bytes) -> None:
         aside.write_bytes(content)
 
 
-def sync_folder(folder: Path) -> None:
-    """Make new names in a folder survive a power cut."""
-    _sync(folder)
-
-
-def _sync(path: Path) -> None:
+def sync_path(path: Path) -> None:
+    """Make new names in a folder, or the content of a file, survive a power cut."""
     descriptor = os.open(path, os.O_RDONLY)
     try:
         os.fsync(descriptor)

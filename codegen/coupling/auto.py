@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from springpot.codegen.coupling.gains import is_unit_error
 from springpot.codegen.coupling.linear_loop import HAND_MODELS, Hand, LinearLoop
 from springpot.codegen.coupling.loop_device import LoopDevice
 from springpot.codegen.messages import number_of
@@ -102,7 +103,7 @@ class _ProxySearch:
         return math.exp(-DAMPING_LEFT * damping_nspm / (2.0 * mass_kg) * loop.dt_s)
 
     def stiffest(self) -> Coupling | None:
-        """The stiffest of which all softer ones are stable too, softened by GAIN_MARGIN.
+        """Return the stiffest of which all softer ones are stable too, softened by GAIN_MARGIN.
 
         Damping has a window: the object's force is held for a tick, which drives the proxy like a
         negative damper of K dt/2, and the tool's held force bounds it from above. Beyond a gap
@@ -120,17 +121,18 @@ class _ProxySearch:
                 found = self._stiffest_of(softest, least_npm) or found
         if found is None:
             return None
-        softer_npm = float(f"{GAIN_MARGIN * found.stiffness_npm:.3g}")
-        return replace(found, stiffness_npm=softer_npm)
+        softer = replace(found, stiffness_npm=float(f"{GAIN_MARGIN * found.stiffness_npm:.3g}"))
+        return None if is_unit_error(softer) else softer
 
     def calmest_of_softest(self) -> Coupling:
-        """Of the softest proxies that with the smallest radius: nothing holds such an object."""
+        """Return the softest proxy that swings least, for an object that none holds."""
         softest = [
             Coupling("proxy", float(_STIFFNESSES_NPM[0]), float(f"{damping_nspm:.3g}"), mass_kg)
             for mass_kg in _MASSES_KG
             for damping_nspm in _DAMPINGS_NSPM
         ]
-        return min(softest, key=lambda one: max(self.radii(one)))
+        plausible = [one for one in softest if not is_unit_error(one)]
+        return min(plausible, key=lambda one: max(self.radii(one)))
 
     def _stiffest_of(self, softest: Coupling, least_npm: float) -> Coupling | None:
         """The stiffest of one mass and damping; None if it is below least_npm."""

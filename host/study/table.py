@@ -7,7 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from springpot.codegen.atomic_write import sync_folder
+from springpot.codegen.atomic_write import sync_path
 from springpot.codegen.errors import DataError, UsageError
 
 Row = dict[str, str]
@@ -39,7 +39,7 @@ def growing_table(
 
         if not file.stat().st_size:
             append(columns)
-            sync_folder(file.parent)
+            sync_path(file.parent)
         yield rows, append
 
 

@@ -1,4 +1,4 @@
-"""What Windows and macOS lack is on the way of no command that needs no hardware."""
+"""Run the commands that need no hardware without what Windows and macOS lack."""
 
 import subprocess
 import sys

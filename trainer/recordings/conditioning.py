@@ -221,6 +221,6 @@ def _require_known_surface(recordings: Sequence[Recording]) -> None:
             raise DataError(
                 f"{recording.name}: its surface is known to +- {1e3 * doubt_m:.2g} mm alone, of "
                 f"{1e3 * deepest_m:.3g} mm that the object is pressed, for force without contact "
-                "is noisy or drifts: leave --contact-force out if position 0 is the surface, else "
-                "press deeper, or record with less noise"
+                "is noisy or drifts, or samples lie far apart: leave --contact-force out if "
+                "position 0 is the surface, else press deeper, or record with less noise"
             )

@@ -73,7 +73,7 @@ def held_proxies(count: int) -> list[tuple[float, float, LoopDevice, CouplingCho
 
 
 def holds(stiffness_npm: float, rate_hz: float, device: LoopDevice, proxy: Coupling) -> bool:
-    """Whether a quarter of the damping is left with every hand and softer object."""
+    """Say whether a quarter of the damping is left, with every hand and softer object."""
     loads_npm = stiffness_npm * STIFFNESS_MARGIN_PROXY * np.geomspace(0.01, 1.0, 8)
     for hand in HAND_MODELS:
         for more in (0, 1):

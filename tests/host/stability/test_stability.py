@@ -27,7 +27,7 @@ from springpot.host.native.trial_build import built
 from springpot.host.stability.check import Stability, stability
 from springpot.host.stability.closed_loop import Outcome
 from springpot.host.stability.judgement import Grade, judge
-from springpot.host.stability.linear import is_stable, require_stable, scene_loop
+from springpot.host.stability.linear import is_stable, require_stable, scene_loop, spectral_radius
 from springpot.host.stability.small_signal import small_signal_map
 from springpot.host.stability.verdict import why_unbounded
 from springpot.trainer.kinds import fit_model
@@ -185,3 +185,17 @@ def test_the_rate_that_is_advised_is_stable(stiffer: float) -> None:
             model, dataclasses.replace(auto, runtime=Runtime(rate_hz=rate_hz)), accept_unsafe=True
         )
         assert is_stable(plan, scene_loop(plan, DESIGN_HAND)) == bool(advised)
+
+
+@pytest.mark.slow
+def test_a_loop_that_only_a_softer_object_shakes_is_refused() -> None:
+    """A proxy may stand a stiff object, and not the soft contact that every press begins with."""
+    stated = dataclasses.replace(
+        scene(), runtime=Runtime(rate_hz=4000.0), coupling=Coupling("proxy", 71_687.0, 100.0, 0.005)
+    )
+    model = passive_model()
+    model = model.stiffened(1.7e5 / make_plan(model, stated, accept_unsafe=True).stiffness_npm)
+    plan = make_plan(model, stated, accept_unsafe=True)
+    assert spectral_radius(plan) < 1.0
+    with pytest.raises(UnsafeError, match=r"is passed where this one is touched first"):
+        require_stable(plan)

@@ -44,7 +44,7 @@ def test_the_just_noticeable_difference_rises_below_two_newton() -> None:
 
 
 def test_an_interval_holds_the_mean_in_19_of_20_draws() -> None:
-    """Of many recordings' errors: 1.96 standard errors of their mean to either side."""
+    """Span 1.96 standard errors of the mean to either side, for many recordings."""
     spread = np.random.default_rng(0).normal(1.0, 0.1, 400)
     found = accuracy([np.full(2, 4.0)] * 400, [np.full(2, 4.0 + error) for error in spread])
     assert found.interval_n is not None
@@ -55,7 +55,7 @@ def test_an_interval_holds_the_mean_in_19_of_20_draws() -> None:
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 def test_one_bit_is_a_difference(dtype: type[np.float32] | type[np.float64]) -> None:
-    """What "0 ticks differ" stands on."""
+    """See one bit: "0 ticks differ" stands on it."""
     one = np.array([0.0, 1.0, 3.5], dtype=dtype)
     assert not bits_differ(one, one.copy()).any()
     assert bits_differ(one, np.nextafter(one, dtype(9.0))).all()
