@@ -98,24 +98,31 @@ class Firmware:
             self.off("tripped" if acted else "proved", 3, force_n, silent_ms=1e3 * silent_s)
 
     def off(self, event: str, cause: int, was_n: float, **more: float) -> None:
+        """Ends the force. Events go out first: a host that sees it off may switch it on at once."""
         page = self.page
-        page["enabled"], page["cause"] = 0, cause
         for axis in "xyz":
             page[f"force_{axis}"] = 0
         say(event=event, was_n=was_n, **more)
+        if self.enabled:
+            self.say_stop()
+        page["cause"], page["enabled"] = cause, 0
 
     def tell(self, force_n: float) -> None:
         if self.page["enabled"] and not self.enabled:
             say(event="start")
+            self.enabled = True
         elif self.enabled and not self.page["enabled"]:
-            say(event="stop", force_n=max(abs(self.page[f"force_{axis}"]) for axis in "xyz"),
-                max_force_n=self.page["max_force_n"], mass_kg=self.page["mass_kg"],
-                watchdog_s=self.page["watchdog_s"],
-                place_m=[self.page[f"place_{axis}"] for axis in "xyz"])  # fmt: skip
-        self.enabled = bool(self.page["enabled"])
+            self.say_stop()
         if self.acting_n > ACTING_N and force_n == 0:
             say(event="zero", was_n=self.acting_n)
         self.acting_n = force_n
+
+    def say_stop(self) -> None:
+        self.enabled = False
+        say(event="stop", force_n=max(abs(self.page[f"force_{axis}"]) for axis in "xyz"),
+            max_force_n=self.page["max_force_n"], mass_kg=self.page["mass_kg"],
+            watchdog_s=self.page["watchdog_s"],
+            place_m=[self.page[f"place_{axis}"] for axis in "xyz"])  # fmt: skip
 
 
 class LoadCell:
