@@ -27,7 +27,7 @@ from springpot.codegen.model.features import (
     RecursiveBank,
 )
 from springpot.codegen.model.model import Model, TrainedRange
-from springpot.codegen.model.passive import Damage, Flow, Hammerstein
+from springpot.codegen.model.passive import Damage, Flow, Hammerstein, Memory
 from springpot.codegen.model.places import Places
 from springpot.codegen.model.regressors import Forest, Quantisation, Rbf
 from springpot.codegen.model.validity import require_valid
@@ -42,8 +42,8 @@ _WHAT = "springpot model: `springpot train --out FILE.spm` makes one"
 _PARTS: dict[str, type] = {
     part.__name__: part
     for part in (
-        Model, TrainedRange, Hammerstein, Flow, Damage, Places, FirBank, FastFirBank, RecursiveBank,
-        Lags, PositionVelocity, Forest, Quantisation, Rbf,
+        Model, TrainedRange, Hammerstein, Flow, Damage, Memory, Places, FirBank, FastFirBank,
+        RecursiveBank, Lags, PositionVelocity, Forest, Quantisation, Rbf,
     )
 }  # fmt: skip
 

@@ -44,6 +44,24 @@ class Damage:
     curve_n: NDArray[np.float64]
 
 
+def power_order(part: Flow | Damage) -> NDArray[np.intp]:
+    """Numbers of the branches, or curves, lower powers first: as the C has them."""
+    return np.argsort(part.power, kind="stable")
+
+
+@dataclass(frozen=True, eq=False)
+class Memory:
+    """What a pressed object still holds: forces of branches, flow, and the deepest press.
+
+    branch_n: of each branch, (P,), N; flow: h of each flowing branch, (F,); deepest: M of each
+    curve of damage, (D,).
+    """
+
+    branch_n: NDArray[np.float64]
+    flow: NDArray[np.float64]
+    deepest: NDArray[np.float64]
+
+
 @dataclass(frozen=True, eq=False)
 class Hammerstein:
     """Non-negative sum of springs, Maxwell branches, stops, flow and damage: passive in the large.
@@ -57,6 +75,9 @@ class Hammerstein:
     is that at the surface over that at the trained depth. recovers: where the object has a surface,
     it comes back by itself while the tool is away (sp_surface.h); else the force is 0 at least.
     places: how slopes differ from place to place; those above are then the most of any place.
+    conditioned: the memory after the training presses; None: only what damage does not heal.
+    starts_conditioned: the training recordings go on where the one before ended, so a press begins
+    with that memory, and not with an object at rest.
     """
 
     origin_m: float
@@ -73,6 +94,8 @@ class Hammerstein:
     damage: Damage | None = None
     recovers: bool = False
     places: Places | None = field(default=None, metadata={"left_out": True})
+    conditioned: Memory | None = None
+    starts_conditioned: bool = False
     __repr__ = short_repr
 
     @property
@@ -97,6 +120,15 @@ class Hammerstein:
         """Longest time constant, s."""
         flowing_s = 0.0 if self.flow is None else float(self.flow.tau_s.max(initial=0.0))
         return max(float(self.slowest_s.max(initial=0.0)), flowing_s)
+
+    @property
+    def memory(self) -> Memory:
+        """After the training presses. If it was not stored: unhealed damage, all else at rest."""
+        if self.conditioned is not None:
+            return self.conditioned
+        pressed = np.zeros(0) if self.damage is None else np.where(self.damage.heal_s > 0, 0.0, 1.0)
+        flow = np.zeros(0 if self.flow is None else len(self.flow.rate_ps))
+        return Memory(np.zeros(len(self.tau_s)), flow, pressed)
 
     @property
     def slopes_n(self) -> NDArray[np.float64]:

@@ -79,6 +79,11 @@ def _hammerstein(passive: Hammerstein, size: int = 0) -> None:
     _require_part("flow", passive.flow, nodes)
     _require_part("damage", passive.damage, nodes)
     _require_part("places", passive.places, passive.slopes_n.size)
+    memory, flow, damage = passive.memory, passive.flow, passive.damage
+    _shaped("conditioned.branch_n", memory.branch_n, (branches,))
+    _shaped("conditioned.flow", memory.flow, (0 if flow is None else flow.rate_ps.size,))
+    curves = 0 if damage is None else damage.heal_s.size
+    _not_negative("conditioned.deepest", memory.deepest, (curves,))
     places = passive.places
     bounded = places is None or bool(np.all(passive.slopes_n >= _ROUNDED * places.most_n))
     _require(bounded, "places: steeper somewhere than the curves beside them say")

@@ -109,7 +109,7 @@ def _ticks(model: Model, scene: Scene) -> SceneTicks:
         dtype=np.float32 if scene.runtime.number == "float32" else np.float64,
         vector_width=vector_width_of(scene.runtime),
         surface=(scene.guard.contact or model.contact) == "surface",
-        worn=scene.runtime.start == "conditioned",
+        conditioned={"auto": None, "rested": False, "conditioned": True}[scene.runtime.start],
     )
 
 

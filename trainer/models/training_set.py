@@ -17,6 +17,7 @@ from springpot.codegen.short_repr import short_repr
 from springpot.trainer.features.values import feature_values
 from springpot.trainer.models.contact import contact_of, depth_m, surface_warning
 from springpot.trainer.models.motion import DepthMotion, motions
+from springpot.trainer.recordings.formats.importing import one_session
 from springpot.trainer.recordings.formats.sampling import MAX_UPSAMPLING
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.smoothing import MAX_SMOOTHED, smoothed
@@ -31,7 +32,10 @@ _Result = TypeVar("_Result")
 
 @dataclass(frozen=True, eq=False)
 class TrainingSet:
-    """Recordings smoothed for a fit. `rows` index the samples of all recordings in a row."""
+    """Recordings smoothed for a fit. `rows` index the samples of all recordings in a row.
+
+    continues: each recording goes on with the memory of the one before it.
+    """
 
     recordings: tuple[Recording, ...]
     depths_m: tuple[Samples, ...]
@@ -39,6 +43,7 @@ class TrainingSet:
     contact: Contact
     trained: TrainedRange
     warnings: tuple[str, ...] = ()
+    continues: bool = False
     _found: dict[Hashable, tuple[Any, float]] = field(default_factory=dict, repr=False)
     __repr__ = short_repr
 
@@ -101,7 +106,8 @@ class TrainingSet:
     @cached_property
     def motions(self) -> tuple[DepthMotion, ...]:
         """The recordings as the object met them: those of a session one after another."""
-        return motions(self.recordings, self.depths_m, self.contact == "surface")
+        recordings = one_session(self.recordings, 0.0) if self.continues else self.recordings
+        return motions(recordings, self.depths_m, self.contact == "surface")
 
     def motion_rows(self, rows: NDArray[np.intp]) -> list[NDArray[np.intp]]:
         """Samples of each motion, (its rows,), for rows of all recordings."""

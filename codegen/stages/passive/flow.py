@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from springpot.codegen.arrays import Reals, Samples
 from springpot.codegen.literals import array_text
 from springpot.codegen.model.formulas import flow_functions, flow_loss
-from springpot.codegen.model.passive import Flow
+from springpot.codegen.model.passive import Flow, power_order
 from springpot.codegen.stages.costs import Costs
 from springpot.codegen.stages.stage import LARGEST, REAL, SMALLEST, Member, SceneTicks, numbers
 
@@ -81,7 +81,7 @@ class FlowBranches:
 
 def flow_branches(flow: Flow, ticks: SceneTicks) -> FlowBranches:
     """The branches of a model, those of power 3 first."""
-    order = np.argsort(flow.power, kind="stable")
+    order = power_order(flow)
     power, rate = flow.power[order], flow.rate_ps[order]
     degrees = flow.degree[order].tolist()
     return FlowBranches(

@@ -4,10 +4,14 @@ import numpy as np
 
 from springpot.codegen.arrays import Reals
 from springpot.codegen.model.formulas import curve_nodes
-from springpot.codegen.model.passive import Hammerstein
+from springpot.codegen.model.passive import Hammerstein, power_order
 from springpot.codegen.stages.passive.damage import damage_curves, steepest_n
 from springpot.codegen.stages.passive.flow import FlowBranches, flow_branches
-from springpot.codegen.stages.passive.hammerstein import HammersteinConfig, HammersteinStage
+from springpot.codegen.stages.passive.hammerstein import (
+    HammersteinConfig,
+    HammersteinStage,
+    StartMemory,
+)
 from springpot.codegen.stages.passive.maxwell import branch_steps
 from springpot.codegen.stages.passive.placed import placed_curves
 from springpot.codegen.stages.passive.surface import RecoveringSurface, surface_of
@@ -26,7 +30,8 @@ def hammerstein_stage(model: Hammerstein, ticks: SceneTicks, follows: str) -> Ha
         return hammerstein_stage(material, ticks, follows).curves
 
     dtype, n_stops = ticks.dtype, len(model.radius_m)
-    steps, slopes_n = branch_steps(model, ticks)
+    steps, slopes_n, held_n = branch_steps(model, ticks)
+    remembers = model.starts_conditioned if ticks.conditioned is None else ticks.conditioned
     spring_n = model.elastic_n + model.stop_n.sum(axis=0)
     flow = None if model.flow is None else flow_branches(model.flow, ticks)
     damage = None if model.damage is None else damage_curves(model.damage, ticks)
@@ -53,7 +58,15 @@ def hammerstein_stage(model: Hammerstein, ticks: SceneTicks, follows: str) -> Ha
         pulls=not ticks.surface,
         follows=follows,
         placed=placed_curves(model, curves_of, dtype),
+        start=_start(model, held_n, dtype) if remembers else None,
     )
+
+
+def _start(model: Hammerstein, held_n: Reals, dtype: RealType) -> StartMemory:
+    memory = model.memory
+    flow = memory.flow if model.flow is None else memory.flow[power_order(model.flow)]
+    deepest = memory.deepest if model.damage is None else memory.deepest[power_order(model.damage)]
+    return StartMemory(held_n.astype(dtype), flow.astype(dtype), deepest.astype(dtype))
 
 
 def _surface(

@@ -37,6 +37,25 @@ class HammersteinConfig:
 
 
 @dataclass(frozen=True, eq=False)
+class StartMemory:
+    """What the object holds when its history restarts, in the order of the stage.
+
+    held_n: of branches, (capacity,), N; flow: h, (F,); deepest: M of damage, (D,).
+    """
+
+    held_n: Reals
+    flow: Reals
+    deepest: Reals
+
+    def tables(self) -> list[str]:
+        named = (("held", self.held_n), ("flow", self.flow), ("deepest", self.deepest))
+        return [
+            "/* What the object still holds of earlier presses when its history restarts. */",
+            *(array_text(f"start_{name}", "sp_real", its) for name, its in named if its.any()),
+        ]
+
+
+@dataclass(frozen=True, eq=False)
 class HammersteinStage(Stage):
     """Arrays of sp_hammerstein_tables, and the variable of the tick that it follows.
 
@@ -45,6 +64,7 @@ class HammersteinStage(Stage):
     whole vectors. flow, damage, surface: None if the model, or the scene, has none. pulls: its
     force may be below 0.
     placed: how the curves differ from place to place; those here are the most of any place.
+    start: None if the object has rested for ever where its history restarts.
     follows: "clipped" (to the trained range) or "penetration" (not clipped). Its force is the C
     variable `{follows}_passive_n`.
     """
@@ -61,6 +81,7 @@ class HammersteinStage(Stage):
     pulls: bool
     follows: str
     placed: PlacedCurves | None = None
+    start: StartMemory | None = None
 
     code = stage_code("passive")
 
@@ -136,6 +157,7 @@ class HammersteinStage(Stage):
             *(line for step in self.steps for line in step.tables()),
             *(line for part in self._beside for line in part.tables()),
             *(self.surface.tables() if self.surface else ()),
+            *(self.start.tables() if self.start else ()),
         ]
         if stops:
             parts += [
@@ -176,7 +198,8 @@ class HammersteinStage(Stage):
         """It reads the branches' curves too, where they rest; the surface is at the tool."""
         curves = self.config.n_branches * (costs.curve + costs.rest)
         mixed = 2.0 * costs.filled * self.placed.mixing if self.placed else 0.0
-        resting = super().restart_instructions(costs) + curves + mixed
+        filled = super().restart_instructions(costs) * (2.0 if self.start else 1.0)
+        resting = filled + curves + mixed
         return resting - self._surface_instructions(costs)
 
     def _surface_instructions(self, costs: Costs) -> float:

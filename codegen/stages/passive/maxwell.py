@@ -93,8 +93,8 @@ class MaxwellBranches:
 
 def branch_steps(
     model: Hammerstein, ticks: SceneTicks
-) -> tuple[tuple[MaxwellBranches, ...], Reals]:
-    """The branches by who steps them, and their slopes in that order, (capacity, J).
+) -> tuple[tuple[MaxwellBranches, ...], Reals, Reals]:
+    """The branches by who steps them; in that order their slopes, (capacity, J), and memory, N.
 
     Those in float first, of constant rate first among them and filled up to whole vectors.
     """
@@ -103,6 +103,7 @@ def branch_steps(
     filled = padded(max(len(double), 1), ticks.vector_width) - len(double)
     steps: list[MaxwellBranches] = []
     slopes_n = [np.zeros((0, model.nodes))]
+    held_n: list[Reals] = []
     first = 0
     for in_double, depends in ((False, False), (False, True), (True, False), (True, True)):
         its = np.flatnonzero((double == in_double) & (model.by_depth == depends))
@@ -119,8 +120,9 @@ def branch_steps(
             branch_n = np.pad(gain[:, None] * branch_n, ((0, fill), (0, 0)))
         steps.append(MaxwellBranches(first, depends, in_double, loss))
         slopes_n.append(branch_n)
+        held_n.append(np.pad(model.memory.branch_n[its], (0, fill)))
         first += len(its) + fill
-    return tuple(steps), np.concatenate(slopes_n)
+    return tuple(steps), np.concatenate(slopes_n), np.concatenate(held_n)
 
 
 def _filled(values: Reals, fill: int) -> Reals:

@@ -7,6 +7,7 @@ import numpy as np
 
 from springpot.codegen.arrays import Reals
 from springpot.codegen.model.formulas import Place, curve_place, curve_values, flow_functions
+from springpot.codegen.model.passive import Hammerstein, Memory, power_order
 from springpot.codegen.stages.stage import VECTOR_WIDTH, numbers
 from springpot.codegen.types import Scalar
 
@@ -28,14 +29,19 @@ class PassiveMotion:
         config, real = stage.config, stage.spring.dtype.type
         place = self._place(np.array([u]))
         self._before = curve_values(stage.branches, place)[0]
+        start = stage.start
+        held_n = start.held_n if start else np.zeros(config.n_branches, dtype=real)
         self._held = [
-            np.zeros(step.count, dtype=np.float64 if step.double else real) for step in stage.steps
+            held_n[step.first : step.first + step.count].astype(np.float64 if step.double else real)
+            for step in stage.steps
         ]
         self._play = np.full(config.n_stops, u, dtype=real)
         self._functions = flow_functions(np.array([u]))[0]
-        self._flow = np.zeros(stage.flow.count if stage.flow else 0, dtype=real)
+        self._flow = start.flow if start else np.zeros(stage.flow.count if stage.flow else 0, real)
         deepest = u if u > 0 else real(0)
         self._deepest = np.full(stage.damage.count if stage.damage else 0, deepest, dtype=real)
+        if start:
+            self._deepest = np.maximum(self._deepest, start.deepest)
         self._u, self._force_n = u, real(0)
 
     @property
@@ -43,11 +49,14 @@ class PassiveMotion:
         """Where the model is."""
         return self._u
 
-    @property
-    def memory(self) -> tuple[Reals, Reals]:
-        """Return what branches hold, (branches,), N, and the play of stops, (stops,)."""
-        real = self._stage.spring.dtype
-        return np.concatenate([held.astype(real) for held in self._held]), self._play
+    def memory(self, model: Hammerstein) -> Memory:
+        """What the model of the stage holds; ticks in float64, vectors of one branch."""
+        flow, deepest = self._flow.copy(), self._deepest.copy()
+        if model.flow is not None:
+            flow[power_order(model.flow)] = self._flow
+        if model.damage is not None:
+            deepest[power_order(model.damage)] = self._deepest
+        return Memory(np.concatenate(self._held)[: len(model.tau_s)], flow, deepest)
 
     def on(self, stage: "HammersteinStage") -> "PassiveMotion":
         """The same state in ticks of another length: the stage of the same model."""

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 63793833c75fa29fed271fcdd3a044a882c0bfbdb21371f84c1c46354287a0da */
+/* springpot 0.1.0 4d8051b781a3a258dd7aa08d7af6edfd157bbd58ffea9130d972f4c58630d2fd */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:

@@ -13,6 +13,7 @@ from springpot.codegen.model.passive import Hammerstein
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.folds import Folds, geometric_mean
 from springpot.trainer.models.passive.nonnegative import Normal, sparse_solve
+from springpot.trainer.models.passive.passive_force import with_memory
 from springpot.trainer.models.passive.passive_rows import PassiveRows, passive_rows
 from springpot.trainer.models.passive.passive_terms import (
     DEPTH_POLES,
@@ -69,7 +70,8 @@ class PassiveChoice:
     def model(self, data: TrainingSet) -> Hammerstein:
         """Of `weights`; with a surface that recovers, if the object's does."""
         model = to_model(self.terms, self.weights())
-        return recovering(model, self.terms, self.penalty, self.rows, data)
+        model = recovering(model, self.terms, self.penalty, self.rows, data)
+        return with_memory(model, data.motions[-1], data.dt_s, self.rows.surface, data.continues)
 
     def weights_without(self, family: int, fold: int) -> Samples | None:
         """Fitted without a fold of a family, (terms,), N; None if that leaves no rows."""
@@ -124,7 +126,7 @@ def _chosen(data: TrainingSet, options: FitOptions) -> PassiveChoice:
     extrapolates better.
     """
     every = passive_rows(data, options)
-    all_laws = [_Laws(plain_terms(data, nodes, options.poles), every, data) for nodes in NODES]
+    all_laws = [Laws(plain_terms(data, nodes, options.poles), every, data) for nodes in NODES]
     laws, plain = _smoothest((laws, laws.choices(())) for laws in all_laws)
     if not every.varied or options.poles < DEPTH_POLES:
         return plain
@@ -141,7 +143,7 @@ def _chosen(data: TrainingSet, options: FitOptions) -> PassiveChoice:
     return _smoothest((laws, laws.choices(best.law)) for laws in all_laws)[1]
 
 
-class _Laws:
+class Laws:
     """Plain terms and what may be added to them, on the same rows: each column is made once."""
 
     rates = ("faster at the surface", "faster inside")
@@ -180,8 +182,8 @@ class _Laws:
 
 
 def _smoothest(
-    tried: Iterable[tuple[_Laws, list[PassiveChoice]]],
-) -> tuple[_Laws, PassiveChoice]:
+    tried: Iterable[tuple[Laws, list[PassiveChoice]]],
+) -> tuple[Laws, PassiveChoice]:
     """The choice of lowest error, and its laws: those that bend more have to earn it."""
     pairs = [(laws, choice) for laws, choices in tried for choice in choices]
     return min(pairs, key=lambda pair: _smooth_error_n(pair[1]))

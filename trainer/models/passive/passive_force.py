@@ -1,9 +1,11 @@
 """Force of a fitted passive model along a motion, in float64: the reference of its C."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from springpot.codegen.arrays import Samples
-from springpot.codegen.model.passive import Hammerstein
+from springpot.codegen.model.passive import Hammerstein, Memory
 from springpot.codegen.stages.passive.from_model import hammerstein_stage
 from springpot.codegen.stages.passive.hammerstein import HammersteinStage
 from springpot.codegen.stages.passive.motion import PassiveMotion
@@ -18,6 +20,20 @@ def model_along(
 
     That is the tool's, or the surface's while the tool is away.
     """
+    return _along(model, motion, dt_s, surface)[:2]
+
+
+def with_memory(
+    model: Hammerstein, motion: DepthMotion, dt_s: float, surface: bool, starts: bool
+) -> Hammerstein:
+    """The model with its memory at the end of a motion; starts: with which every press begins."""
+    memory = _along(model, motion, dt_s, surface)[2]
+    return replace(model, conditioned=memory, starts_conditioned=starts)
+
+
+def _along(
+    model: Hammerstein, motion: DepthMotion, dt_s: float, surface: bool
+) -> tuple[Samples, Samples, Memory]:
     stage = _stage(model, dt_s, surface)
     u = (motion.depth_m - stage.config.origin_m) * stage.config.per_span
     passive, begin = PassiveMotion(stage, u[0]), 0
@@ -30,7 +46,7 @@ def model_along(
             force_n[end], at[end] = 0.0, passive.u
         begin = end + 1
     given_n = np.maximum(force_n, 0.0) if surface else force_n
-    return given_n, model.origin_m + model.span_m * at
+    return given_n, model.origin_m + model.span_m * at, passive.memory(model)
 
 
 def _rested(
