@@ -104,8 +104,11 @@ def _score_rows(result: JsonObject) -> dict[str, str]:
 def _law(result: JsonObject) -> str:
     """What the passive model does besides curves, branches and stops."""
     surface = "; a surface that recovers while the tool is away" if result["recovers"] else ""
-    sessions = result["sessions"]
-    remembers = "; it remembers from one recording of a session to the next" if sessions else ""
+    remembers = ""
+    if result["starts_conditioned"]:
+        remembers = "; a press begins as after the training presses"
+    elif result["sessions"]:
+        remembers = "; it remembers from one recording of a session to the next"
     return f"{result['law']}{surface}{remembers}"
 
 

@@ -12,7 +12,6 @@ from springpot.codegen.short_repr import short_repr
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.trainer.selection.small_signal import (
     ACTIVE,
-    AMPLITUDES,
     DEPTH_SHARES,
     SmallMotion,
     map_frequencies_hz,
@@ -78,9 +77,7 @@ def small_signal_map(plan: Plan, library: SceneLibrary, delay_samples: int) -> M
     for j, frequency_hz in enumerate(counted(frequencies_hz.tolist(), "small motions")):
         small = SmallMotion(frequency_hz, dt_s, delay_samples)
         for i, share in enumerate(shares):
-            motions = (small.motion(base_m + share * span_m, amplitude * span_m)
-                       for amplitude in AMPLITUDES)  # fmt: skip
-            found[i, j] = min(
-                small.sin_delta(library.new_state().run(*motion)[0]) for motion in motions
+            found[i, j] = small.least_sin_delta(
+                lambda *motion: library.new_state().run(*motion)[0], base_m + share * span_m, span_m
             )
     return Map(shares, frequencies_hz, found)

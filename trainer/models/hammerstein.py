@@ -54,5 +54,6 @@ def _metadata(
         "nodes": passive.nodes,
         "rate_ratio": passive.rate_ratio,
         "recovers": passive.recovers,
+        "starts_conditioned": passive.starts_conditioned,
         "sessions": sum(len(motion.recordings) > 1 for motion in data.motions),
     }

@@ -1,5 +1,7 @@
 """Small motions about a depth: whether a model's force takes energy from the hand, or gives it."""
 
+from collections.abc import Callable
+
 import numpy as np
 
 from springpot.codegen.arrays import Samples
@@ -31,13 +33,27 @@ class SmallMotion:
         velocity_mps = amplitude_m * self._turn / self._dt_s * np.cos(phase)
         return at_m + amplitude_m * np.sin(phase), velocity_mps
 
+    def least_sin_delta(
+        self, force_n: Callable[[Samples, Samples], Samples], at_m: float, span_m: float
+    ) -> float:
+        """The lower `sin_delta` of two amplitudes; force_n: of positions, m, and velocities, m/s.
+
+        The force of a hold is taken off: an object that relaxes there, or that recovers from
+        earlier presses, is not active for it.
+        """
+        still_n, *moved_n = (
+            force_n(*self.motion(at_m, amplitude * span_m)).astype(np.float64)
+            for amplitude in (0.0, *AMPLITUDES)
+        )
+        return min(self.sin_delta(each_n - still_n) for each_n in moved_n)
+
     def sin_delta(self, force_n: Samples) -> float:
         """Loss part of the force's fundamental, of its size; 0 where the force does not change.
 
         force_n: at each tick of `motion`, (n,), N.
         """
         part = slice(self._settle, self._settle + self._period)
-        measured_n = force_n[part].astype(np.float64)
+        measured_n = force_n[part]
         phase = self._turn * (self._ticks[part] + self._delay)
         stored_n, lost_n = np.mean(measured_n * np.sin(phase)), np.mean(measured_n * np.cos(phase))
         size_n = float(np.hypot(stored_n, lost_n))
@@ -59,13 +75,13 @@ def active_cells(model: Model) -> int:
     trained, found = model.trained, 0
     base_m = 0.0 if model.contact == "surface" else trained.min_m
     span_m = trained.max_m - base_m
+
+    def force_n(position_m: Samples, _: Samples) -> Samples:
+        motion = Recording("sine", position_m, np.zeros_like(position_m), model.dt_s)
+        return predict_n(model, motion)
+
     for frequency_hz in map_frequencies_hz(model.dt_s):
         small = SmallMotion(float(frequency_hz), model.dt_s)
         for share in DEPTH_SHARES:
-            losses = []
-            for amplitude in AMPLITUDES:
-                position_m, _ = small.motion(base_m + share * span_m, amplitude * span_m)
-                sine = Recording("sine", position_m, np.zeros_like(position_m), model.dt_s)
-                losses.append(small.sin_delta(predict_n(model, sine)))
-            found += min(losses) < ACTIVE
+            found += small.least_sin_delta(force_n, base_m + share * span_m, span_m) < ACTIVE
     return found

@@ -217,7 +217,9 @@ def test_how_recordings_begin_is_learnt_from_them(goes_on: bool) -> None:
         return SPRING_N * curve[part] + slow_n[-(part.stop - part.start) :]
 
     recordings = [
-        Recording(str(k), position_m, np.maximum(force_n(slice(begin, end)), 0.0), DT_S, zero="none")
+        Recording(
+            str(k), position_m, np.maximum(force_n(slice(begin, end)), 0.0), DT_S, zero="none"
+        )
         for k, (position_m, begin, end) in enumerate(
             zip(presses_m, starts[:-1], starts[1:], strict=True)
         )
