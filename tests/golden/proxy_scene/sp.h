@@ -1,4 +1,4 @@
-/* springpot 0.1.0 4d8051b781a3a258dd7aa08d7af6edfd157bbd58ffea9130d972f4c58630d2fd */
+/* springpot 0.1.0 a7122c28fa44c3648795efa195622124d636a7f71f31c0013c1aaf91f1a725a8 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:
@@ -160,6 +160,32 @@ struct sp_state {
 
 /* Fails where a header of another number type or version was included first. */
 typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 108 ? 1 : -1];
+
+/* For a picture of a game, whose force no hand feels: the ticks of `seconds`, 1 s at most, with the
+ * tool on a straight line from its last good position to this one. Returns all notes, or misuse;
+ * *force_n is that of the last tick, and stays where `seconds` are less than half a tick. */
+static inline int sp_advance(sp_state *state, float seconds, float position_m, float *force_n)
+{
+    int notes = 0;
+    if (!state || !force_n) {
+        return SP_ERROR_NULL;
+    }
+    if (!(seconds >= (float)0 && seconds <= (float)1)) {
+        return SP_ERROR_TIME_STEP;
+    }
+    const uint32_t ticks = (uint32_t)(seconds / SP_DT_S + (float)0.5);
+    const float from_m = state->guard.started ? state->guard.good_m : position_m;
+    for (uint32_t tick = 1; tick <= ticks; tick++) {
+        const float share = (float)tick / (float)ticks;
+        const int its_notes = sp_step(state, from_m + share * (position_m - from_m),
+                                      (position_m - from_m) / seconds, force_n);
+        if (its_notes < 0) {
+            return its_notes;
+        }
+        notes |= its_notes;
+    }
+    return notes;
+}
 
 #ifdef __cplusplus
 }

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 8da1013035c20e5131a283bf0b9b71dacf7ddc6f62608746f1ea44f2340a4ad1 */
+/* springpot 0.1.0 48119582f84c98d908b58f9cf0d225f7048c067268cf4e4ac1b453fc1dcdc36d */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:
@@ -142,6 +142,32 @@ struct sp_state {
 
 /* Fails where a header of another number type or version was included first. */
 typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 184 ? 1 : -1];
+
+/* For a picture of a game, whose force no hand feels: the ticks of `seconds`, 1 s at most, with the
+ * tool on a straight line from its last good position to this one. Returns all notes, or misuse;
+ * *force_n is that of the last tick, and stays where `seconds` are less than half a tick. */
+static inline int sp_advance(sp_state *state, float seconds, float position_m, float *force_n)
+{
+    int notes = 0;
+    if (!state || !force_n) {
+        return SP_ERROR_NULL;
+    }
+    if (!(seconds >= (float)0 && seconds <= (float)1)) {
+        return SP_ERROR_TIME_STEP;
+    }
+    const uint32_t ticks = (uint32_t)(seconds / SP_DT_S + (float)0.5);
+    const float from_m = state->guard.started ? state->guard.good_m : position_m;
+    for (uint32_t tick = 1; tick <= ticks; tick++) {
+        const float share = (float)tick / (float)ticks;
+        const int its_notes = sp_step(state, from_m + share * (position_m - from_m),
+                                      (position_m - from_m) / seconds, force_n);
+        if (its_notes < 0) {
+            return its_notes;
+        }
+        notes |= its_notes;
+    }
+    return notes;
+}
 
 #ifdef __cplusplus
 }

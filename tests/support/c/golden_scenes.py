@@ -9,12 +9,13 @@ import numpy as np
 from springpot.codegen.emit.files import emit_files
 from springpot.codegen.model.features import FirBank
 from springpot.codegen.model.model import Model, TrainedRange
+from springpot.codegen.model.model_file import read_model
 from springpot.codegen.model.regressors import Forest
 from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.plan.plan import Plan
-from springpot.codegen.scene import Coupling, Guard, Scene
+from springpot.codegen.scene import Coupling, Guard, Runtime, Scene
 from support.c import golden_forces
-from support.paths import TESTS
+from support.paths import ROOT, TESTS
 
 FOLDER = TESTS / "golden"
 
@@ -61,6 +62,19 @@ def proxy_scene() -> Plan:
     return make_plan(golden_forces.model("hammerstein"), scene)
 
 
+def soft_pad() -> Plan:
+    """The pad of examples/soft_pad: a stored silicone, for those who have no Python."""
+    model = read_model(FOLDER / "press" / "ecoflex-00-30.spm")
+    runtime = Runtime(prefix="soft_pad")
+    return make_plan(model, Scene(schema=1, name="pad", model="soft_pad.spm", runtime=runtime))
+
+
+def soft_pad_files() -> dict[str, str]:
+    """Source and header, whole."""
+    return {name: text for name, text in emit_files(soft_pad()).items() if "soft_pad" in name}
+
+
+SOFT_PAD = ROOT / "examples" / "soft_pad"
 SCENES = {"smallest_scene": smallest_scene, "proxy_scene": proxy_scene}
 
 
@@ -80,3 +94,5 @@ if __name__ == "__main__":
             old.unlink()
         for name, text in emission(scene).items():
             (folder / name).write_text(text)
+    for name, text in soft_pad_files().items():
+        (SOFT_PAD / name).write_text(text)

@@ -1,0 +1,1162 @@
+/* springpot 0.1.0 8d66866dfab7abec70f6ff8f17764da36ca12f91bd7f35b3759707931855b4c4 */
+/* pad: the whole scene, its self-test too. How to call it: soft_pad.h.
+ *
+ * In the order of a tick: units, each named by its file in springpot and without what this scene does
+ * not call; the constants of this scene; the tick; the functions of the header; the self-test. */
+#include "soft_pad.h"
+
+#include <float.h>
+#include <math.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <string.h>
+
+/* A product and a sum are two roundings, on every processor. For gcc, nothing reads errno either: a
+ * square root is one instruction. */
+#if defined(__clang__)
+#pragma STDC FP_CONTRACT OFF
+#elif defined(__GNUC__)
+#pragma GCC push_options
+#pragma GCC optimize("fp-contract=off", "no-math-errno")
+#else
+#pragma STDC FP_CONTRACT OFF
+#endif
+
+/* Fails where int has fewer than 32 bits. */
+typedef char soft_pad_int_is_as_planned[sizeof(int) >= 4 ? 1 : -1];
+
+/* ------------------------------------------------------------------------------------ sp_real.h */
+
+#define SP_REAL_MAX FLT_MAX
+
+/* Instructions with every FPU: no library is called. */
+#define soft_pad_abs(x) fabsf(x)
+#define soft_pad_sqrt(x) sqrtf(x)
+
+/* ---------------------------------------------------------------------------------- sp_number.h */
+
+/* The few number helpers that the units share. */
+
+#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ != 0)
+#error                                                                                             \
+    "springpot needs IEEE arithmetic: build without -ffast-math, -ffinite-math-only"
+#endif
+
+/* A function that few ticks call, out of the way of the others; and a long one that is called in
+ * two places: a copy in each would cost the inlining within it. */
+#if defined(__GNUC__)
+#define SP_RARE __attribute__((noinline, cold, unused)) static
+#define SP_APART __attribute__((noinline)) static
+#else
+#define SP_RARE static inline
+#define SP_APART static
+#endif
+
+/* A length of time: positive, not infinite and not NaN, without libm. */
+static inline int soft_pad_is_time(float x)
+{
+    return x == x && x > (float)0 && x <= SP_REAL_MAX;
+}
+
+/* Values below this are 0: a denormal costs a hundred times a number's time on some processors. */
+#define SP_SMALLEST_DOUBLE 1e-30
+#define SP_SMALLEST ((float)SP_SMALLEST_DOUBLE)
+
+static inline float soft_pad_flushed(float x)
+{
+    return soft_pad_abs(x) < SP_SMALLEST ? (float)0 : x;
+}
+
+/* Far above every state of a model in its units. Where bounds of one step do not add up to a bound
+ * of the state (a measured time step, a mass on a spring), it is stated. The analysis shows that no
+ * NaN comes here; one would become the largest. */
+#define SP_LARGEST 1e6
+
+static inline float soft_pad_bounded(float x)
+{
+    const float below = x < (float)SP_LARGEST ? x : (float)SP_LARGEST;
+    return below > (float)-SP_LARGEST ? below : (float)-SP_LARGEST;
+}
+
+/* --------------------------------------------------------------------------------- sp_silence.h */
+
+/* Silence: how long no good sample came. Everything that remembers is moved through that time by
+ * the next good sample, as if the tool had moved evenly; too long a silence is latched, and so are
+ * silences that add up: a good tick makes up for 5/32 of a silent one, so that a source that is
+ * silent for more than a seventh of the time ends. */
+
+typedef struct {
+    float dt_s;       /* of a tick */
+    float per_dt;     /* 1/dt_s, 1/s */
+    float watchdog_s; /* longest time without a good sample, and half a tick */
+} soft_pad_silence_config;
+
+/* Of a silent tick, what a good one makes up for: if every third tick is silent, that ends within
+ * five times the watchdog's time. */
+#define SP_SILENCE_WORTH ((float)0.15625)
+
+/* A good sample, of a tick of tick_s. */
+static inline void soft_pad_silence_heard(soft_pad_silence_state *state, float tick_s)
+{
+    state->silent_s = (float)0;
+    if (state->lost_s > (float)0) {
+        state->lost_s -= SP_SILENCE_WORTH * tick_s;
+    }
+}
+
+/* Latched ticks of one call, at most: every force has fallen in fewer. */
+#define SP_SILENCE_MOST ((float)1048576)
+
+/* dt_s have passed without a good sample; returns how many ticks of them it was latched. */
+static inline float soft_pad_silence_passed(const soft_pad_silence_config *config, soft_pad_silence_state *state,
+                                        float dt_s)
+{
+    const float ticks = dt_s * config->per_dt;
+    if (state->latched) {
+        return ticks;
+    }
+    const float silent_s = state->silent_s + dt_s;
+    const float lost_s = (state->lost_s > (float)0 ? state->lost_s : (float)0) + dt_s;
+    if (lost_s <= config->watchdog_s) {
+        state->silent_s = silent_s < config->watchdog_s ? silent_s : config->watchdog_s;
+        state->lost_s = lost_s;
+        return (float)0;
+    }
+    const float beyond = (lost_s - config->watchdog_s) * config->per_dt;
+    const float most = beyond < SP_SILENCE_MOST ? beyond : SP_SILENCE_MOST;
+    const float over = (float)((uint32_t)most + 1u);
+    state->latched = 1;
+    state->silent_s = (float)0;
+    state->lost_s = (float)0;
+    return over < ticks ? over : ticks;
+}
+
+/* Ticks without a good sample before this one, which lasts tick_s: no more than the watchdog
+ * allows, whatever a stray write made of the state. */
+static inline uint32_t soft_pad_silence_missed(const soft_pad_silence_config *config,
+                                         const soft_pad_silence_state *state, float tick_s)
+{
+    const float most_s = config->watchdog_s;
+    const float silent_s = state->silent_s < most_s ? state->silent_s : most_s;
+    const float ticks = (silent_s + tick_s) * config->per_dt;
+    return ticks >= (float)1.5 ? (uint32_t)(ticks - (float)0.5) : 0;
+}
+
+/* Shortest time step, of a tick: what is divided by it stays finite. */
+#define SP_SILENCE_SHORTEST ((float)0.0009765625)
+
+/* ----------------------------------------------------------------------------------- sp_guard.h */
+
+/* Guard: the position that the rest of the tick may believe.
+ *
+ * A sample that is not finite, too far away to be real, or further from the last good one than the
+ * hand can have moved since is not taken; a denormal one is 0. After `resync_ticks` samples that
+ * agree with each other, the new position is taken as true: a stall must not hold for ever. */
+
+typedef struct {
+    float jump_m;        /* maximum believable step, m a tick */
+    float min_m;         /* believable positions: from here */
+    float max_m;         /* to here */
+    uint32_t resync_ticks; /* agreeing samples after which a new position is true */
+} soft_pad_guard_config;
+
+/* What soft_pad_init writes into a state: memory that it never saw does not hold this word. */
+#define SP_GUARD_BEGUN 0x5b9a3c1fu
+
+static inline int soft_pad_guard_plausible(const soft_pad_guard_config *config, float x)
+{
+    return x == x && x >= config->min_m && x <= config->max_m; /* a NaN is not itself */
+}
+
+/* A way that was never measured does not leave the believable positions. */
+static inline float soft_pad_guard_within(const soft_pad_guard_config *config, float x)
+{
+    const float below = x < config->max_m ? x : config->max_m;
+    return below > config->min_m ? below : config->min_m;
+}
+
+/* ticks: since the last good sample. Returns the position to use, m; before the first believable
+ * sample, 0. */
+static inline float soft_pad_guard_position(const soft_pad_guard_config *config, soft_pad_guard_state *state,
+                                        float ticks, float x, int *notes)
+{
+    x = soft_pad_flushed(x);
+    if (!soft_pad_guard_plausible(config, x)) {
+        state->agreeing = 0;
+        *notes |= SP_NOTE_HELD;
+        return state->good_m;
+    }
+    if (!state->started) {
+        state->started = 1;
+        state->good_m = x;
+        *notes |= SP_NOTE_RESYNC;
+        return x;
+    }
+    if (soft_pad_abs(x - state->good_m) <= config->jump_m * ticks) {
+        state->agreeing = 0;
+        state->good_m = x;
+        return x;
+    }
+    const int agrees = state->agreeing && soft_pad_abs(x - state->suspect_m) <= config->jump_m;
+    state->agreeing = agrees ? state->agreeing + 1 : 1;
+    state->suspect_m = x;
+    if (state->agreeing < config->resync_ticks) {
+        *notes |= SP_NOTE_HELD;
+        return state->good_m;
+    }
+    state->agreeing = 0;
+    state->good_m = x;
+    *notes |= SP_NOTE_RESYNC;
+    return x;
+}
+
+/* Share of the held force that a sample which is not taken may feel: where it may be true, no more
+ * than its depth's, and none above the surface. */
+static inline float soft_pad_guard_share(const soft_pad_guard_config *config, const soft_pad_guard_state *state,
+                                     float x)
+{
+    x = soft_pad_flushed(x);
+    if (!soft_pad_guard_plausible(config, x)) {
+        return (float)1;
+    }
+    if (!(x > (float)0)) {
+        return (float)0;
+    }
+    const float share = x < state->good_m ? x / state->good_m : (float)1;
+    return share < (float)1 ? share : (float)1;
+}
+
+/* ----------------------------------------------------------------------------------- sp_range.h */
+
+/* Trained range: the model never sees a depth that it was not trained on. */
+
+typedef struct {
+    float min_m;
+    float max_m;
+} soft_pad_range_config;
+
+static inline float soft_pad_range_clip(const soft_pad_range_config *config, float x, int *notes)
+{
+    if (x > config->max_m) {
+        *notes |= SP_NOTE_OUTSIDE;
+        return config->max_m;
+    }
+    if (x < config->min_m) {
+        *notes |= SP_NOTE_OUTSIDE;
+        return config->min_m;
+    }
+    return x;
+}
+
+/* ----------------------------------------------------------------------------------- sp_curve.h */
+
+/* Curves of the depth: smooth, and monotone.
+ *
+ * u is 0 at the lowest trained position and 1 at the maximum. Each curve is given at equally spaced
+ * nodes from 0 to 1 by its value and its slope. Between nodes the slope is straight, so that the
+ * curve is a parabola; beyond the last one it goes on straight. With slopes >= 0 it never falls. */
+
+typedef struct {
+    uint32_t piece;
+    float way; /* from the start of the piece, 1 at its end; beyond 1 in the last piece */
+} soft_pad_curve_place;
+
+/* Curves do not move below u = 0. n_pieces: those between nodes, and the one beyond. */
+static inline soft_pad_curve_place soft_pad_curve_at(float u, uint32_t n_pieces)
+{
+    const float per_piece = (float)(n_pieces > 1u ? n_pieces - 1u : 1u);
+    const float last = (float)(n_pieces - 1u);
+    const float passed = u > (float)0 ? u * per_piece : (float)0;
+    const float found = passed < last ? passed : last;
+    soft_pad_curve_place place;
+    place.piece = (uint32_t)found;
+    place.way = passed - (float)place.piece;
+    return place;
+}
+
+/* nodes: [n_pieces + 1][2][n_curves], the values and the slopes a piece, at each node; the last row
+ * repeats the slopes. values: [n_curves]. */
+static inline void soft_pad_curve(const float *nodes, uint32_t n_curves, soft_pad_curve_place place,
+                            float *values)
+{
+    const float *value = nodes + place.piece * 2 * n_curves;
+    const float *slope = value + n_curves;
+    const float *next = slope + 2 * n_curves;
+    const float half = (float)0.5 * place.way;
+    for (uint32_t i = 0; i < n_curves; i++) {
+        values[i] = value[i] + place.way * (slope[i] + half * (next[i] - slope[i]));
+    }
+}
+
+/* ----------------------------------------------------------------------------------- sp_stops.h */
+
+/* Stop operators (Prandtl-Ishlinskii): P(u) - P(p), where p, the play, follows u at a distance of
+ * at most its radius. Rate-independent loss; with a P that never falls, never a gain of energy. */
+
+static inline float soft_pad_stops_play(float play, float u, float radius)
+{
+    const float low = u - radius;
+    const float high = u + radius;
+    const float raised = play > low ? play : low;
+    return raised < high ? raised : high;
+}
+
+/* ----------------------------------------------------------------------------- sp_hammerstein.h */
+
+/* Hammerstein: a spring, Maxwell branches and stop operators, each of a curve of its own that never
+ * falls with the depth:
+ *
+ *     force = bias + spring(u) + sum over branches of highpass(g_i(u)) + sum over stops
+ *
+ * Every weight is non-negative and every pole real, so that the force is passive: over any closed
+ * press it takes at least the energy that it gives back. A stop is P(u) - P(play): the first half
+ * is part of the spring's curve. A tick moves the branches (sp_poles.h, sp_depth.h) between reading
+ * their curves at u and summing up here. */
+
+enum { SP_HAMMERSTEIN_SUMS = 4 /* where there are vectors, branches are padded to whole ones */ };
+
+typedef struct {
+    float origin_m;
+    float per_span; /* 1/m */
+    float bias_n;
+    uint32_t n_pieces;
+    uint32_t n_branches;
+    uint32_t n_stops;
+} soft_pad_hammerstein_config;
+
+/* The caller's arrays: constants. Curves as in sp_curve.h, N. */
+typedef struct {
+    const float *spring;   /* one curve */
+    const float *branches; /* n_branches curves */
+    const float *stops;    /* n_stops times one curve */
+    const float *radius;   /* [n_stops], of u */
+} soft_pad_hammerstein_tables;
+
+/* u of a depth of x, m. */
+static inline float soft_pad_hammerstein_share(const soft_pad_hammerstein_config *config, float x)
+{
+    return (x - config->origin_m) * config->per_span;
+}
+
+/* u has been here for ever: every branch has relaxed. before, held: [n_branches]; play: [n_stops].
+ */
+static inline void soft_pad_hammerstein_rest(const soft_pad_hammerstein_config *config,
+                                       const soft_pad_hammerstein_tables *tables, float u,
+                                       float *before, float *held, float *play)
+{
+    soft_pad_curve(tables->branches, config->n_branches, soft_pad_curve_at(u, config->n_pieces), before);
+    for (uint32_t i = 0; i < config->n_branches; i++) {
+        held[i] = (float)0;
+    }
+    for (uint32_t k = 0; k < config->n_stops; k++) {
+        play[k] = u;
+    }
+}
+
+/* What the spring, the stops and the bias give at u; moves the plays. */
+static inline float soft_pad_hammerstein_still(const soft_pad_hammerstein_config *config,
+                                           const soft_pad_hammerstein_tables *tables, float u,
+                                           soft_pad_curve_place place, float *play)
+{
+    float still_n;
+    soft_pad_curve(tables->spring, 1, place, &still_n);
+    still_n += config->bias_n;
+    for (uint32_t k = 0; k < config->n_stops; k++) {
+        const float *stop = tables->stops + k * (config->n_pieces + 1) * 2;
+        float stop_n;
+        play[k] = soft_pad_stops_play(play[k], u, tables->radius[k]);
+        soft_pad_curve(stop, 1, soft_pad_curve_at(play[k], config->n_pieces), &stop_n);
+        still_n -= stop_n;
+    }
+    return still_n;
+}
+
+/* Four partial sums in one fixed order. */
+static inline float soft_pad_hammerstein_held(const float *held, uint32_t n_branches)
+{
+    float sum[SP_HAMMERSTEIN_SUMS] = {0};
+    const uint32_t whole = n_branches - n_branches % SP_HAMMERSTEIN_SUMS;
+    for (uint32_t i = 0; i < whole; i += SP_HAMMERSTEIN_SUMS) {
+#pragma GCC unroll 4
+        for (uint32_t k = 0; k < SP_HAMMERSTEIN_SUMS; k++) {
+            sum[k] += held[i + k];
+        }
+    }
+#pragma GCC unroll 4
+    for (uint32_t i = whole; i < n_branches; i++) {
+        sum[i - whole] += held[i];
+    }
+    return (sum[0] + sum[2]) + (sum[1] + sum[3]);
+}
+
+/* What the branches hold now (`held`), the spring, the stops and the bias at u: N. */
+static inline float soft_pad_hammerstein_force(const soft_pad_hammerstein_config *config,
+                                           const soft_pad_hammerstein_tables *tables, float u,
+                                           soft_pad_curve_place place, const float *held, float *play)
+{
+    const float still_n = soft_pad_hammerstein_still(config, tables, u, place, play);
+    return still_n + soft_pad_hammerstein_held(held, config->n_branches);
+}
+
+/* ----------------------------------------------------------------------------------- sp_poles.h */
+
+/* Poles: h' = g' - h/tau for many tau at once, with g linear within a step (exact at any rate):
+ *
+ *     h[n] = exp(-dt/tau) h[n-1] + gain (g[n] - g[n-1])
+ *
+ * loss = 1 - exp(-dt/tau); the gain, tau/dt (1 - exp(-dt/tau)), is folded into what is read off h
+ * or put into g. At rest h is 0, so that a start in equilibrium needs no history. */
+
+static inline float soft_pad_poles_next(float h, float loss, float rise)
+{
+    return soft_pad_flushed(h + (rise - loss * h));
+}
+
+/* Each pole has an input of its own: g now, `before` at the last tick. */
+static inline void soft_pad_poles_apart(const float *loss, uint32_t n_poles, const float *g,
+                                  float *before, float *h)
+{
+    for (uint32_t i = 0; i < n_poles; i++) {
+        h[i] = soft_pad_poles_next(h[i], loss[i], g[i] - before[i]);
+        before[i] = g[i];
+    }
+}
+
+/* ----------------------------------------------------------------------------------- sp_depth.h */
+
+/* Poles whose rate depends on the depth: soft tissue and elastomers relax faster or slower the
+ * deeper they are pressed.
+ *
+ *     h' = g' - r(u) h,   h[n] = h[n-1] + d - loss(u) (h[n-1] + d/2),   d = g[n] - g[n-1]
+ *
+ * dissipates for every r(u) > 0 (loss 0 to 1): what it holds relaxes towards g as it was halfway.
+ * The loss is straight between the nodes of the curves (sp_curve.h). */
+
+/* loss: [n_pieces + 1][n_poles], at the nodes; the last row repeats. Each pole has an input of its
+ * own: g now, `before` at the last tick. */
+static inline void soft_pad_depth_poles(const float *loss, uint32_t n_poles, soft_pad_curve_place place,
+                                  const float *g, float *before, float *h)
+{
+    const float *at = loss + place.piece * n_poles;
+    for (uint32_t i = 0; i < n_poles; i++) {
+        const float lost = at[i] + place.way * (at[n_poles + i] - at[i]);
+        const float rise = g[i] - before[i];
+        const float held = soft_pad_bounded(h[i]);
+        h[i] = soft_pad_flushed(held + (rise - lost * (held + (float)0.5 * rise)));
+        before[i] = g[i];
+    }
+}
+
+/* --------------------------------------------------------------------------------- sp_surface.h */
+
+/* The surface of an object that lets go: it recovers more slowly than a tool can leave.
+ *
+ * A model that is pressed along the tool's way would pull. An object does not: from where its force
+ * is 0 on, the tool has left it, and its surface comes back by itself. So the model is moved to
+ *
+ *     u = max(tool, surface),   surface = where its force is 0
+ *
+ * and gives no force while the tool is above. From tick to tick the surface comes back as far as
+ * the force of the last tick allows at the stiffest that each piece of the depth can be: the model
+ * does not pull on the way, and what is left of the force moves it in the next tick. No work is
+ * done, and stored energy falls (docs/explanation/model.md). */
+
+/* Where the surface comes back to from `from` under force_n. stiffest: [n_pieces], N a piece. */
+static inline float soft_pad_surface_back(const float *stiffest, uint32_t n_pieces, float from,
+                                      float force_n)
+{
+    soft_pad_curve_place place = soft_pad_curve_at(from, n_pieces);
+    float left_n = force_n;
+    float takes_n = stiffest[place.piece] * place.way;
+    while (place.piece > 0 && left_n > takes_n) {
+        left_n -= takes_n;
+        place.piece--;
+        place.way = (float)1;
+        takes_n = stiffest[place.piece];
+    }
+    const float way = place.way - left_n / stiffest[place.piece];
+    const float end = (float)place.piece + (way > (float)0 ? way : (float)0);
+    const float per_piece = (float)(n_pieces > 1u ? n_pieces - 1u : 1u);
+    return end / per_piece;
+}
+
+/* Where the model is while the tool is at u. */
+static inline float soft_pad_surface_at(const float *stiffest, uint32_t n_pieces,
+                                    const soft_pad_surface_state *state, float u)
+{
+    if (!(u < state->u)) {
+        return u;
+    }
+    if (!(state->force_n > (float)0)) {
+        return state->u;
+    }
+    const float found = soft_pad_surface_back(stiffest, n_pieces, state->u, state->force_n);
+    const float surface = found < state->u ? found : state->u; /* but for rounding, found */
+    return u > surface ? u : surface;
+}
+
+/* --------------------------------------------------------------------------------- sp_contact.h */
+
+/* Contact and onset: no force at or above the surface, and a force that rises from 0 over the
+ * first `onset_m` of depth (a forest is not 0 at 0). */
+
+static inline float soft_pad_contact_onset(float per_onset, float x, float force_n)
+{
+    const float share = x * per_onset;
+    if (!(share > (float)0)) {
+        return (float)0;
+    }
+    return share < (float)1 ? force_n * share : force_n;
+}
+
+/* ---------------------------------------------------------------------------------- sp_output.h */
+
+/* Output: the last word on the force.
+ *
+ * Down at once: a force that the model lowers is lower in the same tick. Up by two limits: never
+ * more than slew_n above the force that was given before, whatever the reason that it was less; and
+ * after a start at depth, or a silence, by a share of the model's force that rises to 1. Without a
+ * sample the force never rises; latched, it falls to zero and stays there.
+ * docs/explanation/output.md has the equations. */
+
+typedef struct {
+    float min_n;
+    float max_n;
+    float slew_n; /* maximum growth of the force from call to call: a fault's, not a touch's */
+    float rise;   /* share of the force gained in a tick after a start or restart at depth */
+    float back;   /* the same after a silence */
+    float fall_n; /* of the force in one tick once it is latched */
+} soft_pad_output_config;
+
+/* A position was taken as true without a history: the force rises from zero. */
+static inline void soft_pad_output_restart(const soft_pad_output_config *config, soft_pad_output_state *state)
+{
+    state->share = (float)0;
+    state->rise = config->rise;
+}
+
+/* No contact: whatever comes next starts from zero by itself. */
+static inline void soft_pad_output_free(soft_pad_output_state *state)
+{
+    state->share = (float)1;
+}
+
+/* What is not within the scene's limits; a NaN compares with nothing: it becomes 0. */
+SP_RARE float soft_pad_output_cut(const soft_pad_output_config *config, float force_n, int *notes)
+{
+    *notes |= SP_NOTE_CLAMPED;
+    return force_n > config->max_n   ? config->max_n
+           : force_n < config->min_n ? config->min_n
+                                     : (float)0;
+}
+
+/* Within the scene's limits. */
+static inline float soft_pad_output_clamp(const soft_pad_output_config *config, float force_n, int *notes)
+{
+    if (force_n >= config->min_n && force_n <= config->max_n) {
+        return force_n;
+    }
+    return soft_pad_output_cut(config, force_n, notes);
+}
+
+/* Latched, for so many ticks; from within the limits, whatever a stray write made of given_n. */
+SP_RARE float soft_pad_output_fall(const soft_pad_output_config *config, soft_pad_output_state *state,
+                               float ticks, int *notes)
+{
+    const float given_n = soft_pad_output_clamp(config, state->given_n, notes);
+    const float step = config->fall_n * ticks;
+    const float down_n = given_n - step;
+    const float up_n = given_n + step;
+    state->given_n = down_n > (float)0 ? down_n : up_n < (float)0 ? up_n : (float)0;
+    *notes |= SP_NOTE_LATCHED;
+    return state->given_n;
+}
+
+/* The force given before, as far as it has the direction of `force_n`. */
+static inline float soft_pad_output_before(const soft_pad_output_state *state, float force_n)
+{
+    const float zero = (float)0;
+    const float given_n = state->given_n;
+    if (force_n > zero) {
+        return given_n > zero ? given_n : zero;
+    }
+    return given_n < zero ? given_n : zero;
+}
+
+/* First good sample after a silence: the share rises from what was given to the model's force. A
+ * ramp that was under way goes on as slowly. */
+SP_RARE void soft_pad_output_resume(const soft_pad_output_config *config, soft_pad_output_state *state,
+                              float force_n)
+{
+    const float before_n = soft_pad_abs(soft_pad_output_before(state, force_n));
+    const float now_n = soft_pad_abs(force_n);
+    const float share = before_n < now_n ? before_n / now_n : (float)1;
+    if (share < (float)1 && share < state->share) {
+        state->rise = state->share < (float)1 ? state->rise : config->back;
+        state->share = share + state->rise;
+    }
+}
+
+/* The model's force of a good sample; returns what leaves, N. after_silence: ticks before it had no
+ * good sample. ticks: of this call, at most 1. */
+static inline float soft_pad_output_force(const soft_pad_output_config *config, soft_pad_output_state *state,
+                                      int after_silence, float ticks, float force_n, int *notes)
+{
+    if (after_silence) {
+        soft_pad_output_resume(config, state, force_n);
+    }
+    if (state->share < (float)1) {
+        force_n *= state->share;
+        state->share += state->rise * ticks;
+        *notes |= SP_NOTE_RAMPED;
+    }
+    force_n = soft_pad_output_clamp(config, force_n, notes);
+    const float slew_n = config->slew_n * ticks;
+    const float before_n = soft_pad_output_before(state, force_n);
+    const float upper_n = before_n + slew_n;
+    const float lower_n = before_n - slew_n;
+    if (force_n > (float)0) {
+        if (force_n > upper_n) {
+            *notes |= SP_NOTE_LIMITED;
+            force_n = upper_n;
+        }
+    } else if (force_n < lower_n) {
+        *notes |= SP_NOTE_LIMITED;
+        force_n = lower_n;
+    }
+    state->given_n = force_n;
+    return force_n;
+}
+
+/* ---------------------------------------------------------------------- constants of this scene */
+
+static const soft_pad_silence_config silence = {
+    0.001f,  /* dt_s */
+    1000.0f, /* per_dt */
+    0.0205f, /* watchdog_s */
+};
+static const soft_pad_guard_config guard = {
+    0.0027968f, /* jump_m */
+    -10.0f,     /* min_m */
+    0.144908f,  /* max_m */
+    5,          /* resync_ticks */
+};
+static const soft_pad_range_config range = {
+    0.0f,       /* min_m */
+    0.0144908f, /* max_m */
+};
+static const soft_pad_output_config output = {
+    0.0f,       /* min_n */
+    12.002745f, /* max_n */
+    3.0006862f, /* slew_n */
+    0.02f,      /* rise */
+    0.1f,       /* back */
+    1.5003431f, /* fall_n */
+};
+static const float per_onset = 6900.93f;
+
+/* Curves: values and slopes at the nodes, a column a branch (sp_curve.h). */
+static const float spring[20] = {
+    0.0f, 0.3289515f, 0.4162068f, 0.5034621f, 1.0135461f, 0.6912164f, 1.8122768f, 0.9062452f,
+    2.8517995f, 1.1728001f, 4.18071f, 1.4850208f, 5.8518076f, 1.8571742f, 7.9441576f, 2.3275259f,
+    10.581097f, 2.9463525f, 10.581097f, 2.9463525f
+};
+static const float branches[20 * 12] = {
+    0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 4.8114925e-09f, 0.0f,
+    0.0010956825f, 0.0049506268f, 0.0009572887f, 0.0f, 0.0f, 0.0f, 0.9580456f, 0.051968426f,
+    0.033191737f, 0.003189898f, 0.02059531f, 0.0063461633f, 0.0030521452f, 0.013387425f,
+    0.007835361f, 0.0010873226f, 0.0f, 0.0f, 0.95666915f, 0.054877173f, 0.037263658f, 0.0042245756f,
+    0.041190617f, 0.012692327f, 0.005008608f, 0.021824224f, 0.014713434f, 0.0021746452f, 0.0f, 0.0f,
+    0.9552927f, 0.057785917f, 0.041335575f, 0.005259253f, 0.08215447f, 0.024655648f, 0.011671618f,
+    0.041561566f, 0.029219355f, 0.0027201439f, 0.0f, 0.0f, 1.9099807f, 0.11369786f, 0.07970815f,
+    0.011797012f, 0.08192769f, 0.023926642f, 0.012230337f, 0.03452406f, 0.028054556f, 0.0010909975f,
+    0.0f, 0.0f, 0.9513302f, 0.059855454f, 0.043553412f, 0.009885618f, 0.18252112f, 0.050815817f,
+    0.031925447f, 0.08323798f, 0.06524426f, 0.0032656426f, 0.0f, 0.0f, 2.8571808f, 0.16992246f,
+    0.12041195f, 0.028875714f, 0.11880561f, 0.028393699f, 0.028277323f, 0.048828777f, 0.04399525f,
+    0.0f, 0.0f, 0.0f, 0.9430701f, 0.052593745f, 0.037854183f, 0.024271784f, 0.3169425f, 0.07762715f,
+    0.071740724f, 0.13944076f, 0.116920345f, 0.0032656426f, 0.0f, 0.0f, 3.793042f, 0.21545649f,
+    0.15277083f, 0.06717869f, 0.15003717f, 0.025228968f, 0.05135323f, 0.06357676f, 0.059356917f,
+    0.0f, 0.0f, 0.0f, 0.9286524f, 0.038474295f, 0.026863582f, 0.052334167f, 0.48052192f, 0.09952954f,
+    0.13845365f, 0.21368329f, 0.1867985f, 0.0032656426f, 0.0f, 0.0f, 4.712427f, 0.24720307f,
+    0.17490184f, 0.14013581f, 0.17712168f, 0.018575815f, 0.082072616f, 0.08490832f, 0.08039939f,
+    0.0f, 0.0f, 0.0f, 0.9101176f, 0.025018869f, 0.01739843f, 0.09358008f, 0.67054856f, 0.11481221f,
+    0.23868886f, 0.31340894f, 0.28203064f, 0.0053116116f, 0.0f, 0.0f, 5.612798f, 0.26701307f,
+    0.18934962f, 0.26314995f, 0.20293155f, 0.011989515f, 0.118397795f, 0.114542976f, 0.1100649f,
+    0.004091938f, 0.0f, 0.0f, 0.89062464f, 0.014601136f, 0.0114971325f, 0.15244815f, 0.88954645f,
+    0.12368253f, 0.376028f, 0.44525757f, 0.40994075f, 0.013759043f, 0.0f, 0.0f, 6.4936385f,
+    0.27703497f, 0.19766866f, 0.45604837f, 0.23506424f, 0.005751133f, 0.15628053f, 0.14915429f,
+    0.14575534f, 0.012802924f, 0.0f, 0.0f, 0.87105614f, 0.0054426845f, 0.0051409486f, 0.23334873f,
+    1.2389312f, 0.1265581f, 0.5553932f, 0.61767316f, 0.575621f, 0.027473312f, 0.0f, 0.0f, 7.365221f,
+    0.2797563f, 0.20438221f, 0.7395865f, 0.46370512f, 0.0f, 0.20244983f, 0.19567688f, 0.18560521f,
+    0.0146256145f, 0.0f, 0.0f, 0.8721091f, 0.0f, 0.008286146f, 0.33372742f, 1.2389312f, 0.1265581f,
+    0.5553932f, 0.61767316f, 0.575621f, 0.027473312f, 0.0f, 0.0f, 7.365221f, 0.2797563f, 0.20438221f,
+    0.7395865f, 0.46370512f, 0.0f, 0.20244983f, 0.19567688f, 0.18560521f, 0.0146256145f, 0.0f, 0.0f,
+    0.8721091f, 0.0f, 0.008286146f, 0.33372742f
+};
+static const float branch_loss[8] = {
+    0.39346933f, 0.2176933f, 0.014169568f, 0.0069827656f, 0.0016880065f, 0.00019998f, 1.0f, 1.0f
+};
+static const float depth_branch_loss[10 * 4] = {
+    0.86466473f, 0.34180617f, 0.08375269f, 0.00079968007f, 0.75688326f, 0.25602773f, 0.059976026f,
+    0.00056552544f, 0.63212055f, 0.18870854f, 0.04279192f, 0.00039992f, 0.5069313f, 0.13746174f,
+    0.030451665f, 0.0002828027f, 0.39346933f, 0.09928281f, 0.021629887f, 0.00019998f, 0.2978115f,
+    0.071270615f, 0.015343544f, 0.00014141135f, 0.22119921f, 0.050938785f, 0.010874066f, 9.9995e-05f,
+    0.16203311f, 0.036293935f, 0.007701428f, 7.070818e-05f, 0.1175031f, 0.025802271f, 0.0054518944f,
+    4.999875e-05f, 0.1175031f, 0.025802271f, 0.0054518944f, 4.999875e-05f
+};
+/* At most so stiff is each piece of the depth, N a piece (sp_surface.h). */
+static const float stiffest[9] = {
+    1.6607395f, 1.9375955f, 2.2323358f, 2.568678f, 2.9742138f, 3.4883642f, 4.1473236f, 5.2225385f,
+    5.2225385f
+};
+static const float stops[3 * 20] = {
+    0.0f, 0.15894209f, 0.15834557f, 0.15774904f, 0.3162937f, 0.15814722f, 0.47856778f, 0.16640097f,
+    0.6499993f, 0.17646207f, 0.8308018f, 0.18514296f, 1.0203971f, 0.19404763f, 1.2193344f,
+    0.20382681f, 1.4395807f, 0.236666f, 1.4395807f, 0.236666f, 0.0f, 0.00746892f, 0.0044102333f,
+    0.0013515467f, 0.0050860066f, 0.0f, 0.0050860066f, 0.0f, 0.0050860066f, 0.0f, 0.0050860066f,
+    0.0f, 0.0050860066f, 0.0f, 0.008763529f, 0.007355046f, 0.0164275f, 0.007972893f, 0.0164275f,
+    0.007972893f, 0.0f, 0.00019970951f, 0.0002644874f, 0.0003292653f, 0.0007005534f, 0.0005428667f,
+    0.0014195048f, 0.0008950359f, 0.013550747f, 0.02336745f, 0.056328285f, 0.06218763f, 0.14368843f,
+    0.11253266f, 0.28524727f, 0.17058499f, 0.48186234f, 0.22264516f, 0.48186234f, 0.22264516f
+};
+static const float stop_radius[3] = {
+    0.02f, 0.2f, 0.5f
+};
+static const soft_pad_hammerstein_config passive = {
+    0.0f,     /* origin_m */
+    69.0093f, /* per_span */
+    0.0f,     /* bias_n */
+    9,        /* n_pieces */
+    12,       /* n_branches */
+    3,        /* n_stops */
+};
+static const soft_pad_hammerstein_tables passive_tables = {
+    spring,      /* spring */
+    branches,    /* branches */
+    stops,       /* stops */
+    stop_radius, /* radius */
+};
+
+/* ---------------------------------------------------- the tick, and the functions of the header */
+
+/* A position is true without a history: the object has rested there for ever. */
+static void restart(soft_pad_state *state, float position)
+{
+    const float penetration = position > (float)0 ? position : (float)0;
+    const float penetration_u = soft_pad_hammerstein_share(&passive, penetration);
+    soft_pad_hammerstein_rest(&passive, &passive_tables, penetration_u,
+                        state->penetration_before, state->penetration_held, state->penetration_play);
+    state->penetration_surface.u = penetration_u;
+    state->penetration_surface.force_n = (float)0;
+    soft_pad_output_restart(&output, &state->output);
+}
+
+/* One tick with the tool at `position`; returns the model's force, N. */
+SP_APART float tick(soft_pad_state *state, float position, int *notes)
+{
+    const float penetration = position > (float)0 ? position : (float)0;
+    (void)soft_pad_range_clip(&range, penetration, notes);
+    const float penetration_tool = soft_pad_hammerstein_share(&passive, penetration);
+    const float penetration_u =
+        soft_pad_surface_at(stiffest, passive.n_pieces, &state->penetration_surface, penetration_tool);
+    const soft_pad_curve_place penetration_place = soft_pad_curve_at(penetration_u, passive.n_pieces);
+    float penetration_branch[12];
+    soft_pad_curve(branches, 12, penetration_place, penetration_branch);
+    soft_pad_poles_apart(branch_loss, 8,
+        penetration_branch, state->penetration_before, state->penetration_held);
+    soft_pad_depth_poles(depth_branch_loss, 4, penetration_place,
+        penetration_branch + 8, state->penetration_before + 8, state->penetration_held + 8);
+    const float penetration_held_n =
+        soft_pad_hammerstein_force(&passive, &passive_tables, penetration_u, penetration_place,
+                             state->penetration_held, state->penetration_play);
+    state->penetration_surface.u = penetration_u;
+    state->penetration_surface.force_n = penetration_held_n;
+    const float penetration_passive_n =
+        penetration_held_n > (float)0 && !(penetration_u > penetration_tool) ? penetration_held_n : (float)0;
+    float force = (float)0;
+    if (position > (float)0) {
+        force = penetration_passive_n;
+        force = soft_pad_contact_onset(per_onset, position, force);
+    } else {
+        soft_pad_output_free(&state->output);
+    }
+    return force;
+}
+
+/* dt_s have passed without a good sample; share: of the force that may be felt. */
+static int hold(soft_pad_state *state, float dt_s, float share, float *force_n)
+{
+    int notes = SP_NOTE_HELD;
+    const float latched = soft_pad_silence_passed(&silence, &state->silence, dt_s);
+    float given_n = share * soft_pad_output_clamp(&output, state->output.given_n, &notes);
+    state->output.given_n = given_n;
+    if (state->silence.latched) {
+        notes = 0;
+        given_n = soft_pad_output_fall(&output, &state->output, latched, &notes);
+    }
+    *force_n = given_n;
+    return notes;
+}
+
+/* The `left` ticks without a sample before this one, a step each. */
+SP_RARE void make_up(soft_pad_state *state, float position, float step,
+                     uint32_t left)
+{
+    for (; left > 0; left--) {
+        const float at = soft_pad_guard_within(&guard, position - (float)left * step);
+        int ignored = 0;
+        (void)tick(state, at, &ignored);
+    }
+}
+
+int soft_pad_step(soft_pad_state *state, float position_m, float velocity_mps, float *force_n)
+{
+    if (state == NULL || force_n == NULL) {
+        return SP_ERROR_NULL;
+    }
+    if (state->begun != SP_GUARD_BEGUN) {
+        return SP_ERROR_STATE;
+    }
+    uint32_t left = 0;
+    float ticks = (float)1;
+    if (state->silence.silent_s > (float)0) {
+        left = soft_pad_silence_missed(&silence, &state->silence, silence.dt_s);
+        ticks = (float)(left + 1);
+    }
+    (void)velocity_mps;
+    int notes = 0;
+    const float before = state->guard.good_m;
+    const float position =
+        soft_pad_guard_position(&guard, &state->guard, ticks, position_m, &notes);
+    if (notes & SP_NOTE_HELD) {
+        return hold(state, silence.dt_s, soft_pad_guard_share(&guard, &state->guard, position_m), force_n);
+    }
+    soft_pad_silence_heard(&state->silence, silence.dt_s);
+    float way = position - before;
+    if (notes & SP_NOTE_RESYNC) {
+        restart(state, position);
+        left = 0;
+        ticks = (float)1;
+        way = (float)0;
+    }
+    if (left > 0) {
+        make_up(state, position, way / ticks, left);
+    }
+    const float force = tick(state, position, &notes);
+    if (state->silence.latched) {
+        (void)soft_pad_output_fall(&output, &state->output, (float)1, &notes);
+    } else {
+        (void)soft_pad_output_force(&output, &state->output, left > 0, (float)1, force, &notes);
+    }
+    *force_n = state->output.given_n;
+    return notes;
+}
+
+int soft_pad_run(soft_pad_state *state, uint32_t n, const float *position_m, const float *velocity_mps,
+           float *force_n)
+{
+    if (state == NULL || position_m == NULL || force_n == NULL) {
+        return SP_ERROR_NULL;
+    }
+    (void)velocity_mps;
+    int notes = 0;
+    for (uint32_t i = 0; i < n; i++) {
+        notes |= soft_pad_step(state, position_m[i], (float)0, &force_n[i]);
+    }
+    return notes;
+}
+
+int soft_pad_idle(soft_pad_state *state, float dt_s, float *force_n)
+{
+    if (state == NULL || force_n == NULL) {
+        return SP_ERROR_NULL;
+    }
+    if (state->begun != SP_GUARD_BEGUN) {
+        return SP_ERROR_STATE;
+    }
+    if (!soft_pad_is_time(dt_s)) {
+        return SP_ERROR_TIME_STEP;
+    }
+    return hold(state, dt_s, (float)1, force_n);
+}
+
+void soft_pad_init(soft_pad_state *state)
+{
+    if (state != NULL) {
+        (void)memset(state, 0, sizeof *state);
+        state->begun = SP_GUARD_BEGUN;
+    }
+}
+
+void soft_pad_reset(soft_pad_state *state)
+{
+    soft_pad_init(state);
+}
+
+uint32_t soft_pad_abi_version(void)
+{
+    return 1;
+}
+
+uint32_t soft_pad_state_size(void)
+{
+    return (uint32_t)sizeof(soft_pad_state);
+}
+
+const char *soft_pad_manifest(void)
+{
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"8d66866dfab7abec70f6ff8f17764da36ca12f91bd7f35b3759707931855b4c4\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
+}
+
+/* ------------------------------------------------------------------------------------ self-test */
+
+#ifndef SP_NO_SELFTEST /* to leave it out of an image */
+
+static const uint32_t golden_position[600] = {
+    0xba3def0eu, 0xba3c866fu, 0xba385cc8u, 0xba318a67u, 0xba28279du, 0xba1c4cb9u, 0xba0e120cu,
+    0xb9fb1fc9u, 0xb9d5bd25u, 0xb9ac2ccdu, 0xb97d3ebeu, 0xb91a8af6u, 0xb8427e02u, 0x388044c5u,
+    0x39375975u, 0x399a523cu, 0x39dbd115u, 0x3a0ffc54u, 0x3a334c2au, 0x3a57bfbdu, 0x3a7d3ebeu,
+    0x3a91d86eu, 0x3aa57ee4u, 0x3ab98699u, 0x3acde365u, 0x3ae28920u, 0x3af76ba2u, 0x3b063f62u,
+    0x3b10db2fu, 0x3b1b8324u, 0x3b26312du, 0x3b30df35u, 0x3b3b872au, 0x3b4622f7u, 0x3b50ac88u,
+    0x3b5b1dc9u, 0x3b6570a7u, 0x3b6f9f0du, 0x3b79a2e7u, 0x3b81bb11u, 0x3b868955u, 0x3b8b3935u,
+    0x3b8fc7a7u, 0x3b9431a2u, 0x3b98741bu, 0x3b9c8c09u, 0x3ba07661u, 0x3ba4301au, 0x3ba7b629u,
+    0x3bab0584u, 0x3bae1b23u, 0x3bb0f3f9u, 0x3bb38cffu, 0x3bb5e329u, 0x3bb7f36eu, 0x3bb9bac4u,
+    0x3bbb3620u, 0x3bbc6279u, 0x3bbd3cc6u, 0x3bbdc1fbu, 0x3bbdef0eu, 0x3bbdd603u, 0x3bbd8c02u,
+    0x3bbd12bcu, 0x3bbc6bdfu, 0x3bbb991eu, 0x3bba9c27u, 0x3f0172edu, 0x3bb82a5bu, 0x3bb6b8e6u,
+    0x3bb523fdu, 0x3bb36d50u, 0x3bb1968fu, 0x3bafa16au, 0x3bad8f92u, 0x3bab62b6u, 0x3ba91c87u,
+    0x3ba6beb6u, 0x3ba44af2u, 0x3ba1c2ebu, 0x3b9f2852u, 0x3b9c7cd7u, 0x3b99c22au, 0x3b96f9fcu,
+    0x3b9425fcu, 0x3b9147dbu, 0x3b8e6149u, 0x3b8b73f6u, 0x3b888192u, 0x3b858bceu, 0x3b82945au,
+    0x3b7f39cbu, 0x3b794e43u, 0x3b73697cu, 0x3b6d8ed6u, 0x3b67c1b2u, 0x3b620570u, 0x3b5c5d70u,
+    0x3b56cd13u, 0x3b5157bau, 0x3b4c00c4u, 0x3b46cb92u, 0x3b41bb84u, 0x3b3cd3fcu, 0x3b381859u,
+    0x3b338bfcu, 0x3b2f3244u, 0x3b2b0e94u, 0x3b27244au, 0x3b2376c8u, 0x3b20096du, 0x3b1cdf9bu,
+    0x3b19fcb1u, 0x3b176411u, 0x3b151919u, 0x3b131f2cu, 0x3b1179a9u, 0x3b102bf0u, 0x3b0f3963u,
+    0x3b0ea561u, 0x3b0e734bu, 0x3b0f098du, 0x3b10c593u, 0x3b139d3bu, 0x3b178665u, 0x3b1c76eeu,
+    0x3b2264b7u, 0x3b29459cu, 0x3b310f7eu, 0x3b39b83bu, 0x3b4335b2u, 0x7fc00000u, 0x7fc00000u,
+    0x7fc00000u, 0x7fc00000u, 0x3b7dbd5du, 0x3b85b13bu, 0x3b8ccaafu, 0x3b9425fcu, 0x3b9bbe10u,
+    0x3ba38ddbu, 0x3bab904cu, 0x3bb3c052u, 0x3bbc18ddu, 0x3bc494ddu, 0x3bcd2f40u, 0x3bd5e2f7u,
+    0x3bdeaaf0u, 0x3be7821au, 0x3bf06366u, 0x3bf949c3u, 0x3c011810u, 0x3c0588b6u, 0x3c09f44bu,
+    0x3c0e5848u, 0x3c12b223u, 0x3c16ff54u, 0x3c1b3d54u, 0x3c1f699au, 0x3c23819du, 0x3c2782d6u,
+    0x3c2b6abbu, 0x3c2f36c5u, 0x3c32e46bu, 0x3c367126u, 0x3c39da6cu, 0x3c3d1db5u, 0x3c403879u,
+    0x3c432831u, 0x3c45ea52u, 0x3c487c56u, 0x3c4adbb4u, 0x3c4d05e3u, 0x3c4ef85cu, 0x3c50b095u,
+    0x3c522c07u, 0x3c53682au, 0x3c546274u, 0x3c55185eu, 0x3c558760u, 0x3c55acf0u, 0x3c55b1f2u,
+    0x3c55c0bfu, 0x3c55d901u, 0x3c55fa60u, 0x3c562487u, 0x3c56571eu, 0x3c5691d1u, 0x3c56d447u,
+    0x3c571e2bu, 0x3c576f27u, 0x3c57c6e3u, 0x3c58250au, 0x3c588944u, 0x3c58f33cu, 0x3c59629cu,
+    0x3c59d70bu, 0x3c5a5035u, 0x3c5acdc3u, 0x3c5b4f5eu, 0x3c5bd4b0u, 0x3c5c5d62u, 0x3c5ce91eu,
+    0x3c5d778eu, 0x3c5e085au, 0x3c5e9b2eu, 0x3c5f2fb1u, 0x3c5fc58fu, 0x3c605c6fu, 0x3c60f3fdu,
+    0x3c618be1u, 0x3c6223c5u, 0x3c62bb53u, 0x3c635233u, 0x3c63e811u, 0x3c647c94u, 0x3c650f68u,
+    0x3c65a035u, 0x3c662ea4u, 0x3c66ba61u, 0x3c674313u, 0x3c67c865u, 0x3c6849ffu, 0x3c68c78du,
+    0x3c6940b7u, 0x3c69b527u, 0x3c6a2486u, 0x3c6a8e7eu, 0x3c6af2b8u, 0x3c6b50dfu, 0x3c6ba89bu,
+    0x3c6bf997u, 0x3c6c437bu, 0x3c6c85f1u, 0x3c6cc0a4u, 0x3c6cf33cu, 0x3c6d1d62u, 0x3c6d3ec1u,
+    0x3c6d5703u, 0x3c6d65d0u, 0x3c6d6ad2u, 0x3c6d5bcbu, 0x3c6d2f64u, 0x3c6ce6a0u, 0x3c6c8283u,
+    0x3c6c040eu, 0x3c6b6c47u, 0x3c6abc30u, 0x3c69f4cdu, 0x3c691720u, 0x3c68242eu, 0x3c671cf9u,
+    0x3c660285u, 0x3c64d5d6u, 0x3c6397eeu, 0x3c6249d0u, 0x3c60ec81u, 0x3c5f8103u, 0x3c5e085au,
+    0x3c5c838au, 0x3c5af394u, 0x3c59597eu, 0x3c57b649u, 0x3c560afau, 0x3c545894u, 0x3c52a019u,
+    0x3c50e28fu, 0x3c4f20f6u, 0x3c4d5c54u, 0x3c4b95abu, 0x3c49cdffu, 0x3c480653u, 0x3c463faau,
+    0x3c447b08u, 0x3c42b970u, 0x3c40fbe5u, 0x3c3f436bu, 0x3c3d9105u, 0x3c3be5b6u, 0x3c3a4281u,
+    0x3c38a86au, 0x3c371875u, 0x3c3593a4u, 0x3c341afbu, 0x3c32af7eu, 0x3c31522eu, 0x3c300411u,
+    0x3c2ec629u, 0x3c2d9979u, 0x3c2c7f05u, 0x3c2b77d1u, 0x3c2a84deu, 0x3c29a732u, 0x3c28dfceu,
+    0x3c282fb7u, 0x3c2797f0u, 0x3c27197cu, 0x3c26b55eu, 0x3c266c9au, 0x3c264033u, 0x3c26312du,
+    0x3c264535u, 0x3c268069u, 0x3c26e16fu, 0x3c2766ecu, 0x3c280f87u, 0x3c28d9e6u, 0x3c29c4afu,
+    0x3c2ace89u, 0x3c2bf61au, 0x3c2d3a07u, 0x3c2e98f8u, 0x3c301193u, 0x3c31a27du, 0x3c334a5du,
+    0x3c3507dau, 0x3c36d999u, 0x3c38be40u, 0x3c3ab477u, 0x3c3cbae3u, 0x3c3ed02au, 0x3c40f2f3u,
+    0x3c4321e3u, 0x3c455ba2u, 0x3c479ed5u, 0x3c49ea23u, 0x3c4c3c31u, 0x3c4e93a7u, 0x3c50ef2au,
+    0x3c534d60u, 0x3c55acf0u, 0x3c580c80u, 0x3c5a6ab7u, 0x3c5cc63au, 0x3c5f1dafu, 0x3c616fbeu,
+    0x3c63bb0bu, 0x3c65fe3fu, 0x3c6837fdu, 0x3c6a66eeu, 0x3c6c89b7u, 0x3c6e9efeu, 0x3c70a56au,
+    0x3c729ba0u, 0x3c748048u, 0x3c765207u, 0x3c780f83u, 0x3c79b763u, 0x3c7b484eu, 0x3c7cc0e8u,
+    0x3c7e1fd9u, 0x3c7f63c7u, 0x3c8045acu, 0x3c80ca99u, 0x3c813ffdu, 0x3c81a52du, 0x3c81f97au,
+    0x3c823c39u, 0x3c826cbcu, 0x3c828a55u, 0x3c82945au, 0x3c828051u, 0x3c82451du, 0x3c81e418u,
+    0x3c815e9bu, 0x3c80b600u, 0x3c7fd742u, 0x3c7e01afu, 0x3c7bedfbu, 0x3c799edau, 0x3c7716ffu,
+    0x3c74591du, 0x3c7167e8u, 0x3c6e4613u, 0x3c6af653u, 0x3c677b5au, 0x3c63d7dcu, 0x3c600e8cu,
+    0x3c5c221fu, 0x3c581548u, 0x3c53eabau, 0x3c4fa528u, 0x3c4b4747u, 0x3c46d3c9u, 0x3c424d63u,
+    0x3c3db6c8u, 0x3c3912abu, 0x3c3463bfu, 0x3c2facbau, 0x3c2af04du, 0x3c26312du, 0x3c21720cu,
+    0x3c1cb5a0u, 0x3c17fe9au, 0x3c134fafu, 0x3c0eab92u, 0x3c0a14f6u, 0x3c058e90u, 0x3c011b13u,
+    0x3bf97a62u, 0x3bf0ef3fu, 0x3be89a23u, 0x3be08074u, 0x3bd8a79au, 0x3bd114fbu, 0x3bc9cdffu,
+    0x3bc2d80du, 0x3bbc388cu, 0x3bb5f4e3u, 0x3bb01279u, 0x3baa96b5u, 0x3ba586feu, 0x3ba0e8bcu,
+    0x3b9cc154u, 0x3b99162fu, 0x3b95ecb3u, 0x3b934a48u, 0x3b913454u, 0x3b8fb03eu, 0x3b8ec36eu,
+    0x3c50b18au, 0x3c50a182u, 0x3c507226u, 0x3c502488u, 0x3c4fb9bdu, 0x3c4f32dbu, 0x3c4e90f6u,
+    0x3c4dd521u, 0x3c4d0073u, 0x3c4c13ffu, 0x3c4b10dau, 0x3c49f81au, 0x3c48cad1u, 0x3c478a16u,
+    0x3c4636fcu, 0x3c44d298u, 0x3c435e00u, 0x3c41da46u, 0x3c404881u, 0x3c3ea9c4u, 0x3c3cff25u,
+    0x3c3b49b8u, 0x3c398a91u, 0x3c37c2c5u, 0x3c35f369u, 0x3c341d91u, 0x3c324252u, 0x3c3062c1u,
+    0x3c2e7ff2u, 0x3c2c9afau, 0x3c2ab4edu, 0x3c28cee0u, 0x3c26e9e8u, 0x3c250719u, 0x3c232787u,
+    0x3c214c48u, 0x3c1f7671u, 0x3c1da715u, 0x3c1bdf49u, 0x3c1a2022u, 0x3c186ab5u, 0x3c16c015u,
+    0x3c152159u, 0x3c138f93u, 0x3c120bdau, 0x3c109741u, 0x3c0f32deu, 0x3c0ddfc4u, 0x3c0c9f09u,
+    0x3c0b71c0u, 0x3c0a58ffu, 0x3c0955dbu, 0x3c086967u, 0x3c0794b9u, 0x3c06d8e4u, 0x3c0636ffu,
+    0x3c05b01du, 0x3c054552u, 0x3c04f7b4u, 0x3c04c858u, 0x3c04b850u, 0x3c04d75eu, 0x3c053322u,
+    0x3c05c984u, 0x3c06986cu, 0x3c079dc2u, 0x3c08d76fu, 0x3c0a435au, 0x3c0bdf6cu, 0x3c0da98cu,
+    0x3c0f9fa3u, 0x3c11bf99u, 0x3c140755u, 0x3c1674c0u, 0x3c1905c2u, 0x3c1bb843u, 0x3c1e8a2bu,
+    0x3c217962u, 0x3c2483d0u, 0x3c27a75eu, 0x3c2ae1f2u, 0x3c2e3176u, 0x3c3193d2u, 0x3c3506edu,
+    0x3c3888afu, 0x3c3c1701u, 0x3c3fafcbu, 0x3c4350f4u, 0x3c46f866u, 0x3c4aa406u, 0x3c4e51c0u,
+    0x3c51ff78u, 0x3c55ab1au, 0x3c59528bu, 0x3c5cf3b4u, 0x3c608c7eu, 0x3c641ad0u, 0x3c679c92u,
+    0x3c6b0faeu, 0x3c6e7209u, 0x3c71c18du, 0x3c74fc22u, 0x3c781fafu, 0x3c7b2a1du, 0x3c7e1954u,
+    0x3c80759eu, 0x3c81cedeu, 0x3c831760u, 0x3c844e15u, 0x3c8571f3u, 0x3c8681eeu, 0x3c877cfau,
+    0x3c88620au, 0x3c893012u, 0x3c89e608u, 0x3c8a82deu, 0x3c8b058au, 0x3c8b6cfeu, 0x3c8bb82eu,
+    0x3c8be610u, 0x3c8bf598u, 0x3c8be691u, 0x3c8bba2au, 0x3c8b7166u, 0x3c8b0d48u, 0x3c8a8ed4u,
+    0x3c89f70cu, 0x3c8946f6u, 0x3c887f92u, 0x3c87a1e6u, 0x3c86aef4u, 0x3c85a7beu, 0x3c848d4bu,
+    0x3c83609bu, 0x3c8222b3u, 0x3c80d496u, 0x3c7eee8cu, 0x3c7c1792u, 0x3c792640u, 0x3c761c9eu,
+    0x3c72fcb3u, 0x3c6fc886u, 0x3c6c821du, 0x3c692b7fu, 0x3c65c6b2u, 0x3c6255beu, 0x3c5edaa8u,
+    0x3c5b5778u, 0x3c57ce33u, 0x3c5440e2u, 0x3c50b18au, 0x3c4d2231u, 0x3c4994e0u, 0x3c460b9bu,
+    0x3c42886bu, 0x3c3f0d55u, 0x3c3b9c61u, 0x3c383794u, 0x3c34e0f6u, 0x3c319a8du, 0x3c2e6660u,
+    0x3c2b4675u, 0x3c283cd3u, 0x3c254b82u, 0x3c227486u, 0x3c1fb9e8u, 0x3c1d1dadu, 0x3c1aa1ddu,
+    0x3c18487du, 0x3c161395u, 0x3c14052cu, 0x3c121f47u, 0x3c1063eeu, 0x3c0ed528u, 0x3c0d74fau,
+    0x3c0c456bu, 0x3c0b4883u, 0x3c0a8047u, 0x3c09eebfu, 0x3c0995f1u
+};
+static const uint32_t golden_force[600] = {
+    0x0u, 0x0u, 0x0u, 0x0u, 0x0u, 0x0u, 0x0u, 0x0u, 0x0u, 0x0u, 0x0u, 0x0u, 0x0u, 0x3c61335du,
+    0x3d9f6552u, 0x3de27775u, 0x3e07d0a8u, 0x3e1fb0c8u, 0x3e3944dcu, 0x3e54b527u, 0x3e721a27u,
+    0x3e88c272u, 0x3e998070u, 0x3eab4a69u, 0x3ebe215cu, 0x3ed2040bu, 0x3ee6f670u, 0x3efcf437u,
+    0x3f09f6bau, 0x3f15eaecu, 0x3f225080u, 0x3f2f202fu, 0x3f3c5180u, 0x3f49b9e3u, 0x3f5768c3u,
+    0x3f655c0fu, 0x3f73869au, 0x3f80ecc4u, 0x3f8824acu, 0x3f8f650cu, 0x3f96a4c7u, 0x3f9ddabau,
+    0x3fa4fd70u, 0x3fac02e8u, 0x3fb2e093u, 0x3fb98b71u, 0x3fbff7b3u, 0x3fc619ecu, 0x3fcbe67eu,
+    0x3fd151d0u, 0x3fd6503bu, 0x3fdad628u, 0x3fded76fu, 0x3fe24a8bu, 0x3fe5257au, 0x3fe75ddfu,
+    0x3fe8e99eu, 0x3fe9bf3fu, 0x3fe9d5fcu, 0x3fe92606u, 0x3fe7a8a4u, 0x3fe5a5b2u, 0x3fe36070u,
+    0x3fe0c8e8u, 0x3fddd958u, 0x3fda918eu, 0x3fd6f435u, 0x3fd6f435u, 0x3fcedc6fu, 0x3fca5357u,
+    0x3fc58ddeu, 0x3fc0902eu, 0x3fbb5f82u, 0x3fb600dfu, 0x3fb07914u, 0x3faacd69u, 0x3fa5ab7eu,
+    0x3fa0a15au, 0x3f9b8a9au, 0x3f966b9eu, 0x3f9148bau, 0x3f8c260cu, 0x3f87078cu, 0x3f81f101u,
+    0x3f79cc09u, 0x3f6fd416u, 0x3f660097u, 0x3f5c57a4u, 0x3f52def9u, 0x3f499bf3u, 0x3f40936du,
+    0x3f37c9f4u, 0x3f2f43bau, 0x3f270486u, 0x3f1f0fb9u, 0x3f1767c5u, 0x3f100d3eu, 0x3f090199u,
+    0x3f024698u, 0x3ef7bce6u, 0x3eeb94e3u, 0x3ee01758u, 0x3ed54610u, 0x3ecb22b7u, 0x3ec1ae86u,
+    0x3eb8eaa6u, 0x3eb0d7fcu, 0x3ea9776au, 0x3ea2c9a5u, 0x3e9ccf6cu, 0x3e97899eu, 0x3e92f921u,
+    0x3e8f1f22u, 0x3e8bfd1bu, 0x3e8994cdu, 0x3e87e896u, 0x3e86fb35u, 0x3e86d02fu, 0x3e876bcau,
+    0x3e88d311u, 0x3e8b0c1du, 0x3e908597u, 0x3e9ab5d2u, 0x3ea873ceu, 0x3eb965d6u, 0x3ecd718du,
+    0x3ee493c2u, 0x3efed3dau, 0x3f0e1fdbu, 0x3f1ca816u, 0x3f2b6a8bu, 0x3f2b6a8bu, 0x3f2b6a8bu,
+    0x3f2b6a8bu, 0x3f2b6a8bu, 0x3f45f26au, 0x3f764731u, 0x3f96585fu, 0x3fad0f03u, 0x3fbc1accu,
+    0x3fcc1b4cu, 0x3fdd1879u, 0x3fef1412u, 0x40010b50u, 0x400b177cu, 0x4015b192u, 0x4020da1cu,
+    0x402c8f78u, 0x4038cec0u, 0x40459001u, 0x4052d70au, 0x4060a859u, 0x406efef3u, 0x407dd31eu,
+    0x40868d7cu, 0x408e656au, 0x4096681au, 0x409e98efu, 0x40a6f214u, 0x40af6ac7u, 0x40b7f919u,
+    0x40c0920au, 0x40c929c3u, 0x40d1b228u, 0x40da2346u, 0x40e27447u, 0x40ea95d8u, 0x40f27808u,
+    0x40fa0a64u, 0x41009e08u, 0x4103fe02u, 0x41071c8eu, 0x4109f127u, 0x410c7369u, 0x410e9b20u,
+    0x411062ecu, 0x4111c1a2u, 0x4112aeb9u, 0x411322e2u, 0x411317f2u, 0x411288f0u, 0x4111d1e3u,
+    0x41114d24u, 0x4110f289u, 0x4110bbf3u, 0x4110a4b6u, 0x4110a912u, 0x4110c60au, 0x4110f916u,
+    0x4111401fu, 0x41119958u, 0x41120326u, 0x41127c2cu, 0x4113032du, 0x41139714u, 0x411436d9u,
+    0x4114e18du, 0x4115965au, 0x41165470u, 0x41171b0au, 0x4117e96eu, 0x4118bee6u, 0x41199ac6u,
+    0x411a7c65u, 0x411b6314u, 0x411c4e34u, 0x411d3d18u, 0x411e2f21u, 0x411f23a4u, 0x41201a01u,
+    0x4121118au, 0x41220992u, 0x41230178u, 0x4123f87fu, 0x4124ee08u, 0x4125e158u, 0x4126d1c0u,
+    0x4127be88u, 0x4128a6f7u, 0x41298a5cu, 0x412a67f5u, 0x412b3f06u, 0x412c0ecdu, 0x412cd692u,
+    0x412d958eu, 0x412e4affu, 0x412ef620u, 0x412f9632u, 0x41302a6cu, 0x4130b20eu, 0x41312c51u,
+    0x41319878u, 0x4131f5bau, 0x41324356u, 0x4132809cu, 0x4132acc2u, 0x4132c712u, 0x4132ced8u,
+    0x4132c36bu, 0x4132a40fu, 0x41327025u, 0x41320ab4u, 0x41315ae1u, 0x4130667du, 0x412f32a8u,
+    0x412dc406u, 0x412c1f02u, 0x412a47c5u, 0x4128426au, 0x412612e2u, 0x4123bd0fu, 0x412144beu,
+    0x411eada8u, 0x411bfb6cu, 0x41193bfcu, 0x41168766u, 0x4113c38eu, 0x4110f37eu, 0x410e1a22u,
+    0x410b3a4bu, 0x410856a0u, 0x410571b2u, 0x41028de7u, 0x40ff5b13u, 0x40f9a577u, 0x40f3fef9u,
+    0x40ee6b65u, 0x40e8ee2bu, 0x40e38336u, 0x40de2c47u, 0x40d8ed82u, 0x40d3caa2u, 0x40cec677u,
+    0x40c9e367u, 0x40c52385u, 0x40c088bcu, 0x40bc14bdu, 0x40b7c914u, 0x40b3a72bu, 0x40afb049u,
+    0x40abe5a0u, 0x40a84849u, 0x40a4d93au, 0x40a19965u, 0x409e89a4u, 0x409bab21u, 0x4098fd4eu,
+    0x40968080u, 0x4094356fu, 0x40921cdeu, 0x409037acu, 0x408e86bdu, 0x408d0b17u, 0x408bc5c1u,
+    0x408ab7f2u, 0x4089e2ecu, 0x40894815u, 0x4088e8eeu, 0x4088c727u, 0x4088e496u, 0x40894342u,
+    0x4089f882u, 0x408b135bu, 0x408c8cf3u, 0x408e5ff9u, 0x40908856u, 0x409302d0u, 0x4095ccc6u,
+    0x4098e422u, 0x409c4712u, 0x409ff3feu, 0x40a3e98fu, 0x40a81254u, 0x40ac422cu, 0x40b0b1ebu,
+    0x40b562f5u, 0x40ba54ceu, 0x40bf86afu, 0x40c4f7bbu, 0x40caa6e0u, 0x40d092dau, 0x40d6ba3du,
+    0x40dd1b4du, 0x40e3b42au, 0x40ea8298u, 0x40f18424u, 0x40f8b600u, 0x41000a94u, 0x4103cfa2u,
+    0x4107af58u, 0x410ba769u, 0x410fb3fau, 0x4113d1c8u, 0x4117fdb8u, 0x411c34a0u, 0x4120733fu,
+    0x4124b62eu, 0x4128f9e2u, 0x412d3aa0u, 0x4131748au, 0x4135a394u, 0x4139b7ceu, 0x413d9ca2u,
+    0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu,
+    0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu,
+    0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu,
+    0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x413d9b76u, 0x41379479u,
+    0x413126d2u, 0x412a592du, 0x412331fdu, 0x411bccf1u, 0x41145d71u, 0x410cef26u, 0x41058cceu,
+    0x40fc82a9u, 0x40ee2e5au, 0x40e0302eu, 0x40d29a40u, 0x40c56245u, 0x40b87876u, 0x40abf286u,
+    0x409fdebau, 0x409447c8u, 0x408935ceu, 0x407d6661u, 0x40696722u, 0x40566630u, 0x40447596u,
+    0x40337f45u, 0x40237fb2u, 0x40147ae2u, 0x40066427u, 0x3ff247d9u, 0x3fd96568u, 0x3fc216fbu,
+    0x3fac5958u, 0x3f9828a2u, 0x3f858bfeu, 0x3f68c2a8u, 0x3f49267eu, 0x3f2c2bc2u, 0x3f11c146u,
+    0x3ef3b188u, 0x3ec8c95cu, 0x3ea2ae94u, 0x3e814e88u, 0x3e48eaccu, 0x3e17d028u, 0x0u, 0x0u, 0x0u,
+    0x0u, 0x0u, 0x0u, 0x0u, 0x0u, 0x0u, 0x0u, 0x3f91e8b2u, 0x400832fdu, 0x4040a276u, 0x4073fccdu,
+    0x4091a93bu, 0x40a7a808u, 0x40bc330du, 0x40cf6fe8u, 0x40e17848u, 0x40f25df1u, 0x40eab4e2u,
+    0x40e37227u, 0x40dcac1cu, 0x40d64fdeu, 0x40d030fau, 0x40ca4674u, 0x40c48970u, 0x40bef4afu,
+    0x40b98446u, 0x40b43556u, 0x40af05e8u, 0x40a9f4c1u, 0x40a50136u, 0x40a02b15u, 0x409b7284u,
+    0x4096d7d2u, 0x409258b6u, 0x408df5aau, 0x4089af53u, 0x4085866cu, 0x40817bc4u, 0x407b206au,
+    0x40738944u, 0x406c33fau, 0x40652250u, 0x405e5610u, 0x4057d0e5u, 0x40519472u, 0x404ba24au,
+    0x4045fbbcu, 0x4040a231u, 0x403b97a2u, 0x4036da6cu, 0x40326a6cu, 0x402e4866u, 0x402a753cu,
+    0x4026f208u, 0x4023bfe5u, 0x4020e024u, 0x401e5429u, 0x401c1d58u, 0x401a3d54u, 0x4018b5bdu,
+    0x40178885u, 0x4016b7a9u, 0x4016456au, 0x40163446u, 0x4016870cu, 0x401740ceu, 0x4018bda0u,
+    0x401b445bu, 0x401eb9a3u, 0x40230b83u, 0x40282e3du, 0x402e1a4bu, 0x4034cafcu, 0x403c3d89u,
+    0x4044706bu, 0x404cd596u, 0x4055b19du, 0x405f3d16u, 0x40697913u, 0x40746e9bu, 0x40801071u,
+    0x4086493fu, 0x408ce2c2u, 0x4093ddc2u, 0x409b3ab8u, 0x40a2f9b5u, 0x40ab1a81u, 0x40b39c76u,
+    0x40bc7eb3u, 0x40c5c973u, 0x40cf7b94u, 0x40d99308u, 0x40e40d00u, 0x40eee5f0u, 0x40fa1976u,
+    0x4102d147u, 0x4108bffdu, 0x410ee63du, 0x41153cdcu, 0x411bbc22u, 0x41225d46u, 0x4129198cu,
+    0x412fe9eeu, 0x4136c78fu, 0x413da413u, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu,
+    0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu,
+    0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu,
+    0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu,
+    0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu,
+    0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x41400b3eu, 0x413b887cu, 0x413504f6u,
+    0x412e5b05u, 0x41278ee4u, 0x4120a4b8u, 0x4119a5f7u, 0x4112c662u, 0x410c16b6u, 0x4105985au,
+    0x40fe9c2eu, 0x40f27595u, 0x40e6c21cu, 0x40db8665u, 0x40d0c631u, 0x40c67e7eu, 0x40bc93a5u,
+    0x40b30e27u, 0x40a9f3c1u, 0x40a1474bu, 0x40990a30u, 0x40913e7au, 0x4089e804u, 0x40830174u,
+    0x40790f8du, 0x406ce5dau, 0x40618161u, 0x4056de27u, 0x404cf8e5u, 0x4043ceccu, 0x403b5d06u,
+    0x4033a175u, 0x402c9a90u, 0x4026471eu, 0x4020a702u, 0x401bb858u, 0x401776d3u, 0x4013e228u,
+    0x4010fb1cu, 0x400ec351u, 0x400d3d60u, 0x400c6c98u, 0x400c554eu, 0x400cfcc3u
+};
+static const uint8_t golden_notes[600] = {
+    2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+    0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+    0, 0, 0, 1, 1, 1, 1, 16, 16, 16, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 4, 4, 12, 12, 12, 12, 12, 12,
+    12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 4, 4, 4, 4, 4, 0,
+    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 16, 16, 16, 16, 16, 16, 16, 16, 16, 0, 0, 0, 0, 0,
+    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 4, 12, 12, 12, 12, 12, 12, 12, 12, 12,
+    12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12,
+    12, 12, 12, 12, 4, 4, 4, 4, 4, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0
+};
+
+static float from_bits(uint32_t bits)
+{
+    float number;
+    (void)memcpy(&number, &bits, sizeof number);
+    return number;
+}
+
+static uint32_t to_bits(float number)
+{
+    uint32_t bits;
+    (void)memcpy(&bits, &number, sizeof bits);
+    return bits;
+}
+
+int soft_pad_selftest(void)
+{
+    soft_pad_state state;
+    soft_pad_init(&state);
+    float force_n = (float)0;
+    for (size_t i = 0; i < sizeof golden_position / sizeof golden_position[0]; i++) {
+        const int notes = soft_pad_step(&state, from_bits(golden_position[i]), (float)0, &force_n);
+        if (to_bits(force_n) != golden_force[i] || notes != (int)golden_notes[i]) {
+            return 1 + (int)i;
+        }
+    }
+    /* A time step that is no number: taken, it would end the watchdog's count for ever. */
+    force_n = (float)0;
+    const float no_number = from_bits(0x7fc00000u);
+    if (no_number == no_number || soft_pad_idle(&state, no_number, &force_n) != SP_ERROR_TIME_STEP ||
+        to_bits(force_n) != 0) {
+        return 1 + (int)(sizeof golden_position / sizeof golden_position[0]);
+    }
+    /* Too long a silence: no force any more, whatever comes, until a reset. */
+    const float deep_m = from_bits(golden_position[180]);
+    int as_planned = (soft_pad_idle(&state, 0.072f, &force_n) & SP_NOTE_LATCHED) && to_bits(force_n) == 0;
+    as_planned &= (soft_pad_step(&state, deep_m, (float)0, &force_n) & SP_NOTE_LATCHED) != 0;
+    as_planned &= to_bits(force_n) == 0;
+    soft_pad_reset(&state);
+    const float first_m = from_bits(golden_position[0]);
+    as_planned &= soft_pad_step(&state, first_m, (float)0, &force_n) == (int)golden_notes[0];
+    if (!as_planned) {
+        return 1 + (int)(sizeof golden_position / sizeof golden_position[0]);
+    }
+    return 0;
+}
+
+#endif
+
+#if defined(__GNUC__) && !defined(__clang__)
+#pragma GCC pop_options
+#endif
