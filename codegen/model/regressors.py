@@ -90,6 +90,12 @@ class Forest(Regressor):
             return replace(self, quantisation=self.quantisation.on_scaled(scale))
         return replace(self, threshold=self.threshold / scale)
 
+    def on_columns(self, columns: NDArray[np.intp]) -> "Forest":
+        """The same on `columns` alone, which are all that it uses, ascending."""
+        inner, steps = self.feature >= 0, self.quantisation
+        feature = np.where(inner, np.searchsorted(columns, self.feature), -1).astype(np.int32)
+        return replace(self, feature=feature, quantisation=steps and steps.take(columns))
+
     def used_columns(self, n_features: int) -> NDArray[np.intp]:
         used = np.unique(self.feature[self.feature >= 0]).astype(np.intp)
         return used if len(used) else np.zeros(1, dtype=np.intp)  # trees without a split

@@ -1,19 +1,29 @@
 """Forests: sp_forest.h, or nested ifs by m2cgen."""
 
+import sys
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from springpot.codegen.arrays import Reals
 from springpot.codegen.errors import UsageError
-from springpot.codegen.forest.compact import LEVELS, CompactForest, compact_forest, work_at_most
-from springpot.codegen.forest.leaves import rounded
-from springpot.codegen.forest.node_table import ForestTable, forest_table
-from springpot.codegen.forest.traverse import compact_sums, feature_bins, forest_force, table_sums
 from springpot.codegen.literals import array_text, constant_text, members_text, wrapped
-from springpot.codegen.model.regressors import Forest, Quantisation
+from springpot.codegen.model.forest import (
+    QuantisedLeaves,
+    forest_force,
+    largest_float32_below,
+    quantised_leaves,
+    rounded,
+)
+from springpot.codegen.model.regressors import Forest
 from springpot.codegen.scene import Runtime
+from springpot.codegen.stages.compact_forest import (
+    LEVELS,
+    CompactForest,
+    compact_forest,
+    work_at_most,
+)
 from springpot.codegen.stages.costs import Costs
 from springpot.codegen.stages.stage import (
     U32,
@@ -25,26 +35,60 @@ from springpot.codegen.stages.stage import (
 )
 from springpot.codegen.types import JsonObject, RealType
 
+if TYPE_CHECKING:
+    from m2cgen.ast import Expr
+
 _LEVELS_A_ROUND = 3  # SP_FOREST_UNCHECKED
+_MAX_IFS = 20_000  # nodes
+_SCORE = "double score(double * input)"
 
 
 @dataclass(frozen=True, eq=False)
-class CompactForestStage(RegressorStage):
-    """A forest on `n_features` features in 4-byte nodes; `vectors`: with the host's vector units.
+class ForestStage(RegressorStage):
+    """A forest on the `n_features` features that it uses. dtype: of sp_real."""
 
-    quantisation: of the features used, where the forest was fitted on bins.
-    """
-
-    forest: CompactForest
+    forest: Forest
+    leaves: QuantisedLeaves
     n_features: int
-    quantisation: Quantisation | None
+    dtype: RealType
+
+    def tables(self) -> list[str]:
+        leaves, steps = self.leaves, self.forest.quantisation
+        found = [
+            f"enum {{\n    N_FEATURES = {self.n_features}\n}};",
+            constant_text("leaf_step_n", self.dtype(leaves.leaf_step_n)),
+            constant_text("forest_bias_n", self.dtype(leaves.bias_n)),
+        ]
+        if steps is not None:
+            found += [
+                "/* A feature's minimum, and its bins in a unit (sp_quantise.h). */",
+                array_text("feature_min", "float", steps.feature_min.astype(np.float32)),
+                array_text("bins_per_unit", "float", steps.bins_per_unit.astype(np.float32)),
+            ]
+        return found
+
+    def manifest(self) -> JsonObject:
+        return {"leaf_error_n": self.leaves.error_n}
+
+    def reference(self, features: Reals) -> Reals:
+        values = features.astype(np.float32)
+        if self.forest.quantisation is not None:
+            values = rounded(self.forest.quantisation, values)
+        return forest_force(self.forest, self.leaves, values, self.dtype)
+
+
+@dataclass(frozen=True, eq=False)
+class CompactForestStage(ForestStage):
+    """In 4-byte nodes; `vectors`: with the host's vector units."""
+
+    compact: CompactForest
     vectors: bool
 
     code = stage_code("compact_forest")
 
     @property
     def headers(self) -> tuple[str, ...]:
-        bins = "sp_quantise.h" if self.quantisation is not None else "sp_bins.h"
+        bins = "sp_quantise.h" if self.forest.quantisation is not None else "sp_bins.h"
         traversal = ("sp_forest.h", "sp_forest_x86.h", "sp_forest_simd.h")
         return (bins, *(traversal if self.vectors else traversal[:1]))
 
@@ -52,20 +96,15 @@ class CompactForestStage(RegressorStage):
     def members(self) -> tuple[Member, ...]:
         """Which vector unit there is; where each feature's bin was."""
         simd = (Member("uint32_t simd", (U32,)),) if self.vectors else ()
-        searched = len(self.forest.thresholds)
+        searched = len(self.compact.thresholds)
         bins = (Member(f"uint32_t bins[{searched}]", (U32,) * searched),) if searched else ()
         return simd + bins
 
     def tables(self) -> list[str]:
-        forest = self.forest
+        forest = self.compact
         return [
-            f"enum {{\n    N_FEATURES = {self.n_features}\n}};",
-            *_scale(forest),
-            *(
-                _rounding(self.quantisation)
-                if self.quantisation is not None
-                else self._thresholds()
-            ),
+            *super().tables(),
+            *self._thresholds(),
             "/* The first levels of all trees side by side: step, bin (sp_forest.h). */",
             *_nodes("forest_top", forest.top.reshape(-1, 2)),
             "/* Below, tree after tree. */",
@@ -85,7 +124,7 @@ class CompactForestStage(RegressorStage):
         ]
 
     def _thresholds(self) -> list[str]:
-        lists = self.forest.thresholds
+        lists = self.compact.thresholds
         if not lists:
             return []
         starts = np.cumsum([0, *map(len, lists)]).astype(np.uint32)
@@ -97,13 +136,13 @@ class CompactForestStage(RegressorStage):
 
     @property
     def table_bytes(self) -> int:
-        return self.forest.top.nbytes + self.forest.nodes.nbytes
+        return self.compact.top.nbytes + self.compact.nodes.nbytes
 
     def instructions(self, costs: Costs) -> float:
-        below = np.maximum(self.forest.longest_paths - LEVELS, 0)
+        below = np.maximum(self.compact.longest_paths - LEVELS, 0)
         rounds = below // _LEVELS_A_ROUND + 1
-        steps = sum(len(thresholds).bit_length() for thresholds in self.forest.thresholds)
-        each = costs.quantisation if self.quantisation is not None else costs.bin_search
+        steps = sum(len(thresholds).bit_length() for thresholds in self.compact.thresholds)
+        each = costs.quantisation if self.forest.quantisation is not None else costs.bin_search
         return float(
             len(below) * costs.tree
             + rounds.sum() * costs.tree_round
@@ -113,49 +152,21 @@ class CompactForestStage(RegressorStage):
         )
 
     def manifest(self) -> JsonObject:
-        return {
-            "leaf_error_n": self.forest.leaf_error_n,
-            "work_at_most": work_at_most(self.forest),
-        }
-
-    def reference(self, features: Reals) -> Reals:
-        if self.quantisation is None:
-            bins = feature_bins(self.forest.thresholds, features.astype(np.float32))
-        else:
-            bins = rounded(self.quantisation, features).astype(np.int32)
-        return forest_force(self.forest, compact_sums(self.forest, bins))
+        return {**super().manifest(), "work_at_most": work_at_most(self.compact)}
 
 
 @dataclass(frozen=True, eq=False)
-class IfsStage(RegressorStage):
-    """The same forest as nested ifs, by m2cgen, on features as doubles."""
-
-    table: ForestTable
-    n_features: int
-    quantisation: Quantisation | None
-    forest: Forest
+class IfsStage(ForestStage):
+    """As nested ifs, by m2cgen, on features as doubles."""
 
     code = stage_code("ifs_forest")
 
     @property
     def headers(self) -> tuple[str, ...]:
-        return ("sp_quantise.h",) if self.quantisation is not None else ()
+        return ("sp_quantise.h",) if self.forest.quantisation is not None else ()
 
     def tables(self) -> list[str]:
-        from springpot.codegen.forest.m2c import score_source
-
-        steps = [] if self.quantisation is None else _rounding(self.quantisation)
-        head = f"enum {{\n    N_FEATURES = {self.n_features}\n}};"
-        return [head, *_scale(self.table), *steps, score_source(self.forest, self.table)]
-
-    def manifest(self) -> JsonObject:
-        return {"leaf_error_n": self.table.leaf_error_n}
-
-    def reference(self, features: Reals) -> Reals:
-        values = features.astype(np.float32)
-        if self.quantisation is not None:
-            values = rounded(self.quantisation, values)
-        return forest_force(self.table, table_sums(self.table, values))
+        return [*super().tables(), score_source(self.forest, self.leaves)]
 
 
 @regressor_stage.register
@@ -164,35 +175,54 @@ def forest_stage(
 ) -> RegressorStage:
     """Nodes of 4 bytes; nested ifs where the scene asks for them.
 
-    Raises UsageError for a forest that is too large for nodes of 4 bytes.
+    Raises UsageError for a forest that is too large for either.
     """
-    quantisation = None if forest.quantisation is None else forest.quantisation.take(kept)
+    forest = forest.on_columns(kept)
+    leaves = quantised_leaves(forest)
     if runtime.forest == "m2cgen":
-        return IfsStage(forest_table(forest, dtype), len(kept), quantisation, forest)
-    compact = compact_forest(forest, dtype)
-    if compact is None:
+        return IfsStage(forest, leaves, len(kept), dtype)
+    compact = compact_forest(forest, leaves)
+    vectors = runtime.target == "host"
+    return CompactForestStage(forest, leaves, len(kept), dtype, compact, vectors)
+
+
+def score_source(forest: Forest, leaves: QuantisedLeaves) -> str:
+    """C function forest_score: the sum of the quantised leaves, the same number as the table's.
+
+    Leaves are whole numbers, so that the sum is exact in any order. Raises UsageError for forests
+    that a compiler would take minutes over.
+    """
+    from m2cgen import ast
+    from m2cgen.interpreters import CInterpreter
+
+    if len(forest.feature) > _MAX_IFS:
         raise UsageError(
-            "the forest is too large for the C's nodes of 4 bytes: fit fewer trees or larger "
-            "leaves (train --trees, --leaf), or features in steps (train --round-features)"
+            f'runtime.forest = "m2cgen": {len(forest.feature)} nodes would take minutes to compile '
+            f'(limit {_MAX_IFS}): use "table"'
         )
-    return CompactForestStage(compact, len(kept), quantisation, vectors=runtime.target == "host")
+    sys.setrecursionlimit(max(sys.getrecursionlimit(), 20_000))
+    threshold = largest_float32_below(forest.threshold).tolist()
+
+    def tree(node: int) -> "Expr":
+        if forest.feature[node] < 0:
+            return ast.NumVal(float(leaves.quantised[node]))
+        # The threshold is a float32 number written as a double; so is the feature: same decision.
+        feature = ast.FeatureRef(int(forest.feature[node]))
+        test = ast.CompExpr(feature, ast.NumVal(threshold[node]), ast.CompOpType.LTE)
+        return ast.IfExpr(test, tree(int(forest.left[node])), tree(int(forest.right[node])))
+
+    def balanced_sum(trees: "list[Expr]") -> "Expr":
+        if len(trees) == 1:
+            return trees[0]
+        half = len(trees) // 2
+        parts = (balanced_sum(trees[:half]), balanced_sum(trees[half:]))
+        return ast.BinNumExpr(*parts, ast.BinNumOpType.ADD)
+
+    text = str(CInterpreter().interpret(balanced_sum([tree(int(root)) for root in forest.roots])))
+    head = "static inline double forest_score(const double *input)"
+    return text[text.index(_SCORE) :].replace(_SCORE, head)
 
 
 def _nodes(name: str, nodes: Any) -> list[str]:
     pairs = [f"{{{step}, {bin_index}}}" for step, bin_index in nodes.tolist()]
     return [f"static const sp_forest_node {name}[{len(pairs)}] = {{", *wrapped(pairs), "};"]
-
-
-def _rounding(quantisation: Quantisation) -> list[str]:
-    return [
-        "/* A feature's minimum, and its bins in a unit (sp_quantise.h). */",
-        array_text("feature_min", "float", quantisation.feature_min.astype(np.float32)),
-        array_text("bins_per_unit", "float", quantisation.bins_per_unit.astype(np.float32)),
-    ]
-
-
-def _scale(table: ForestTable | CompactForest) -> list[str]:
-    return [
-        constant_text("leaf_step_n", table.leaf_step_n),
-        constant_text("forest_bias_n", table.bias_n),
-    ]

@@ -13,8 +13,8 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.errors import BudgetError, SpringpotError, UsageError
-from springpot.codegen.forest.smaller import fewer_trees, larger_leaves, quantised
 from springpot.codegen.model.features import FirBank
+from springpot.codegen.model.forest import fewer_trees, larger_leaves, quantised
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import read_model, write_model
 from springpot.codegen.model.regressors import Forest

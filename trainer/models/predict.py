@@ -6,9 +6,7 @@ from functools import singledispatch
 import numpy as np
 
 from springpot.codegen.arrays import Indices, Samples
-from springpot.codegen.forest.leaves import rounded, used_features
-from springpot.codegen.forest.node_table import forest_table
-from springpot.codegen.forest.traverse import forest_force, table_sums
+from springpot.codegen.model.forest import forest_force, quantised_leaves, rounded
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.regressors import Forest, Rbf, Regressor
 from springpot.trainer.features.values import feature_values
@@ -62,9 +60,7 @@ def _forest_force(forest: Forest, values: Samples) -> Samples:
     features = values.astype(np.float32)
     if forest.quantisation is not None:
         features = rounded(forest.quantisation, features)
-    table = forest_table(forest, np.float64)
-    kept = used_features(forest)
-    force_n: Samples = forest_force(table, table_sums(table, features[:, kept]))
+    force_n: Samples = forest_force(forest, quantised_leaves(forest), features, np.float64)
     return force_n
 
 

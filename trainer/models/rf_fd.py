@@ -7,8 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from springpot.codegen.errors import UsageError
-from springpot.codegen.forest.leaves import quantisation_over, rounded
 from springpot.codegen.model.features import Features, FirBank, FractionalBank, Lags
+from springpot.codegen.model.forest import quantisation_over, rounded
 from springpot.trainer.features.fast_fir import fast_fir_bank
 from springpot.trainer.features.fractional import gl_taps, recursive_bank
 from springpot.trainer.models.fit import Engine, Fit, FitOptions, assemble

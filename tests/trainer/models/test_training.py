@@ -10,7 +10,7 @@ from support.small import DEPTH_M, DT_S, small_fit, training
 
 from springpot import Recording
 from springpot.codegen.errors import DataError
-from springpot.codegen.forest.leaves import quantised_leaves
+from springpot.codegen.model.forest import quantised_leaves
 from springpot.codegen.model.model_file import model_hash
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.contact import pulls

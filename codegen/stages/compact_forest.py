@@ -1,17 +1,17 @@
 """IR forest -> the 4-byte nodes of sp_forest.h, deciding exactly as scikit-learn does."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Real
-from springpot.codegen.forest.leaves import (
+from springpot.codegen.errors import UsageError
+from springpot.codegen.model.forest import (
+    MAX_BIN,
+    QuantisedLeaves,
     largest_float32_below,
     level_order,
-    quantised_leaves,
     used_features,
 )
 from springpot.codegen.model.regressors import Forest
@@ -23,7 +23,6 @@ REST = 10  # the plain C traverses this many trees at once, or a multiple
 VECTOR = 16  # trees side by side in the widest vector unit
 
 ENTRIES = 1 << LEVELS
-_MAX_BIN = 2**16 - 1
 _MAX_STEP = 2 ** (16 - COMPACT_SLOT_BITS) - 1
 _TOGETHER = 3  # levels that lie together below the first ones
 
@@ -37,8 +36,6 @@ class CompactForest:
     top: (15, padded trees, 2), by heap position and tree; nodes: (nodes, 2); roots: (padded
     trees,) uint32.
     thresholds: of each used feature, sorted float32; none where features are quantised.
-    leaf_step_n, bias_n: force = bias_n + leaf_step_n x sum; leaf_error_n: max error of that,
-    leaves being quantised.
     longest_paths: (trees,), splits on the longest way to a leaf of each.
     """
 
@@ -47,9 +44,6 @@ class CompactForest:
     roots: NDArray[np.uint32]
     n_trees: int
     thresholds: tuple[NDArray[np.float32], ...]
-    leaf_step_n: Real
-    bias_n: Real
-    leaf_error_n: float
     longest_paths: NDArray[np.int64]
 
 
@@ -69,9 +63,17 @@ class _Order:
     size: int
 
 
-def compact_forest(forest: Forest, real: Callable[[float], Real]) -> CompactForest | None:
-    """Lay out `forest` with its used features as slots 1, 2, ...; None where 4 bytes do not do."""
+def compact_forest(forest: Forest, leaves: QuantisedLeaves) -> CompactForest:
+    """Lay out `forest` with its used features as slots 1, 2, ...
+
+    Raises UsageError where 4 bytes do not do.
+    """
     columns = used_features(forest)
+    if len(columns) >= 1 << COMPACT_SLOT_BITS:
+        raise UsageError(
+            f"a forest on {len(columns)} features: the C's nodes of 4 bytes name "
+            f"{(1 << COMPACT_SLOT_BITS) - 1}: train on fewer"
+        )
     leaf = forest.feature < 0
     slot = np.where(leaf, 0, np.searchsorted(columns, forest.feature) + 1)
     thresholds, bin_index = _bins(forest, columns)
@@ -80,17 +82,15 @@ def compact_forest(forest: Forest, real: Callable[[float], Real]) -> CompactFore
     # Above LEVELS heap positions name the children (2 h, 2 h + 1). A leaf's step is 0 and its slot
     # 0, whose bin, 0, is above no node's: a traversal that goes on stays there.
     step = np.where(leaf | ~low, 0, order.place[forest.left] - order.place)
-    if (
-        len(columns) >= 1 << COMPACT_SLOT_BITS
-        or bin_index.max(initial=0) > _MAX_BIN
-        or step.max(initial=0) > _MAX_STEP
-    ):
-        return None
-    quantised = quantised_leaves(forest)
+    if bin_index.max(initial=0) > MAX_BIN or step.max(initial=0) > _MAX_STEP:
+        raise UsageError(
+            "the forest is too large for the C's nodes of 4 bytes: fit fewer trees or larger "
+            "leaves (train --trees, --leaf), or features in steps (train --round-features)"
+        )
     stored = low | leaf
     nodes = np.zeros((order.size, 2), dtype=np.uint16)
     nodes[order.place[stored], 0] = (step << COMPACT_SLOT_BITS | slot)[stored]
-    nodes[order.place[stored], 1] = np.where(leaf, quantised.quantised, bin_index)[stored]
+    nodes[order.place[stored], 1] = np.where(leaf, leaves.quantised, bin_index)[stored]
     n_padded = _padded(len(order.roots))
     top = np.zeros((ENTRIES - 1, n_padded, 2), dtype=np.uint16)  # zeros send everything to the left
     high = ~low & ~leaf
@@ -98,24 +98,16 @@ def compact_forest(forest: Forest, real: Callable[[float], Real]) -> CompactFore
     top[order.heap[high] - 1, order.tree[high], 1] = bin_index[high]
     roots = np.full(n_padded, order.size - 1, dtype=np.uint32)
     roots[: len(order.roots)] = order.roots
+    longest_paths = np.zeros(len(order.roots), dtype=np.int64)
+    np.maximum.at(longest_paths, order.tree, order.level)
     return CompactForest(
         top=top,
         nodes=nodes,
         roots=roots,
         n_trees=len(order.roots),
         thresholds=thresholds,
-        leaf_step_n=real(quantised.leaf_step_n),
-        bias_n=real(quantised.bias_n),
-        leaf_error_n=quantised.error_n,
-        longest_paths=_longest_paths(order, len(order.roots)),
+        longest_paths=longest_paths,
     )
-
-
-def _longest_paths(order: _Order, n_trees: int) -> Ints:
-    """Splits on the longest path to a leaf of each tree, (trees,)."""
-    longest = np.zeros(n_trees, dtype=np.int64)
-    np.maximum.at(longest, order.tree, order.level)
-    return longest
 
 
 def work_at_most(forest: CompactForest) -> dict[str, int]:
@@ -135,7 +127,7 @@ def _bins(forest: Forest, columns: NDArray[np.int32]) -> tuple[tuple[Any, ...], 
     Quantised features are their own bins: no thresholds are needed.
     """
     if forest.quantisation is not None:
-        return (), np.clip(np.floor(forest.threshold), 0, _MAX_BIN).astype(np.int64)
+        return (), np.clip(np.floor(forest.threshold), 0, MAX_BIN).astype(np.int64)
     # scikit-learn compares float32(x) with a double; for a float32 the largest one below decides
     # alike, and so do ranks: x <= threshold j of the sorted ones, if and only if bin(x) <= j.
     split = largest_float32_below(forest.threshold)
