@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 
 from annotated_types import Gt, Interval
 
-from springpot.codegen.short_repr import short_repr
+from springpot.codegen.messages import short_repr
 
 Number = Literal["float32", "float64"]
 Target = Literal["host", "cortex-m4f", "cortex-m7", "rv32imafc"]

@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.errors import DataError
-from springpot.codegen.reference.notes import RAMPED
-from springpot.codegen.short_repr import short_repr
+from springpot.codegen.messages import short_repr
+from springpot.codegen.notes import RAMPED
 from springpot.codegen.types import JsonObject
 from springpot.trainer.recordings.quality.noise_floor import NoiseFloor
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from springpot.codegen.entry_points import blaming, registered
 from springpot.codegen.errors import DataError, UsageError
-from springpot.codegen.short_repr import short_repr
+from springpot.codegen.messages import short_repr
 from springpot.trainer.paper import PAPER_SMOOTH_S
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ def fit_model(
     options: "FitOptions",
     validation: "Sequence[Recording]" = (),
 ) -> "Fit":
-    """Fit one model. `validation` decides only for rbf-fd with select "paper".
+    """Fit one model. validation: see `fit_rbf_fd`; other kinds do not look at them.
 
     recordings: those that `check_recordings` gives as `checked`, or others without spikes.
     Raises UsageError for an unknown kind, DataError where the recordings do not fit together.

@@ -6,12 +6,11 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from importlib.metadata import version
 
+from springpot.codegen.emit.c_text import rendered
 from springpot.codegen.emit.header import header_text
-from springpot.codegen.emit.render import rendered
 from springpot.codegen.emit.source import source_text
 from springpot.codegen.model.model_file import model_hash
-from springpot.codegen.plan.plan import Plan
-from springpot.codegen.plan.units import instruction_bound, planned_headers, state_bytes
+from springpot.codegen.plan import Plan, instruction_bound, planned_headers, state_bytes
 from springpot.codegen.types import JsonObject
 from springpot.runtime_c.paths import flags
 

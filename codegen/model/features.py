@@ -12,7 +12,7 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.short_repr import short_repr
+from springpot.codegen.messages import short_repr
 
 
 class Features(ABC):

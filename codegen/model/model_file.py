@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.atomic_write import write_file
 from springpot.codegen.entry_points import registered
 from springpot.codegen.errors import DataError
+from springpot.codegen.files import read_bounded, write_file
 from springpot.codegen.model.features import (
     FastFirBank,
     FirBank,
@@ -27,11 +27,9 @@ from springpot.codegen.model.features import (
     RecursiveBank,
 )
 from springpot.codegen.model.model import Model, TrainedRange
-from springpot.codegen.model.passive import Damage, Flow, Hammerstein
-from springpot.codegen.model.places import Places
+from springpot.codegen.model.passive import Damage, Flow, Hammerstein, Places
 from springpot.codegen.model.regressors import Forest, Quantisation, Rbf
 from springpot.codegen.model.validity import require_valid
-from springpot.codegen.regular_file import read_bounded
 
 MODEL_SCHEMA = 5
 MODEL_MAGIC = b"springpot-model"

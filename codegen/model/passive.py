@@ -5,10 +5,91 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.model.places import Places
-from springpot.codegen.short_repr import short_repr
+from springpot.codegen.arrays import Real, Reals
+from springpot.codegen.messages import short_repr
 
 FLOW_SHARE = 0.2  # of the force at the trained depth, at which a flowing branch is said to relax
+
+
+@dataclass(frozen=True, eq=False)
+class Places:
+    """Materials on a regular grid: force at a place = sum of amount_r(place) times that of r.
+
+    first_m, step_m: place of the first node, and from node to node, x and y, (2,). amounts: of each
+    material at each node, (nodes in x, nodes in y, materials), >= 0; bilinear between nodes, and
+    constant outside the grid. slopes_n: of each material what `Hammerstein.slopes_n` gives,
+    (materials, slopes).
+    """
+
+    first_m: NDArray[np.float64]
+    step_m: NDArray[np.float64]
+    amounts: NDArray[np.float64]
+    slopes_n: NDArray[np.float64]
+
+    @property
+    def last_m(self) -> NDArray[np.float64]:
+        """Place of the last node, x and y, (2,)."""
+        last_m: NDArray[np.float64] = self.first_m + self.step_m * (np.array(self.nodes) - 1)
+        return last_m
+
+    @property
+    def nodes(self) -> tuple[int, int]:
+        """Nodes in x and in y."""
+        return self.amounts.shape[0], self.amounts.shape[1]
+
+    @property
+    def stiffest_m(self) -> tuple[float, float]:
+        """Place of the stiffest node, x and y: what holds there is safe elsewhere."""
+        stiffness = (self.amounts @ self.slopes_n).sum(axis=2)
+        node = np.unravel_index(int(np.argmax(stiffness)), self.nodes)
+        x_m, y_m = (self.first_m + self.step_m * np.array(node)).tolist()
+        return x_m, y_m
+
+    def mixed_n(self, place_m: tuple[float, float]) -> NDArray[np.float64]:
+        """Slopes at a place, (slopes,)."""
+        per_step = 1.0 / self.step_m
+        amount = amounts_at(self.amounts, self.first_m, per_step, np.array(place_m))
+        return mixed(amount, self.slopes_n)
+
+    @property
+    def most_n(self) -> NDArray[np.float64]:
+        """The greatest of each slope over all places, (slopes,)."""
+        most_n: NDArray[np.float64] = np.max(self.amounts @ self.slopes_n, axis=(0, 1))
+        return most_n
+
+
+def grid_steps(
+    nodes: tuple[int, ...], first_m: Reals, per_step: Reals, place_m: Reals
+) -> tuple[Real, ...]:
+    """sp_map_steps: a place in steps from the first node, x and y, within the grid."""
+    passed = ((place_m - first_m) * per_step).tolist()
+    real = per_step.dtype.type
+    return tuple(
+        real(min(at if at > 0.0 else 0.0, n - 1)) for at, n in zip(passed, nodes, strict=True)
+    )
+
+
+def amounts_at(amounts: Reals, first_m: Reals, per_step: Reals, place_m: Reals) -> Reals:
+    """sp_map_amounts: amount of each material at a place, (materials,)."""
+    real = amounts.dtype.type
+    steps = grid_steps(amounts.shape[:2], first_m, per_step, place_m)
+    i, j = (min(int(at), nodes - 2) for at, nodes in zip(steps, amounts.shape[:2], strict=True))
+    x, y, one = steps[0] - real(i), steps[1] - real(j), real(1)
+    weights = ((one - x) * (one - y), (one - x) * y, x * (one - y), x * y)
+    corners = (amounts[i, j], amounts[i, j + 1], amounts[i + 1, j], amounts[i + 1, j + 1])
+    total = weights[0] * corners[0]
+    for weight, corner in zip(weights[1:], corners[1:], strict=True):
+        total = total + weight * corner
+    found: Reals = total
+    return found
+
+
+def mixed(amount: Reals, materials: Reals) -> Reals:
+    """sp_map_mix: sum of the materials, (materials, n), by their amounts, in the order of the C."""
+    total: Reals = amount[0] * materials[0]
+    for its, material in zip(amount[1:], materials[1:], strict=True):
+        total = total + its * material
+    return total
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.errors import DataError
-from springpot.codegen.short_repr import short_repr
+from springpot.codegen.messages import short_repr
 
 MAX_DEPTH = 256  # splits on a path; fully grown trees on 50 000 rows have about 45
 

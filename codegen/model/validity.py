@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from springpot.codegen.errors import DataError
 from springpot.codegen.model.features import FastFirBank, FirBank, FractionalBank, RecursiveBank
 from springpot.codegen.model.model import Model, TrainedRange
-from springpot.codegen.model.passive import Damage, Flow, Hammerstein
-from springpot.codegen.model.places import Places
+from springpot.codegen.model.passive import Damage, Flow, Hammerstein, Places
 from springpot.codegen.model.regressors import Forest, Quantisation, Rbf, require_trees
 
 _MAX_NODES = 100  # of a curve, and of an axis of a map

@@ -12,10 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Reals
+from springpot.codegen.messages import short_repr
 from springpot.codegen.model.features import Features
 from springpot.codegen.model.regressors import Regressor
 from springpot.codegen.scene import Runtime
-from springpot.codegen.short_repr import short_repr
 from springpot.codegen.stages.costs import Costs
 from springpot.codegen.types import JsonObject, RealType, Scalar
 

@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from springpot.codegen.errors import UsageError
+from springpot.codegen.files import given_path
+from springpot.codegen.messages import notice
 from springpot.codegen.model import model_file
 from springpot.codegen.model.model import Model
-from springpot.codegen.regular_file import given_path
 from springpot.codegen.scene import Scene
 from springpot.trainer.recordings import recording_file
 from springpot.trainer.recordings.formats.importing import ImportOptions
-from springpot.trainer.recordings.notices import notice
 from springpot.trainer.recordings.recording import Recording, Zero
 from springpot.trainer.recordings.recording_file import Recordings, given_recordings
 

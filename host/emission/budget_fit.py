@@ -13,13 +13,13 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.errors import BudgetError, SpringpotError, UsageError
+from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.features import FirBank
 from springpot.codegen.model.forest import fewer_trees, larger_leaves, quantised
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import read_model, write_model
 from springpot.codegen.model.regressors import Forest
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.units import instruction_bound, state_bytes
+from springpot.codegen.plan import instruction_bound, state_bytes
 from springpot.codegen.scene import Budget, Scene
 from springpot.host.console.output import say
 from springpot.host.emission.emission import emit

@@ -10,7 +10,7 @@ import numpy as np
 from springpot.codegen.arrays import Reals, Samples
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import SpringpotError
-from springpot.codegen.plan.plan import Plan
+from springpot.codegen.plan import Plan
 from springpot.codegen.types import RealType
 from springpot.host.metrics import Accuracy, accuracy, start_up_ramp
 from springpot.host.native.c_library import CLibrary, load_c

@@ -7,11 +7,11 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge, Interval
 
+from springpot.codegen.messages import short_repr
 from springpot.codegen.model.features import Features
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.model.regressors import Regressor
-from springpot.codegen.short_repr import short_repr
 from springpot.codegen.types import JsonMapping
 from springpot.trainer.models.passive.passive_terms import PASSIVE_POLES
 from springpot.trainer.models.training_set import TrainingSet
@@ -41,8 +41,6 @@ class FitOptions:
     trees: Annotated[int, Ge(1)] = PAPER_TREES
     leaf: Annotated[int, Ge(1)] = PAPER_LEAF
     n_centers: Annotated[int, Ge(1)] = PAPER_CENTERS
-    centers: Literal["farthest", "greedy"] = "farthest"
-    select: Literal["cv", "paper"] = "cv"
     engine: Engine | None = None
     round_features: bool = False
     past_positions: bool = False

@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 
 from springpot.codegen.arrays import Indices, Samples
-from springpot.codegen.short_repr import short_repr
+from springpot.codegen.messages import short_repr
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.motion import turning_points
 

@@ -13,7 +13,7 @@ from springpot.trainer.features.values import feature_values
 from springpot.trainer.models.contact import depth_m
 from springpot.trainer.models.motion import motions
 from springpot.trainer.models.passive.passive_force import model_along
-from springpot.trainer.models.radial import rbf_force
+from springpot.trainer.models.rbf import rbf_force
 from springpot.trainer.recordings.recording import Recording
 
 

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.messages import short_repr
 from springpot.codegen.model.features import Features
 from springpot.codegen.model.model import Contact, TrainedRange
-from springpot.codegen.short_repr import short_repr
 from springpot.trainer.features.values import feature_values
 from springpot.trainer.models.contact import contact_of, depth_m, surface_warning
 from springpot.trainer.models.motion import DepthMotion, motions

@@ -19,7 +19,7 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError, DeviceError, UsageError
-from springpot.trainer.recordings.notices import caution
+from springpot.codegen.messages import caution
 from springpot.trainer.recordings.recording import (
     RECORDING_SUFFIX,
     Recording,

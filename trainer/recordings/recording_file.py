@@ -6,9 +6,9 @@ from os import PathLike
 from pathlib import Path
 
 from springpot.codegen.errors import DataError, UsageError
-from springpot.codegen.regular_file import given_path, require_regular
+from springpot.codegen.files import given_path, require_regular
+from springpot.codegen.messages import caution
 from springpot.trainer.recordings.journal import JOURNAL_SUFFIX, journal_of, read_journal
-from springpot.trainer.recordings.notices import caution
 from springpot.trainer.recordings.recording import RECORDING_SUFFIX, Recording
 from springpot.trainer.recordings.recording_hdf5 import read_hdf5, write_recording
 

@@ -17,9 +17,8 @@ import numpy as np
 from pydantic import BaseModel, Field, ValidationError
 
 from springpot.codegen.arrays import Samples
-from springpot.codegen.atomic_write import written_aside
 from springpot.codegen.errors import DataError
-from springpot.codegen.regular_file import max_unpacked_bytes
+from springpot.codegen.files import max_unpacked_bytes, written_aside
 from springpot.trainer.recordings.recording import (
     SIGN_RULE,
     Recording,

@@ -18,7 +18,7 @@ from springpot.codegen.model.formulas import (
 )
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.stages.costs import Costs
-from springpot.codegen.stages.recursive import SLOW_TICKS, pole_states
+from springpot.codegen.stages.exponentials import SLOW_TICKS, pole_states
 from springpot.codegen.stages.stage import SMALLEST, SceneTicks, numbers, padded
 
 

@@ -40,9 +40,7 @@ def rows_of(folder: Path, recordings: Any, judges: Any) -> tuple[list[Row], Any,
     options = FitOptions()
     exact = fit_model("rf-fd", OBJECT, recordings, options).model
     rounded = fit_model("rf-fd", OBJECT, recordings, FitOptions(round_features=True)).model
-    trimmed = fit_model(
-        "rf-fd", OBJECT, recordings, FitOptions(within=0.01, select="paper"), judges
-    ).model
+    trimmed = fit_model("rf-fd", OBJECT, recordings, FitOptions(), judges).model
     rbf = fit_model("rbf-fd", OBJECT, recordings, options).model
     hammerstein = fit_model("hammerstein", OBJECT, recordings, options).model
     assert isinstance(exact.features, FirBank)

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from support.small import DEPTH_M, model_file, scene, small_model, training
 
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.reference.notes import OUTSIDE
+from springpot.codegen.make_plan import make_plan
+from springpot.codegen.notes import OUTSIDE
 from springpot.codegen.scene import Guard
 from springpot.host.emission.emission import emit
 from springpot.host.native.scene_library import SceneLibrary

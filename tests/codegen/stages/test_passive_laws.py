@@ -19,9 +19,9 @@ from support.small import (
 )
 
 from springpot import Model
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.units import planned_headers
-from springpot.codegen.reference.run import run_reference
+from springpot.codegen.make_plan import make_plan
+from springpot.codegen.plan import planned_headers
+from springpot.codegen.reference import run_reference
 from springpot.host.native.trial_build import built
 
 HOUR_S = 4e3  # slow: more than 1e5 ticks

@@ -94,7 +94,7 @@ import sys
 from pathlib import Path
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.recording_file import read_recording
-from springpot.trainer.recordings.notices import *
+from springpot.codegen.messages import *
 whole = read_recording(Path(sys.argv[1]))
 for name in sys.argv[2:]:
     try:

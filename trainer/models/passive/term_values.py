@@ -17,7 +17,7 @@ from springpot.codegen.model.formulas import (
     straight_values,
 )
 from springpot.codegen.model.passive import FLOW_SHARE
-from springpot.codegen.stages.passive.flow import FUNCTIONS
+from springpot.codegen.stages.passive.beside import FUNCTIONS
 from springpot.trainer.features.values import highpass, highpass_by_depth
 from springpot.trainer.models.motion import DepthMotion
 from springpot.trainer.models.passive.passive_terms import Terms

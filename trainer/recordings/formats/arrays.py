@@ -17,7 +17,7 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
-from springpot.codegen.regular_file import max_unpacked_bytes
+from springpot.codegen.files import max_unpacked_bytes
 from springpot.trainer.recordings.formats.column_map import (
     MAP_EXAMPLE,
     FileRequest,

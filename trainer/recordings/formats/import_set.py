@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from springpot.codegen.errors import UsageError
-from springpot.codegen.messages import counted
-from springpot.codegen.short_repr import short_repr
+from springpot.codegen.messages import counted, short_repr
 from springpot.trainer.recordings.conditioning import on_one_surface
 from springpot.trainer.recordings.formats.column_map import ColumnMap
 from springpot.trainer.recordings.formats.csv_layout import NoRecordingError

@@ -7,8 +7,8 @@ from pathlib import Path
 import numpy as np
 
 from springpot.codegen.errors import DataError, UsageError
-from springpot.codegen.regular_file import require_regular
-from springpot.codegen.short_repr import short_repr
+from springpot.codegen.files import require_regular
+from springpot.codegen.messages import short_repr
 from springpot.trainer.recordings.conditioning import Conditioning, condition
 from springpot.trainer.recordings.formats.arrays import read_arrays
 from springpot.trainer.recordings.formats.column_map import ColumnMap, DecimalMark, FileRequest

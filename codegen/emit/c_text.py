@@ -1,15 +1,45 @@
-"""C text in blocks, so that functions that nothing calls are left out.
+"""C text: out of templates, and in blocks, so that functions that nothing calls are left out.
 
 A block is what stands between blank lines outside braces: a definition with the comment above it.
 """
 
 import re
 from collections.abc import Sequence
+from typing import Any
 
+from jinja2 import Environment, PackageLoader, StrictUndefined
+
+from springpot.codegen.literals import literal
+from springpot.codegen.stages.stage import RegressorStage, Stage
+
+_TEMPLATES = Environment(
+    loader=PackageLoader("springpot.codegen.emit", "templates"),
+    undefined=StrictUndefined,
+    trim_blocks=True,
+    lstrip_blocks=True,
+    keep_trailing_newline=True,
+)
 _NOT_CODE = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"', re.DOTALL)
 _FUNCTION = re.compile(r"(?:[A-Z]\w* )?(?:static )?(?:inline )?[\w *]*?\b(\w+)\([^;{]*\)\s*\{")
 _OWN = ("static ", "SP_")  # what a function begins with that no other file sees
 _DIRECTIVE = re.compile(r"^#(?!pragma)", re.MULTILINE)
+
+
+def rendered(template: str, **context: Any) -> str:
+    """Fill in a file of codegen/emit/templates."""
+    return _TEMPLATES.get_template(template).render(literal=literal, **context)
+
+
+def block_text(stage: Stage | RegressorStage, block: str) -> str:
+    """Fill in one block of a stage's own template: lines of C, without the last line's end."""
+    template = _TEMPLATES.from_string(stage.code)
+    context = template.new_context({"stage": stage, "literal": literal})
+    return "".join(template.blocks[block](context)).rstrip("\n")
+
+
+def has_block(stage: Stage | RegressorStage, block: str) -> bool:
+    """Whether a stage's template has that block."""
+    return block in _TEMPLATES.from_string(stage.code).blocks
 
 
 def top_level_blocks(text: str) -> list[str]:

@@ -1,4 +1,4 @@
-"""The model's part of the reference: its force on a motion that is known."""
+"""The model's part of a plan: its stages, and in the reference their force on a known motion."""
 
 from dataclasses import dataclass
 
@@ -6,9 +6,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Real, Reals
-from springpot.codegen.stages.passive.hammerstein import HammersteinStage
+from springpot.codegen.entry_points import blaming
+from springpot.codegen.errors import UsageError
+from springpot.codegen.model.model import Model
+from springpot.codegen.scene import Scene
+from springpot.codegen.stages import exponentials, forest, rbf, windows
+from springpot.codegen.stages.passive.hammerstein import HammersteinStage, hammerstein_stage
 from springpot.codegen.stages.passive.placed import Taken
-from springpot.codegen.stages.stage import FeatureStage, RegressorStage, Starts
+from springpot.codegen.stages.stage import (
+    FeatureStage,
+    RegressorStage,
+    SceneTicks,
+    Starts,
+    feature_stage,
+    regressor_stage,
+)
+
+# Importing them registers their stages.
+REGISTERED = (exponentials, forest, rbf, windows)
 
 
 @dataclass(frozen=True)
@@ -70,3 +85,26 @@ def clip(config: RangeConfig, depth: Reals) -> tuple[Reals, NDArray[np.bool_]]:
     above, below = depth > config.max_m, depth < config.min_m
     clipped = np.where(above, config.max_m, np.where(below, config.min_m, depth))
     return clipped.astype(depth.dtype), above | below
+
+
+def model_stages(model: Model, scene: Scene, ticks: SceneTicks) -> Stages:
+    """Resolve the model's part; beyond the trained depth as `guard.outside` of the scene says."""
+    falls_back = scene.guard.outside == "fallback" and model.hammerstein is not None
+    passive, excess = None, None
+
+    def along(follows: str) -> HammersteinStage:
+        assert model.hammerstein is not None
+        return hammerstein_stage(model.hammerstein, ticks, follows)
+
+    if model.hammerstein is not None and model.hammerstein_adds:
+        passive = along("penetration" if falls_back else "clipped")
+    elif model.hammerstein is not None and falls_back:
+        excess = (along("penetration"), along("clipped"))
+    if model.features is None or model.regressor is None:
+        return Stages(None, None, passive, excess)
+    kept = model.regressor.used_columns(model.features.n_features)
+    with blaming("the stage of the features", type(model.features), UsageError):
+        features = feature_stage(model.features, kept, ticks.dt_s, ticks.dtype)
+    with blaming("the stage of the regressor", type(model.regressor), UsageError):
+        regressor = regressor_stage(model.regressor, kept, scene.runtime, ticks.dtype)
+    return Stages(features, regressor, passive, excess)

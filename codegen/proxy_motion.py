@@ -7,10 +7,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Reals
-from springpot.codegen.plan.plan import Plan
-from springpot.codegen.reference.followed import Followed
-from springpot.codegen.reference.tick import Coupled, shaped
-from springpot.codegen.stages.stage import Starts
+from springpot.codegen.coupling.gains import CoupleConfig
+from springpot.codegen.plan import Plan
+from springpot.codegen.stages.model_stages import RangeConfig
+from springpot.codegen.stages.stage import Starts, bounded
+from springpot.codegen.tool_motion import Followed
 from springpot.codegen.types import Scalar
 
 ModelForce = Callable[[int, Reals, Starts, NDArray[np.bool_]], Reals]
@@ -77,6 +78,57 @@ def proxy_motion(
         chunk = min(_CHUNK, max(_MIN, _AHEAD * (verified - done)))
         done = verified
     return pressed
+
+
+def shaped(plan: Plan, pressed: Reals, model_n: Reals) -> Reals:
+    """sp_range_fade and sp_contact.h: the model's force at border and surface, (n,), N."""
+    zero, one = model_n.dtype.type(0), model_n.dtype.type(1)
+    if plan.per_fade is not None:
+        beyond = _beyond(plan.range, pressed)
+        share = one - beyond * plan.per_fade
+        fading = np.where(share > 0, model_n * share, zero)
+        model_n = np.where(beyond > 0, fading, model_n)
+    if plan.per_onset is not None:
+        share = pressed * plan.per_onset
+        rising = np.where(share < 1, model_n * share, model_n)
+        model_n = np.where(share > 0, rising, zero)
+    return model_n
+
+
+def _beyond(config: RangeConfig, x: Reals) -> Reals:
+    above, below = x - config.max_m, config.min_m - x
+    return np.where(above > below, above, below)
+
+
+class Coupled:
+    """sp_couple.h: Algorithm 1, stepped exactly."""
+
+    def __init__(self, config: CoupleConfig) -> None:
+        self._config = config
+        self.proxy: tuple[Scalar, Scalar] | None = None
+
+    def place(self, x: Scalar, v: Scalar) -> Scalar:
+        """Position of the proxy, m, which exists from here on."""
+        self.proxy = self.proxy or (x, v)
+        return self.proxy[0]
+
+    def force(self, x: Scalar, v: Scalar, model_n: Scalar) -> Scalar:
+        """Force at the tool, N; then moves the proxy."""
+        config = self._config
+        self.place(x, v)
+        assert self.proxy is not None
+        proxy_m, proxy_mps = self.proxy
+        e = proxy_m - x
+        w = proxy_mps - v
+        force_n = -(config.stiffness_npm * e) - config.damping_nspm * w
+        rest = -(config.compliance_mpn * model_n)
+        from_rest = e - rest
+        phi = config.phi
+        self.proxy = (
+            bounded(x + config.dt_s * v + (rest + (phi[0] * from_rest + phi[1] * w))),
+            bounded(v + (phi[2] * from_rest + phi[3] * w)),
+        )
+        return force_n
 
 
 class _Stepper:
