@@ -1,4 +1,9 @@
-"""Lines for people: counts, progress, notices, and a repr of one line."""
+"""Lines for people: counts, progress, notices, and a repr of one line.
+
+Notices stand beside a result: how it was understood; what was recovered, left out, assumed. The
+command line prints them on standard error; in Python they are records of the logger NOTICES, which
+shows cautions by default, and all after `logging.basicConfig(level=logging.INFO)`.
+"""
 
 import logging
 from collections.abc import Iterator, Sequence
@@ -8,6 +13,8 @@ from typing import Any, TypeVar
 NOTICES = "springpot.notices"
 MOST = 200  # characters
 _MANY = 8  # entries that are not shown one by one
+_Item = TypeVar("_Item")
+_LOG = logging.getLogger("springpot.progress")
 
 
 def number_of(number: int, what: str) -> str:
@@ -17,10 +24,6 @@ def number_of(number: int, what: str) -> str:
     ('1 gap', '2 gaps')
     """
     return f"{number} {what}" + ("" if number == 1 else "s")
-
-
-_Item = TypeVar("_Item")
-_LOG = logging.getLogger("springpot.progress")
 
 
 def at_step(what: str, done: int, total: int) -> None:

@@ -2,7 +2,7 @@
 
 A kind of one's own is a frozen dataclass of this base, with a stage that is registered with
 `feature_stage` (codegen/stages/stage.py) and float64 values registered with `feature_values`
-(trainer/features/values.py).
+(trainer/features.py).
 """
 
 from abc import ABC, abstractmethod

@@ -89,7 +89,7 @@ def import_recordings(
     from springpot.host.console.in_python import errors_in_python
     from springpot.host.console.quality import warn_of_quality
     from springpot.trainer.recordings.formats.column_map import parse_map
-    from springpot.trainer.recordings.formats.import_set import import_set
+    from springpot.trainer.recordings.formats.importing import import_set
 
     files: Sequence[Any] = paths if isinstance(paths, list | tuple) else [paths]
     for file in files:

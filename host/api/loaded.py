@@ -14,7 +14,7 @@ from springpot.codegen.errors import UsageError
 from springpot.codegen.files import given_path
 from springpot.codegen.types import JsonObject
 from springpot.host.api.files import File
-from springpot.trainer.models.limited import stiffest_words
+from springpot.trainer.models.predict import stiffest_words
 from springpot.trainer.recordings.recording import Recording
 
 if TYPE_CHECKING:

@@ -138,8 +138,13 @@ def predict(
     (3,)
     """
     from springpot.host.console.in_python import in_python
-    from springpot.trainer.models.compatibility import require_compatible, zero_of
-    from springpot.trainer.models.limited import extrapolation, limited_n, unplaced
+    from springpot.trainer.models.predict import (
+        extrapolation,
+        limited_n,
+        require_compatible,
+        unplaced,
+        zero_of,
+    )
     from springpot.trainer.recordings.quality.signs import sign_doubts
 
     model = given_model(model)

@@ -16,8 +16,8 @@ from springpot.host.console.output import (
     progress_bar,
     say,
 )
+from springpot.trainer import PAPER_SMOOTH_S
 from springpot.trainer.kinds import fit_model, kind_names
-from springpot.trainer.paper import PAPER_SMOOTH_S
 
 if TYPE_CHECKING:
     from springpot.trainer.models.fit import Fit

@@ -17,7 +17,7 @@ from springpot.host.native.c_library import CLibrary, load_c
 from springpot.host.native.loop_library import INPUT
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.runtime_c.paths import PORT_TESTBENCH
-from springpot.trainer.models.motion import DepthMotion, in_ticks, motions
+from springpot.trainer.models.depths import DepthMotion, in_ticks, motions
 from springpot.trainer.recordings.recording import Recording
 
 COLD_BYTES = 8 << 20

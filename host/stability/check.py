@@ -29,7 +29,7 @@ from springpot.host.stability.verdict import (
     outcome_words,
     why_unbounded,
 )
-from springpot.trainer.plot_axes import axes_for_plot
+from springpot.trainer.recordings.recording import axes_for_plot
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

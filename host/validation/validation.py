@@ -26,12 +26,10 @@ from springpot.host.validation.compared import compared_all, is_log_of
 from springpot.host.validation.parts import PlaceError, place_errors
 from springpot.host.validation.seen import seen_by
 from springpot.host.validation.ticks import at_samples, at_ticks
-from springpot.trainer.models.compatibility import require_compatible
-from springpot.trainer.models.limited import limited_each_n
-from springpot.trainer.plot_axes import axes_for_plot
-from springpot.trainer.recordings.quality.noise_floor import NoiseFloor, find_noise_floor
+from springpot.trainer.models.predict import limited_each_n, require_compatible
+from springpot.trainer.recordings.quality.repeats import NoiseFloor, find_noise_floor
 from springpot.trainer.recordings.quality.signs import sign_doubts
-from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.recording import Recording, axes_for_plot
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -35,7 +35,7 @@ from springpot.host.simulation.objects import FOREIGN_OBJECTS, OBJECTS
 from springpot.trainer.kinds import AUTO, fit_kind
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.training_set import training_set
-from springpot.trainer.recordings.quality.noise_floor import find_noise_floor
+from springpot.trainer.recordings.quality.repeats import find_noise_floor
 from springpot.trainer.selection.auto import candidates
 
 PROCESSES = 2

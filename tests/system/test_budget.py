@@ -26,7 +26,7 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
     ("what", "most"),
     [
         ("codegen/*.py", 6710),
-        ("trainer/*.py", 8450),
+        ("trainer/*.py", 8290),
         ("host/*.py", 14250),
         ("runtime_c/*.[ch]", 7300),
         ("tests/*.py", 20000),
@@ -37,7 +37,7 @@ def test_lines(what: str, most: int) -> None:
 
 
 def test_files_of_the_product() -> None:
-    assert len(tracked(*PYTHON)) <= 254
+    assert len(tracked(*PYTHON)) <= 237
 
 
 def test_documents() -> None:

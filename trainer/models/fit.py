@@ -13,9 +13,9 @@ from springpot.codegen.model.model import Model
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.model.regressors import Regressor
 from springpot.codegen.types import JsonMapping
+from springpot.trainer import PAPER_SMOOTH_S
 from springpot.trainer.models.passive.passive_terms import PASSIVE_POLES
 from springpot.trainer.models.training_set import TrainingSet
-from springpot.trainer.paper import PAPER_SMOOTH_S
 
 PAPER_TREES = 100
 PAPER_LEAF = 5

@@ -10,8 +10,7 @@ from springpot.trainer.models.passive.map_fit import fit_map
 from springpot.trainer.models.passive.passive_fit import passive_choice, timed_passive
 from springpot.trainer.models.passive.passive_terms import parameter_count
 from springpot.trainer.models.training_set import TrainingSet
-from springpot.trainer.recordings.places import sites_of
-from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.recording import Recording, sites_of
 
 
 def fit_hammerstein(

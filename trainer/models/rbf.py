@@ -12,8 +12,8 @@ from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.model.features import Features, FractionalBank, PositionVelocity
 from springpot.codegen.model.regressors import Rbf
 from springpot.codegen.types import JsonMapping
-from springpot.trainer.features.values import feature_values
-from springpot.trainer.models.contact import depth_m
+from springpot.trainer.features import feature_values
+from springpot.trainer.models.depths import depth_m
 from springpot.trainer.models.fit import Fit, FitOptions, assemble
 from springpot.trainer.models.folds import Folds, fold_families
 from springpot.trainer.models.passive.nonnegative import normal_equations

@@ -14,12 +14,17 @@ from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.messages import short_repr
 from springpot.codegen.model.features import Features
 from springpot.codegen.model.model import Contact, TrainedRange
-from springpot.trainer.features.values import feature_values
-from springpot.trainer.models.contact import contact_of, depth_m, surface_warning
-from springpot.trainer.models.motion import DepthMotion, motions
+from springpot.trainer.features import feature_values
+from springpot.trainer.models.depths import (
+    DepthMotion,
+    contact_of,
+    depth_m,
+    motions,
+    surface_warning,
+)
 from springpot.trainer.recordings.formats.sampling import MAX_UPSAMPLING
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.smoothing import MAX_SMOOTHED, smoothed
+from springpot.trainer.recordings.signals import MAX_SMOOTHED, smoothed
 
 PAPER_FRACTION = 0.2  # of the rows, section IV-B
 ALL_BELOW = 20_000

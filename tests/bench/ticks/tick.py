@@ -24,7 +24,7 @@ from springpot.host.native.compiler import compiler_version, find_compiler
 from springpot.host.native.machine import machine_metadata
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.forests import depth_scale, random_forest
+from springpot.trainer.models.rf_fd import depth_scale, random_forest
 from springpot.trainer.models.training_set import training_set
 
 OBJECT = "ecoflex-00-30"

@@ -23,7 +23,7 @@ from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import shared_library
 from springpot.runtime_c.paths import INCLUDE, SOURCE
 from springpot.trainer.models.fit import PAPER_LEAF, PAPER_TREES
-from springpot.trainer.models.forests import forest_ir
+from springpot.trainer.models.rf_fd import forest_ir
 
 HARNESS = C_TESTS / "forest_harness.c"
 N_FEATURES = 10

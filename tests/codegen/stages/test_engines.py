@@ -15,7 +15,7 @@ from springpot.codegen.stages.exponentials import fast_fir_stage
 from springpot.codegen.stages.windows import fir_stage
 from springpot.host.emission.emission import emit
 from springpot.host.native.scene_library import SceneLibrary
-from springpot.trainer.features.fast_fir import equivalent_taps, fast_fir_bank, imitation_error
+from springpot.trainer.features import equivalent_taps, fast_fir_bank, imitation_error
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.rf_fd import PAPER_ORDERS, PAPER_TAPS, fractional_features

@@ -7,7 +7,7 @@ from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.stages.passive.hammerstein import HammersteinStage, hammerstein_stage
 from springpot.codegen.stages.passive.motion import PassiveMotion
 from springpot.codegen.stages.stage import SceneTicks
-from springpot.trainer.models.motion import DepthMotion
+from springpot.trainer.models.depths import DepthMotion
 
 
 def model_along(

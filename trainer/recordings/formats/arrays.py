@@ -22,11 +22,11 @@ from springpot.trainer.recordings.formats.column_map import (
     MAP_EXAMPLE,
     FileRequest,
     guess_column,
+    place_m,
     split_unit,
 )
 from springpot.trainer.recordings.formats.sampling import RawChannels
 from springpot.trainer.recordings.formats.units import Quantity, choose_unit
-from springpot.trainer.recordings.places import place_m
 
 _MAX_SHOWN = 12
 _MAX_COLUMNS = 32

@@ -8,10 +8,9 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples, given_numbers
 from springpot.codegen.errors import UsageError
-from springpot.trainer.recordings.formats.column_map import split_unit, stated_hz
+from springpot.trainer.recordings.formats.column_map import place_m, split_unit, stated_hz
 from springpot.trainer.recordings.formats.sampling import RawChannels
 from springpot.trainer.recordings.formats.units import FRAME_NAME, Quantity, choose_unit
-from springpot.trainer.recordings.places import place_m
 from springpot.trainer.recordings.recording import FRAME_SOURCE
 
 _MAX_SHOWN = 200  # letters of all names

@@ -9,7 +9,7 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.messages import number_of
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.sensor import noise_n, quantisation_step
+from springpot.trainer.recordings.signals import noise_n, quantisation_step
 
 _CLIPPED_RUN, _CLIPPED_MOVE = 5, 0.05  # samples at the extreme; of the other channel's range
 _AVERAGED_SHARE = 8  # of such a row, one part is averaged
