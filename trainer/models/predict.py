@@ -1,6 +1,10 @@
-"""A model's own prediction on recordings: no guard, coupling or limits."""
+"""A model's own prediction on recordings: no guard, coupling or limits.
+
+And whether a recording and a model mean the same by a position and a tick.
+"""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import singledispatch
 
 import numpy as np
@@ -13,7 +17,6 @@ from springpot.codegen.model.regressors import Forest, Rbf, Regressor
 from springpot.trainer.features import feature_values
 from springpot.trainer.models.depths import depth_m, motions
 from springpot.trainer.models.passive.passive_force import model_along
-from springpot.trainer.models.rbf import rbf_force
 from springpot.trainer.recordings.recording import Recording, Site, Zero, site_words
 
 _DEEP = 1.5  # times the trained depth: from here on it is said
@@ -29,7 +32,7 @@ def predict_n(model: Model, recording: Recording, rows: Indices | None = None) -
 def predict_each_n(model: Model, pieces: Sequence[tuple[Recording, Indices]]) -> Samples:
     """Force at rows of several recordings, (rows,), N: those of one session one after another.
 
-    A forest's table is made once for all; its features know each recording alone.
+    Features know each recording alone.
     """
     recordings = [recording for recording, _ in pieces]
     depths = [depth_m(recording, model.contact) for recording in recordings]
@@ -67,7 +70,35 @@ def _forest_force(forest: Forest, values: Samples) -> Samples:
     return force_n
 
 
-regressor_force.register(Rbf, rbf_force)
+@regressor_force.register
+def _rbf_force(rbf: Rbf, values: Samples) -> Samples:
+    scaling = Standard(rbf.mean, rbf.scale, rbf.feature_min, rbf.feature_max)
+    system = kernel(scaling(values), rbf.centers)
+    force_n: Samples = system @ np.concatenate([rbf.weights_n, rbf.tail_n])
+    return force_n
+
+
+@dataclass(frozen=True, eq=False)
+class Standard:
+    """Standardisation of features: mean, scale and extremes, each of shape (features,)."""
+
+    mean: Samples
+    scale: Samples
+    feature_min: Samples
+    feature_max: Samples
+
+    def __call__(self, features: Samples) -> Samples:
+        """Clip to the extremes, then to mean 0 and scale 1."""
+        inside = np.clip(features, self.feature_min, self.feature_max)
+        return (inside - self.mean) / self.scale
+
+
+def kernel(z: Samples, centers: Samples) -> Samples:
+    """Rows of the linear system: |z - center|^3 for each center, 1, z. Shape (n, centers + 3)."""
+    square = np.zeros((len(z), len(centers)))
+    for i in range(z.shape[1]):
+        square += np.square(z[:, i : i + 1] - centers[:, i])
+    return np.concatenate([square * np.sqrt(square), np.ones((len(z), 1)), z], axis=1)
 
 
 def limited_n(model: Model, recording: Recording) -> Samples:

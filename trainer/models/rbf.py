@@ -2,7 +2,7 @@
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
@@ -18,6 +18,7 @@ from springpot.trainer.models.fit import Fit, FitOptions, assemble
 from springpot.trainer.models.folds import Folds, fold_families
 from springpot.trainer.models.passive.nonnegative import normal_equations
 from springpot.trainer.models.passive.passive_fit import fit_passive
+from springpot.trainer.models.predict import Standard, kernel
 from springpot.trainer.models.rf_fd import PAPER_ORDERS, fractional_features
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.recording import Recording
@@ -161,21 +162,6 @@ def _paper_errors(
     return errors
 
 
-@dataclass(frozen=True, eq=False)
-class Standard:
-    """Standardisation of features: mean, scale and extremes, each of shape (features,)."""
-
-    mean: Samples
-    scale: Samples
-    feature_min: Samples
-    feature_max: Samples
-
-    def __call__(self, features: Samples) -> Samples:
-        """Clip to the extremes, then to mean 0 and scale 1."""
-        inside = np.clip(features, self.feature_min, self.feature_max)
-        return (inside - self.mean) / self.scale
-
-
 def standard(features: Samples) -> Standard:
     """Mean, deviation and extremes of each column of features (n, features)."""
     scale = features.std(axis=0)
@@ -185,14 +171,6 @@ def standard(features: Samples) -> Standard:
         feature_min=features.min(axis=0),
         feature_max=features.max(axis=0),
     )
-
-
-def kernel(z: Samples, centers: Samples) -> Samples:
-    """Rows of the linear system: |z - center|^3 for each center, 1, z. Shape (n, centers + 3)."""
-    square = np.zeros((len(z), len(centers)))
-    for i in range(z.shape[1]):
-        square += np.square(z[:, i : i + 1] - centers[:, i])
-    return np.concatenate([square * np.sqrt(square), np.ones((len(z), 1)), z], axis=1)
 
 
 def farthest_points(z: Samples, count: int) -> NDArray[np.intp]:
@@ -236,11 +214,3 @@ def fit_rbf(features: Samples, force_n: Samples, count: int) -> tuple[Rbf, float
         tail_n=weights[n:],
     )
     return rbf, condition
-
-
-def rbf_force(rbf: Rbf, features: Samples) -> Samples:
-    """Force at rows of features (n, features), (n,), N, in float64."""
-    scaling = Standard(rbf.mean, rbf.scale, rbf.feature_min, rbf.feature_max)
-    system = kernel(scaling(features), rbf.centers)
-    force_n: Samples = system @ np.concatenate([rbf.weights_n, rbf.tail_n])
-    return force_n
