@@ -11,19 +11,12 @@ from pathlib import Path
 
 from springpot.codegen.errors import DataError, UsageError
 
-_ALWAYS_BYTES = 1 << 26
-
 
 def given_path(path: str | PathLike[str]) -> Path:
     """Return the path that a person gave. Raises UsageError for "", which Path takes for "."."""
     if path == "":
         raise UsageError('an empty path: give a file or folder; "." is the current folder')
     return Path(path)
-
-
-def max_unpacked_bytes(file_bytes: int, ratio: int) -> int:
-    """Return how many bytes a file that shrank by `ratio` at most unpacks to, 64 MiB or more."""
-    return max(_ALWAYS_BYTES, ratio * file_bytes)
 
 
 def require_regular(path: Path) -> None:

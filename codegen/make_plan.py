@@ -20,7 +20,6 @@ from springpot.codegen.limits import (
     watchdog_s_of,
 )
 from springpot.codegen.model.model import Model
-from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.plan import Plan, units_left_out, unused_orders
 from springpot.codegen.scene import Scene
 from springpot.codegen.stages.model_stages import (
@@ -30,7 +29,6 @@ from springpot.codegen.stages.model_stages import (
     model_force,
     model_stages,
 )
-from springpot.codegen.stages.passive.hammerstein import hammerstein_stage
 from springpot.codegen.stages.stage import SceneTicks, vector_width_of
 from springpot.codegen.stages.tool_velocity import tool_velocity_stage
 
@@ -67,7 +65,7 @@ def _plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
     ticks = _ticks(model, scene)
     dt_s, dtype, contact = ticks.dt_s, ticks.dtype, ticks.surface
     watchdog_s = watchdog_s_of(scene, dt_s)
-    stages, outside = _stages(model, scene, ticks)
+    stages = model_stages(model, scene, ticks)
     trained = RangeConfig(
         min_m=dtype(0.0 if contact else model.trained.min_m),
         max_m=dtype(model.trained.max_m),
@@ -107,7 +105,7 @@ def _plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
         accept_unsafe=accept_unsafe,
         stiffness_npm=stiffness_npm,
         coupling=choice,
-        outside=outside,
+        outside=_outside_note(model, scene),
     )
 
 
@@ -117,19 +115,6 @@ def _ticks(model: Model, scene: Scene) -> SceneTicks:
         dtype=np.float32 if scene.runtime.number == "float32" else np.float64,
         vector_width=vector_width_of(scene.runtime),
         surface=(scene.guard.contact or model.contact) == "surface",
-        worn=scene.runtime.start == "conditioned",
-    )
-
-
-def _stages(model: Model, scene: Scene, ticks: SceneTicks) -> tuple[Stages, str]:
-    """The model's stages, and what pushes back beyond the trained depth."""
-    stages = model_stages(model, scene, ticks)
-    if scene.guard.outside != "fallback" or model.hammerstein is not None:
-        return stages, _outside_note(model, scene)
-    tangent = tangent_fallback(stages, model, ticks)
-    return replace(stages, passive=hammerstein_stage(tangent, ticks, "penetration")), (
-        "fallback: the model file has no passive part: a Kelvin-Voigt tangent, "
-        f"{tangent.elastic_n[0] / tangent.span_m:.4g} N/m, pushes back beyond the trained depth"
     )
 
 
@@ -183,9 +168,11 @@ def _outside_note(model: Model, scene: Scene) -> str:
             "zero: stated in the scene; the force ends over the first "
             f"{100 * FADE:g} % of the depth beyond the trained one"
         )
-    if scene.guard.outside == "hold":
-        return "hold: stated in the scene; the force stays that of the maximum trained depth"
-    return "fallback: the passive model adds its share of the depth beyond the trained one"
+    if scene.guard.outside == "fallback" and model.hammerstein is not None:
+        return "fallback: the passive model adds its share of the depth beyond the trained one"
+    stated = scene.guard.outside == "hold"
+    why = "stated in the scene" if stated else "the model has no passive part"
+    return f"hold: {why}; the force stays that of the maximum trained depth"
 
 
 def max_stiffness_npm(
@@ -208,41 +195,3 @@ def max_stiffness_npm(
         force_n = force_n.reshape(motion.shape).astype(np.float64)
         found = max(found, float((force_n[:, -1] - force_n[:, 0]).max()) / (STEP * span_m))
     return found
-
-
-def tangent_fallback(stages: Stages, model: Model, ticks: SceneTicks) -> Hammerstein:
-    """Kelvin-Voigt tangent at the maximum trained depth, for a model without a passive part.
-
-    Spring: the secant over the last tenth, pressed at a sixteenth of the trained speed. Damper:
-    what a press at the trained speed adds; as a Maxwell branch that relaxes within five ticks. Both
-    act on the depth beyond the border only, and neither is negative.
-    """
-    trained = model.trained
-    end_m = trained.max_m
-    step_m = 0.1 * (end_m - max(trained.min_m, 0.0))
-    slow_mps, fast_mps = trained.max_mps / 16.0, trained.max_mps
-    slow_n, fast_n = (
-        _rise_n(stages, end_m - step_m, step_m, speed, ticks) for speed in (slow_mps, fast_mps)
-    )
-    spring_npm = max(slow_n / step_m, 0.0)
-    damper_nspm = max((fast_n - slow_n) / (fast_mps - slow_mps), 0.0)
-    tau_s = 5.0 * ticks.dt_s
-    return Hammerstein(
-        origin_m=end_m,
-        span_m=step_m,
-        elastic_n=np.array([spring_npm * step_m]),
-        tau_s=np.array([tau_s]),
-        branch_n=np.array([[damper_nspm / tau_s * step_m]]),
-        radius_m=np.zeros(0),
-        stop_n=np.zeros((0, 1)),
-        bias_n=0.0,
-    )
-
-
-def _rise_n(stages: Stages, from_m: float, step_m: float, speed: float, ticks: SceneTicks) -> float:
-    """Force gained on a straight press from rest, N."""
-    count = 1 + min(_MAX_TICKS, max(1, round(step_m / (speed * ticks.dt_s))))
-    motion = (from_m + step_m * np.linspace(0.0, 1.0, count)).astype(ticks.dtype)
-    motions = {"penetration": motion, "clipped": motion}
-    force_n = model_force(stages, motions, np.array([0]), np.ones(count, dtype=bool))
-    return float(force_n[-1]) - float(force_n[0])

@@ -38,9 +38,6 @@ class Runtime:
     letters, digits, underscores."""
     forest: Literal["table", "m2cgen"] = "table"
     """Node tables, or nested ifs by m2cgen, for small forests and comparison."""
-    start: Literal["rested", "conditioned"] = "rested"
-    """The object as new, or as it is after it was pressed to the trained depth: what damage does
-    not heal has happened."""
     __repr__ = short_repr
 
 

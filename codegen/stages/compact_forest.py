@@ -110,17 +110,6 @@ def compact_forest(forest: Forest, leaves: QuantisedLeaves) -> CompactForest:
     )
 
 
-def work_at_most(forest: CompactForest) -> dict[str, int]:
-    """Maximum number of table entries that a tick reads: a static bound on its work.
-
-    thresholds: two ends of the neighbourhood, then a search among all, for each feature.
-    nodes: the longest path of each tree.
-    """
-    searches = [2 + len(below).bit_length() for below in forest.thresholds]
-    longest = int(forest.longest_paths.max())
-    return {"thresholds": sum(searches), "nodes": forest.n_trees * (longest + 1)}
-
-
 def _bins(forest: Forest, columns: NDArray[np.int32]) -> tuple[tuple[Any, ...], Ints]:
     """Sorted thresholds of each used feature, and the bin of each split, (IR nodes,).
 

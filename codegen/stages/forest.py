@@ -22,7 +22,6 @@ from springpot.codegen.stages.compact_forest import (
     LEVELS,
     CompactForest,
     compact_forest,
-    work_at_most,
 )
 from springpot.codegen.stages.costs import Costs
 from springpot.codegen.stages.stage import (
@@ -150,9 +149,6 @@ class CompactForestStage(ForestStage):
             + self.n_features * each
             + 80.0
         )
-
-    def manifest(self) -> JsonObject:
-        return {**super().manifest(), "work_at_most": work_at_most(self.compact)}
 
 
 @dataclass(frozen=True, eq=False)

@@ -55,14 +55,13 @@ class SceneTicks:
     """What all parts of a scene share: its time step, s, and numpy's type of sp_real.
 
     vector_width: branches that are stepped side by side. surface: the object has one, above which
-    positions are free air. worn: the object is as after training.
+    positions are free air.
     """
 
     dt_s: float
     dtype: RealType = np.float64
     vector_width: int = 1
     surface: bool = False
-    worn: bool = False
 
 
 class Stage(ABC):

@@ -7,7 +7,6 @@
 #ifndef SP_DAMAGE_H
 #define SP_DAMAGE_H
 
-#include <stddef.h>
 #include <stdint.h>
 
 #include "sp_curve.h"
@@ -21,11 +20,10 @@ static inline void sp_damage_rest(uint32_t n, sp_real u, sp_real *deepest)
     }
 }
 
-/* Share of one curve. healed: of M - v, in this tick; worn: M is never less. */
-static inline sp_real sp_damage_share(sp_real healed, sp_real worn, sp_real v, sp_real *deepest)
+/* Share of one curve. healed: of M - v, in this tick. */
+static inline sp_real sp_damage_share(sp_real healed, sp_real v, sp_real *deepest)
 {
-    const sp_real most = *deepest - healed * (*deepest - v);
-    const sp_real kept = most > worn ? most : worn;
+    const sp_real kept = *deepest - healed * (*deepest - v);
     if (!(kept > v)) {
         *deepest = v;
         return (sp_real)1;
@@ -35,16 +33,15 @@ static inline sp_real sp_damage_share(sp_real healed, sp_real worn, sp_real v, s
     return share < (sp_real)1 ? share : (sp_real)1; /* it is: the analyser sees it so */
 }
 
-/* One tick. worn: of each curve, or NULL. The first n_linear of n curves have q = 1, the others 3.
- * values: of the curves at u. Returns the sum, N. */
-static inline sp_real sp_damage(const sp_real *healed, const sp_real *worn, uint32_t n_linear,
-                                uint32_t n, sp_real u, const sp_real *values, sp_real *deepest)
+/* One tick. The first n_linear of n curves have q = 1, the others 3; values: of the curves at u.
+ * Returns the sum, N. */
+static inline sp_real sp_damage(const sp_real *healed, uint32_t n_linear, uint32_t n, sp_real u,
+                                const sp_real *values, sp_real *deepest)
 {
     const sp_real v = u > (sp_real)0 ? u : (sp_real)0;
     sp_real sum_n = (sp_real)0;
     for (uint32_t i = 0; i < n; i++) {
-        const sp_real least = worn != NULL ? worn[i] : (sp_real)0;
-        const sp_real share = sp_damage_share(healed[i], least, v, &deepest[i]);
+        const sp_real share = sp_damage_share(healed[i], v, &deepest[i]);
         sum_n += values[i] * (i < n_linear ? share : share * share * share);
     }
     return sum_n;

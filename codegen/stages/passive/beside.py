@@ -106,12 +106,11 @@ def flow_branches(flow: Flow, ticks: SceneTicks) -> FlowBranches:
 class DamageCurves:
     """The first n_linear have power 1, the others 3. curves: (J + 1, 2, D).
 
-    healed: of a tick, (D,). worn: M is never less, (D,); None: the object is new.
+    healed: of a tick, (D,).
     """
 
     curves: Reals
     healed: Reals
-    worn: Reals | None
     n_linear: int
 
     headers = ("sp_damage.h",)
@@ -129,7 +128,6 @@ class DamageCurves:
             "/* Damage: its curves, and what heals in a tick (sp_damage.h). */",
             array_text("damage", "sp_real", self.curves.reshape(-1, self.count)),
             array_text("healed", "sp_real", self.healed),
-            *([] if self.worn is None else [array_text("worn", "sp_real", self.worn)]),
         ]
 
     def instructions(self, costs: Costs) -> float:
@@ -141,13 +139,12 @@ class DamageCurves:
         values = curve_values(self.curves, place)
         v = np.where(u > 0, u, u.dtype.type(0))
         force_n, ends = np.zeros_like(u), np.empty_like(deepest)
-        worn = numbers(np.zeros_like(deepest) if self.worn is None else self.worn)
-        states = zip(numbers(self.healed), worn, numbers(deepest), strict=True)
-        for k, (healed, least, begin) in enumerate(states):
+        for k, (healed, begin) in enumerate(
+            zip(numbers(self.healed), numbers(deepest), strict=True)
+        ):
             kept_along, most = [], begin
             for its_v in numbers(v):
                 kept = most - healed * (most - its_v)
-                kept = kept if kept > least else least
                 kept_along.append(kept)
                 most = kept if kept > its_v else its_v
             kept = np.array(kept_along, dtype=u.dtype)
@@ -159,16 +156,14 @@ class DamageCurves:
 
 
 def damage_curves(damage: Damage, ticks: SceneTicks) -> DamageCurves:
-    """The curves of a model, those of power 1 first; worn: after it was pressed as in training."""
+    """The curves of a model, those of power 1 first."""
     dtype = ticks.dtype
     order = np.argsort(damage.power, kind="stable")
     heal_s = damage.heal_s[order]
     rate = np.where(heal_s > 0.0, 1.0 / np.where(heal_s > 0.0, heal_s, 1.0), 0.0)
-    pressed = np.where(heal_s > 0.0, 0.0, 1.0)  # to the trained depth; what heals has healed
     return DamageCurves(
         curves=curve_nodes(damage.curve_n[order]).astype(dtype),
         healed=(-np.expm1(-ticks.dt_s * rate)).astype(dtype),
-        worn=pressed.astype(dtype) if ticks.worn else None,
         n_linear=int(np.count_nonzero(damage.power == 1)),
     )
 

@@ -18,7 +18,7 @@ from springpot.codegen.model.forest import (
     used_features,
 )
 from springpot.codegen.model.regressors import Forest, Quantisation
-from springpot.codegen.stages.compact_forest import CompactForest, compact_forest, work_at_most
+from springpot.codegen.stages.compact_forest import CompactForest, compact_forest
 from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import shared_library
 from springpot.runtime_c.paths import INCLUDE, SOURCE
@@ -172,18 +172,3 @@ def test_ranks_are_those_of_a_whole_search_however_far_a_feature_jumps() -> None
     expected = forest_force(forest, leaves, features, np.float64)
     for simd in variants():
         np.testing.assert_array_equal(c_sums(compact, features, simd), expected)
-
-
-def test_the_stated_work_bounds_the_search_and_the_walk() -> None:
-    forest = forest_ir(fitted(trees=7, leaf=3, rows=900))
-    compact = compact_forest(forest, quantised_leaves(forest))
-    bound = work_at_most(compact)
-    rounds = 0
-    for below in compact.thresholds:
-        left = len(below)
-        rounds += 2
-        while left > 0:  # sp_bins_search
-            left -= left - left // 2
-            rounds += 1
-    assert bound["thresholds"] == rounds
-    assert bound["nodes"] == 7 * (int(compact.longest_paths.max()) + 1)

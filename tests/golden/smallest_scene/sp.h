@@ -1,4 +1,4 @@
-/* springpot 0.1.0 8da1013035c20e5131a283bf0b9b71dacf7ddc6f62608746f1ea44f2340a4ad1 */
+/* springpot 0.1.0 c650df084abbc23b6cf97ffafe4b03b936488936bc2557e4421b442dc4274974 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:

@@ -33,7 +33,7 @@ static double next(const passive_model *m, const sp_hammerstein_config *config,
     force_n += sp_flow(m->flow_loss, m->flow_n, m->flow_function, m->n_cubic, m->n_flow, u,
                        s->flow_before, s->flow);
     sp_curve(m->damage, m->n_damage, place, worn);
-    force_n += sp_damage(m->healed, NULL, m->n_linear, m->n_damage, u, worn, s->deepest);
+    force_n += sp_damage(m->healed, m->n_linear, m->n_damage, u, worn, s->deepest);
     s->surface.u = u;
     s->surface.force_n = force_n;
     return m->pulls || (force_n > 0.0 && !(u > tool)) ? force_n : 0.0;

@@ -1,23 +1,14 @@
-"""MAT (v5, v7.3) and HDF5 files of any layout: one array a channel, by name or map.
+"""MAT (v5, v7.3) and HDF5 files of any layout: one array a channel, by name or map."""
 
-Their libraries can crash, hang or ask for any amount of memory on a damaged file. So this module
-reads them in a process of its own, with limits, which prints the arrays as one NPZ.
-"""
-
-import io
-import os
-import subprocess
-import sys
 from collections.abc import Iterator, Mapping, Sequence
-from importlib.util import find_spec
 from pathlib import Path
 from typing import NamedTuple
 
+import h5py
 import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
-from springpot.codegen.files import max_unpacked_bytes
 from springpot.trainer.recordings.formats.column_map import (
     MAP_EXAMPLE,
     FileRequest,
@@ -30,12 +21,9 @@ from springpot.trainer.recordings.formats.units import Quantity, choose_unit
 
 _MAX_SHOWN = 12
 _MAX_COLUMNS = 32
-_MAX_RATIO = 256  # a recording of nothing but zeros shrinks by 230
-_MAX_BYTES, _LEAST_BYTES = 8 << 30, 1 << 30  # of the process, libraries included
-_MAX_CPU_S, _LEAST_CPU_S, _TIMEOUT_S = 120, 4, 150.0
 _SCALES = {"scale_factor": 1.0, "conversion": 1.0, "add_offset": 0.0, "offset": 0.0}
-Found = tuple[str, str, str, object]  # as `_Array`
 _FILLS = ("_FillValue", "missing_value")
+_Stored = tuple[str, str, str, object]  # as `_Array`, whatever the values are
 
 
 class _Array(NamedTuple):
@@ -120,11 +108,14 @@ def _choose(
 
 
 def _load(path: Path, kind: str) -> list[_Array]:
-    with np.load(io.BytesIO(_npz_apart(path, kind)), allow_pickle=False) as stored:
-        arrays = [
-            _Array(name, unit, other, stored[f"a{k}"])
-            for k, (name, unit, other) in enumerate(stored["texts"].reshape(-1, 3).tolist())
-        ]
+    """Vectors of a file, and columns of its matrices. Raises DataError where there are none."""
+    try:
+        arrays = [array for found in _stored(path, kind) for array in _vectors(*found)]
+    except ModuleNotFoundError:
+        raise
+    except Exception as error:  # whatever the libraries raise on a damaged file
+        why = " ".join(f"{type(error).__name__}: {error}".split())[:300]
+        raise DataError(f"{path}: damaged or of another format ({why}): export it again") from None
     if not arrays:
         raise DataError(
             f"{path}: holds no vectors of numbers (tables and objects of MATLAB cannot be read): "
@@ -133,58 +124,27 @@ def _load(path: Path, kind: str) -> list[_Array]:
     return arrays
 
 
-def _npz_apart(path: Path, kind: str) -> bytes:
-    """Run this module on the file. Raises DataError if the process refuses it, or is ended."""
-    if kind == "mat" and find_spec("scipy") is None:
-        raise ModuleNotFoundError("MAT files are read by scipy", name="scipy")
-    try:
-        done = subprocess.run(
-            [sys.executable, "-P", "-m", __name__, path, kind], capture_output=True, check=False,
-            timeout=_TIMEOUT_S,
-            env=os.environ | {"OPENBLAS_NUM_THREADS": "1"},  # each thread counts as memory
-        )  # fmt: skip
-    except subprocess.TimeoutExpired:
-        why = "reading it does not end"
-    else:
-        if not done.returncode:
-            return done.stdout
-        lines = done.stderr.decode(errors="replace").strip().splitlines()
-        why = lines[-1] if lines and done.returncode > 0 else "it crashes the reader"
-    raise DataError(f"{path}: damaged or of another format ({why}): export it again")
+def _stored(path: Path, kind: str) -> list[_Stored]:
+    if kind == "hdf5":
+        return _of_hdf5(path)
+    from scipy.io import loadmat
+
+    return list(_nested("", loadmat(path, simplify_cells=True)))
 
 
-def arrays_as_npz(path: Path, kind: str) -> bytes:
-    """Return the vectors of a file as an NPZ; raises whatever the file's library does."""
-    if kind == "mat":
-        from scipy.io import loadmat
-
-        found = list(_nested("", loadmat(path, simplify_cells=True)))
-    else:
-        found = _of_hdf5(path)
-    texts: list[tuple[str, str, str]] = []
-    stored: dict[str, Samples] = {}
-    for name, unit, other, value in found:
-        if np.asarray(value).dtype.kind not in "fiu":
-            continue
-        array = np.squeeze(np.asarray(value)).astype(np.float64)
-        columns = {}
-        if array.ndim == 1 and len(array) > 1:
-            columns[name] = array
-        elif array.ndim == 2 and min(array.shape) <= _MAX_COLUMNS:
-            across = array.T if array.shape[0] >= array.shape[1] else array  # time is longer
-            columns = {f"{name}[{k}]": its for k, its in enumerate(across, 1)}
-        for label, values in columns.items():
-            stored[f"a{len(texts)}"] = values
-            texts.append((label, unit, other))
-    unpacked_bytes = sum(its.nbytes for its in stored.values())
-    if unpacked_bytes > max_unpacked_bytes(path.stat().st_size, _MAX_RATIO):
-        raise ValueError("more numbers than a file of its size can hold")
-    memory = io.BytesIO()
-    np.savez(memory, allow_pickle=False, texts=np.array(texts, dtype=str), **stored)
-    return memory.getvalue()
+def _vectors(name: str, unit: str, other: str, value: object) -> Iterator[_Array]:
+    if np.asarray(value).dtype.kind not in "fiu":
+        return
+    array = np.squeeze(np.asarray(value)).astype(np.float64)
+    if array.ndim == 1 and len(array) > 1:
+        yield _Array(name, unit, other, array)
+    elif array.ndim == 2 and min(array.shape) <= _MAX_COLUMNS:
+        across = array.T if array.shape[0] >= array.shape[1] else array  # time is longer
+        for k, column in enumerate(across, 1):
+            yield _Array(f"{name}[{k}]", unit, other, np.ascontiguousarray(column))
 
 
-def _nested(name: str, value: object) -> Iterator[Found]:
+def _nested(name: str, value: object) -> Iterator[_Stored]:
     """Yield the arrays of structures and cells."""
     if isinstance(value, Mapping):
         for key, inner in value.items():
@@ -197,10 +157,8 @@ def _nested(name: str, value: object) -> Iterator[Found]:
         yield name, "", "", value
 
 
-def _of_hdf5(path: Path) -> list[Found]:
-    import h5py
-
-    found: list[Found] = []
+def _of_hdf5(path: Path) -> list[_Stored]:
+    found: list[_Stored] = []
 
     def visit(name: str, node: object) -> None:
         if not isinstance(node, h5py.Dataset) or name.startswith("#"):
@@ -219,24 +177,3 @@ def _of_hdf5(path: Path) -> list[Found]:
     with h5py.File(path, "r") as file:
         file.visititems(visit)
     return found
-
-
-def limit_reader(path: Path) -> None:
-    """Limit this process to the memory and time that reading a file of its size may take."""
-    try:
-        import resource
-    except ModuleNotFoundError:  # Windows has no such limits
-        return
-    mib = path.stat().st_size >> 20
-    max_bytes = min(_MAX_BYTES, _LEAST_BYTES + (mib << 28))
-    cpu_s = min(_MAX_CPU_S, _LEAST_CPU_S + mib)
-    resource.setrlimit(resource.RLIMIT_AS, (max_bytes, max_bytes))
-    resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s))
-
-
-if __name__ == "__main__":
-    limit_reader(Path(sys.argv[1]))
-    try:
-        sys.stdout.buffer.write(arrays_as_npz(Path(sys.argv[1]), sys.argv[2]))
-    except Exception as error:  # whatever the libraries raise on a damaged file
-        sys.exit(" ".join(f"{type(error).__name__}: {error}".split())[:300])
