@@ -29,7 +29,6 @@ from springpot.codegen.model.features import (
 from springpot.codegen.model.model import Model, TrainedRange
 from springpot.codegen.model.passive import Damage, Flow, Hammerstein, Places
 from springpot.codegen.model.regressors import Forest, Quantisation, Rbf
-from springpot.codegen.model.validity import require_valid
 
 MODEL_SCHEMA = 5
 MODEL_MAGIC = b"springpot-model"
@@ -82,7 +81,7 @@ def model_bytes(model: Model) -> bytes:
     arrays: _Arrays = {}
     header = _packed(model, "model", arrays)
     try:
-        require_valid(model)
+        model.require_valid()
     except DataError as error:
         raise DataError(f"{model.name}: {error}: train on other recordings or options") from None
     text = np.frombuffer(json.dumps(header, sort_keys=True).encode(), dtype=np.uint8)
@@ -118,7 +117,7 @@ def read_model(path: Path) -> Model:
         model = _from_parts(json.loads(arrays.pop("header").tobytes()), arrays, "model")
         if not isinstance(model, Model):
             raise DataError("describes no model")
-        require_valid(model)
+        model.require_valid()
     except DataError as error:
         raise DataError(f"{path}: {error}: train again") from None
     # What another program wrote under a right checksum: numpy, zipfile and json raise these.

@@ -5,9 +5,12 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Real, Reals
+from springpot.codegen.arrays import Real, Reals, require, require_positive, require_shape
 from springpot.codegen.messages import short_repr
 
+_MAX_NODES = 100  # of a curve, and of an axis of a map
+_MAX_RATE_RATIO = 1e4  # of relaxation at the surface and at the trained depth
+_ROUNDED = 1.0 - 1e-12
 FLOW_SHARE = 0.2  # of the force at the trained depth, at which a flowing branch is said to relax
 
 
@@ -25,6 +28,17 @@ class Places:
     step_m: NDArray[np.float64]
     amounts: NDArray[np.float64]
     slopes_n: NDArray[np.float64]
+
+    def require_valid(self, slopes: int) -> None:
+        """Raise DataError, with field and reason."""
+        require(self.amounts.ndim == 3, f"places.amounts: {self.amounts.ndim} axes, not 3")
+        few = all(2 <= n <= _MAX_NODES for n in self.nodes)
+        require(few, f"places.amounts: {self.nodes}, not 2 to {_MAX_NODES}")
+        require_shape("places.first_m", self.first_m, (2,))
+        require_positive("places.step_m", self.step_m, (2,))
+        materials = self.amounts.shape[2]
+        _not_negative("places.amounts", self.amounts, (*self.nodes, materials))
+        _not_negative("places.slopes_n", self.slopes_n, (materials, slopes))
 
     @property
     def last_m(self) -> NDArray[np.float64]:
@@ -56,6 +70,18 @@ class Places:
         """The greatest of each slope over all places, (slopes,)."""
         most_n: NDArray[np.float64] = np.max(self.amounts @ self.slopes_n, axis=(0, 1))
         return most_n
+
+
+def _not_negative(name: str, values: NDArray[np.float64], shape: tuple[int, ...]) -> None:
+    require_shape(name, values, shape)
+    require(bool(np.all(values >= 0.0)), f"{name}: negative, so not passive")
+
+
+def _among(
+    name: str, values: NDArray[np.int64], known: tuple[int, ...], shape: tuple[int, ...]
+) -> None:
+    require_shape(name, values, shape)
+    require(bool(np.isin(values, known).all()), f"{name}: not all of {known}")
 
 
 def grid_steps(
@@ -105,6 +131,14 @@ class Flow:
     degree: NDArray[np.int64]
     force_n: NDArray[np.float64]
 
+    def require_valid(self) -> None:
+        """Raise DataError, with field and reason."""
+        branches = (self.rate_ps.size,)
+        require_positive("flow.rate_ps", self.rate_ps, branches)
+        _among("flow.power", self.power, (3, 5), branches)
+        _among("flow.degree", self.degree, (1, 2, 4), branches)
+        _not_negative("flow.force_n", self.force_n, branches)
+
     @property
     def tau_s(self) -> NDArray[np.float64]:
         """Time constant of each branch while it holds FLOW_SHARE, (F,), s."""
@@ -123,6 +157,13 @@ class Damage:
     heal_s: NDArray[np.float64]
     power: NDArray[np.int64]
     curve_n: NDArray[np.float64]
+
+    def require_valid(self, nodes: int) -> None:
+        """Raise DataError, with field and reason."""
+        curves = self.heal_s.size
+        _among("damage.power", self.power, (1, 3), (curves,))
+        _not_negative("damage.heal_s", self.heal_s, (curves,))
+        _not_negative("damage.curve_n", self.curve_n, (curves, nodes))
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,6 +196,28 @@ class Hammerstein:
     recovers: bool = False
     places: Places | None = field(default=None, metadata={"left_out": True})
     __repr__ = short_repr
+
+    def require_valid(self) -> None:
+        """Raise DataError, with field and reason."""
+        nodes, branches, stops = self.nodes, self.tau_s.size, self.radius_m.size
+        require(self.span_m > 0.0, f"span_m: {self.span_m:g} m is no depth above 0")
+        require(1 <= nodes <= _MAX_NODES, f"elastic_n: {nodes} nodes, not 1 to {_MAX_NODES}")
+        _not_negative("elastic_n", self.elastic_n, (nodes,))
+        require_positive("tau_s", self.tau_s, (branches,))
+        _not_negative("branch_n", self.branch_n, (branches, nodes))
+        require_positive("radius_m", self.radius_m, (stops,))
+        _not_negative("stop_n", self.stop_n, (stops, nodes))
+        require(0 <= self.n_by_depth <= branches, f"n_by_depth: {self.n_by_depth} branches")
+        known = 1 / _MAX_RATE_RATIO <= self.rate_ratio <= _MAX_RATE_RATIO
+        require(known, f"rate_ratio: {self.rate_ratio:g} is beyond {_MAX_RATE_RATIO:g}")
+        if self.flow is not None:
+            self.flow.require_valid()
+        if self.damage is not None:
+            self.damage.require_valid(nodes)
+        if self.places is not None:
+            self.places.require_valid(self.slopes_n.size)
+            bounded = bool(np.all(self.slopes_n >= _ROUNDED * self.places.most_n))
+            require(bounded, "places: steeper somewhere than the curves beside them say")
 
     @property
     def nodes(self) -> int:
