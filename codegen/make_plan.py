@@ -30,11 +30,12 @@ from springpot.codegen.stages.model_stages import (
     model_stages,
 )
 from springpot.codegen.stages.stage import SceneTicks, vector_width_of
-from springpot.codegen.stages.tool_velocity import tool_velocity_stage
+from springpot.codegen.stages.windows import tool_velocity_stage
 
 RATES_HZ = (10.0, 8000.0)
 SERVED_HZ = (1000.0, 2000.0, 4000.0, 8000.0)  # force-feedback devices: commonly the first
 FELT_SHARE = 0.8  # less is another object to a hand: the difference that it notices is 15 to 22 %
+ONSET = 0.01  # of the trained depth: over which the force rises from zero behind the surface
 FADE = 0.1  # of the trained depth: where guard.outside = "zero" ends the force
 STEP = 0.05  # of the trained depth: longer than a leaf of a forest, shorter than a press
 RANGE_FACTOR = 1.3  # of the trained depth: the fallback counts too
@@ -88,7 +89,7 @@ def _plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
         dt_s=dt_s,
         guard=guard_config(model, watchdog_s, ticks),
         range=trained,
-        per_onset=dtype(1.0 / _onset_m(model, scene)) if contact else None,
+        per_onset=dtype(1.0 / (ONSET * model.trained.max_m)) if contact else None,
         per_fade=dtype(1.0 / fade_m) if scene.guard.outside == "zero" else None,
         velocity=tool_velocity_stage(ticks) if estimates else None,
         couple=couple,
@@ -137,12 +138,6 @@ def _time_step(model: Model, scene: Scene) -> float:
             f"{rate_hz:g} Hz"
         )
     return model.dt_s
-
-
-def _onset_m(model: Model, scene: Scene) -> float:
-    if scene.guard.onset_mm is not None:
-        return scene.guard.onset_mm * 1e-3
-    return 0.01 * model.trained.max_m
 
 
 def _coupling(scene: Scene, stiffness_npm: float, dt_s: float) -> CouplingChoice:

@@ -18,9 +18,9 @@ from springpot.codegen.limits import GuardConfig, OutputConfig, SilenceConfig
 from springpot.codegen.messages import short_repr
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
-from springpot.codegen.stages.costs import COSTS
 from springpot.codegen.stages.model_stages import RangeConfig, Stages
 from springpot.codegen.stages.stage import (
+    COSTS,
     DOUBLE,
     REAL,
     U32,
@@ -30,7 +30,7 @@ from springpot.codegen.stages.stage import (
     Stage,
     padded,
 )
-from springpot.codegen.stages.tool_velocity import ToolVelocityStage
+from springpot.codegen.stages.windows import ToolVelocityStage
 from springpot.codegen.types import RealType
 
 MAX_RECOVERY_S = 2.0

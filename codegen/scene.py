@@ -94,9 +94,6 @@ class Guard:
     contact: Literal["surface", "always"] | None = None
     """`"surface"`: positions at or below 0 are free air; `"always"`: the tool never leaves the
     object. Default: the model's own."""
-    onset_mm: Annotated[float, Interval(ge=1e-4, le=100)] | None = None
-    """Depth over which the force rises from zero behind the surface. Default: 1 % of the trained
-    depth."""
     __repr__ = short_repr
 
 

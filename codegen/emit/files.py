@@ -59,7 +59,9 @@ def _manifest(plan: Plan) -> JsonObject:
         "coupling": coupling_metadata(plan),
         "outside": plan.outside,
         "accept_unsafe": plan.accept_unsafe,
-        **_model_metadata(plan),
+        "orders": list(getattr(plan.features, "orders", ())),
+        "window_s": plan.model.memory_s,
+        **({} if plan.regressor is None else plan.regressor.manifest()),
         **_places(plan),
         "state_bytes": state_bytes(plan),
         **({"instructions": asdict(bound)} if (bound := instruction_bound(plan)) else {}),
@@ -85,15 +87,6 @@ def coupling_metadata(plan: Plan) -> JsonObject:
         "why": choice.why,
         "object_stiffness_npm": plan.stiffness_npm,
         "felt_stiffness_npm": choice.felt_npm,
-    }
-
-
-def _model_metadata(plan: Plan) -> JsonObject:
-    features, regressor = plan.features, plan.regressor
-    return {
-        "orders": list(getattr(features, "orders", ())),
-        "window_s": plan.model.memory_s,
-        **({} if regressor is None else regressor.manifest()),
     }
 
 

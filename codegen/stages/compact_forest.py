@@ -15,6 +15,7 @@ from springpot.codegen.model.forest import (
     used_features,
 )
 from springpot.codegen.model.regressors import Forest
+from springpot.codegen.stages.stage import padded
 
 # Metadata of sp_forest.h and sp_forest_x86.h; a test compares them with the headers.
 COMPACT_SLOT_BITS = 4
@@ -91,7 +92,7 @@ def compact_forest(forest: Forest, leaves: QuantisedLeaves) -> CompactForest:
     nodes = np.zeros((order.size, 2), dtype=np.uint16)
     nodes[order.place[stored], 0] = (step << COMPACT_SLOT_BITS | slot)[stored]
     nodes[order.place[stored], 1] = np.where(leaf, leaves.quantised, bin_index)[stored]
-    n_padded = _padded(len(order.roots))
+    n_padded = padded(padded(len(order.roots), REST), VECTOR)  # every traversal: whole groups
     top = np.zeros((ENTRIES - 1, n_padded, 2), dtype=np.uint16)  # zeros send everything to the left
     high = ~low & ~leaf
     top[order.heap[high] - 1, order.tree[high], 0] = slot[high]
@@ -163,9 +164,3 @@ def _order(forest: Forest) -> _Order:
     place[entering] = roots[tree[entering]] + lowered - ENTRIES
     size = ENTRIES * len(pairs) + 2 * len(parents) + 1  # the last one is what padding ends at
     return _Order(place, level, tree, heap, roots, size)
-
-
-def _padded(n_trees: int) -> int:
-    """Trees and padding, so that every way of traversal finds whole groups."""
-    padded = -(-n_trees // REST) * REST
-    return -(-padded // VECTOR) * VECTOR

@@ -13,13 +13,13 @@ from springpot.codegen.arrays import Reals
 from springpot.codegen.literals import array_text
 from springpot.codegen.model.features import FastFirBank, RecursiveBank
 from springpot.codegen.model.formulas import loss_and_gain
-from springpot.codegen.stages.costs import Costs
 from springpot.codegen.stages.stage import (
     DOUBLE,
     REAL,
     SMALLEST,
     U32,
     Columns,
+    Costs,
     FeatureStage,
     Member,
     Probe,

@@ -23,10 +23,10 @@ from springpot.codegen.stages.compact_forest import (
     CompactForest,
     compact_forest,
 )
-from springpot.codegen.stages.costs import Costs
 from springpot.codegen.stages.stage import (
     U32,
     Columns,
+    Costs,
     Member,
     RegressorStage,
     regressor_stage,

@@ -9,9 +9,9 @@ from springpot.codegen.errors import UsageError
 from springpot.codegen.literals import array_text
 from springpot.codegen.model.regressors import Rbf
 from springpot.codegen.scene import Runtime
-from springpot.codegen.stages.costs import Costs
 from springpot.codegen.stages.stage import (
     Columns,
+    Costs,
     RegressorStage,
     padded,
     regressor_stage,

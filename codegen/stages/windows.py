@@ -1,4 +1,7 @@
-"""Features of past samples: taps (sp_taps.h), positions (sp_lags.h), velocity (sp_velocity.h)."""
+"""Stages of past samples: taps (sp_taps.h), positions (sp_lags.h), velocities (sp_velocity.h).
+
+And the tool's velocity, for a coupling (sp_tool_velocity.h).
+"""
 
 from dataclasses import dataclass
 
@@ -10,23 +13,27 @@ from springpot.codegen.arrays import Real, Reals
 from springpot.codegen.literals import array_text, constant_text
 from springpot.codegen.model.features import FirBank, Lags, PositionVelocity
 from springpot.codegen.model.formulas import foaw
-from springpot.codegen.stages.costs import Costs
 from springpot.codegen.stages.stage import (
     REAL,
     U32,
     Columns,
+    Costs,
     FeatureStage,
     Member,
     Probe,
+    SceneTicks,
+    Stage,
     Starts,
     feature_stage,
+    flushed,
     held_before,
     padded,
     stage_code,
 )
-from springpot.codegen.types import RealType
+from springpot.codegen.types import RealType, Scalar
 
 SUMS = 16  # SP_TAPS_SUMS
+TIME_S = 0.004  # of the low-pass
 
 
 @dataclass(frozen=True, eq=False)
@@ -210,3 +217,33 @@ def position_velocity_stage(
     """Depth and its velocity, whichever of them are `kept`."""
     per_step = [1.0 / (j * dt_s) for j in range(1, features.length + 1)]
     return PositionVelocityStage(np.array(per_step, dtype=dtype), dtype(features.band_m))
+
+
+@dataclass(frozen=True)
+class ToolVelocityStage(Stage):
+    """Follows the guarded position; its value is the C variable `position_mps`."""
+
+    rate_hz: Real
+    weight: Real
+
+    headers = ("sp_tool_velocity.h",)
+    members = (Member("sp_tool_velocity_state tool_velocity", (REAL, REAL)),)
+
+    code = stage_code("tool_velocity")
+
+    def tables(self) -> list[str]:
+        return [
+            constant_text("rate_hz", self.rate_hz),
+            constant_text("velocity_weight", self.weight),
+        ]
+
+    def next(self, velocity_mps: Scalar, before_m: Scalar, x: Scalar) -> Scalar:
+        """sp_tool_velocity: the velocity at x, m/s, a tick after before_m."""
+        difference = (x - before_m) * self.rate_hz
+        return flushed(velocity_mps + self.weight * (difference - velocity_mps))
+
+
+def tool_velocity_stage(ticks: SceneTicks) -> ToolVelocityStage:
+    """Difference at 1/dt_s, low-passed over TIME_S by backward Euler."""
+    dt_s, dtype = ticks.dt_s, ticks.dtype
+    return ToolVelocityStage(rate_hz=dtype(1.0 / dt_s), weight=dtype(dt_s / (dt_s + TIME_S)))

@@ -21,7 +21,7 @@ PAPER_TREES = 100
 PAPER_LEAF = 5
 PAPER_CENTERS = 100
 
-ACCEPTED_SIGNS = "accepted_signs"  # item of a model's provenance
+ACCEPTED_SIGNS = "accepted_signs"  # item of a model's provenance: recordings, by their names
 
 Engine = Literal["fir", "fir-fast", "recursive"]
 
@@ -88,6 +88,7 @@ def assemble(
     is part of the model's, else it renders depths beyond the trained one alone. metadata: JSON
     values, further provenance.
     """
+    accepted = [recording.name for recording in data.recordings if recording.signs_accepted]
     return Model(
         kind=kind,
         name=name,
@@ -107,16 +108,10 @@ def assemble(
             "recordings": _hashes(data),
             "scikit-learn": version("scikit-learn"),
             "springpot": version("springpot"),
-            **_accepted(data),
+            **({ACCEPTED_SIGNS: accepted} if accepted else {}),
             **metadata,
         },
     )
-
-
-def _accepted(data: TrainingSet) -> dict[str, list[str]]:
-    """Recordings with signs that a person accepted on import."""
-    names = [recording.name for recording in data.recordings if recording.signs_accepted]
-    return {ACCEPTED_SIGNS: names} if names else {}
 
 
 def _hashes(data: TrainingSet) -> dict[str, str]:

@@ -144,7 +144,7 @@ class Recording:
         Recording('frame', 3 samples at 1000 Hz, 0 to 2 mm, 0 to 9 N)
         """
         from springpot.trainer.recordings.conditioning import condition
-        from springpot.trainer.recordings.formats.frame import frame_channels
+        from springpot.trainer.recordings.formats.arrays import frame_channels
         from springpot.trainer.recordings.formats.sampling import to_recording
 
         raw = frame_channels(frame, name, {"time": time, "position": position, "force": force})

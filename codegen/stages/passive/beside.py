@@ -18,8 +18,15 @@ from springpot.codegen.model.formulas import (
     pieces_of_one,
 )
 from springpot.codegen.model.passive import Damage, Flow
-from springpot.codegen.stages.costs import Costs
-from springpot.codegen.stages.stage import LARGEST, REAL, SMALLEST, Member, SceneTicks, numbers
+from springpot.codegen.stages.stage import (
+    LARGEST,
+    REAL,
+    SMALLEST,
+    Costs,
+    Member,
+    SceneTicks,
+    numbers,
+)
 from springpot.codegen.types import RealType, Scalar
 
 FUNCTIONS = (1, 2, 4)  # degrees, SP_FLOW_FUNCTIONS of sp_flow.h

@@ -8,7 +8,6 @@ from springpot.codegen.arrays import Real, Reals
 from springpot.codegen.literals import array_text, constant_text, members_text
 from springpot.codegen.model.formulas import curve_nodes
 from springpot.codegen.model.passive import Hammerstein
-from springpot.codegen.stages.costs import Costs
 from springpot.codegen.stages.passive.beside import (
     DamageCurves,
     FlowBranches,
@@ -24,6 +23,7 @@ from springpot.codegen.stages.passive.placed import PlacedCurves, Taken, placed_
 from springpot.codegen.stages.stage import (
     DOUBLE,
     REAL,
+    Costs,
     Member,
     SceneTicks,
     Stage,

@@ -15,7 +15,7 @@ from springpot.codegen.errors import DataError
 from springpot.codegen.messages import counted
 from springpot.codegen.types import JsonObject
 from springpot.trainer.recordings.contact_point import ContactPoint, find_contact
-from springpot.trainer.recordings.quality.channels import channel_findings
+from springpot.trainer.recordings.quality.channels import channel_findings, hold_spikes
 from springpot.trainer.recordings.quality.finding import Finding, warning
 from springpot.trainer.recordings.quality.repeats import (
     Cycles,
@@ -27,7 +27,6 @@ from springpot.trainer.recordings.quality.repeats import (
     skew_findings,
 )
 from springpot.trainer.recordings.quality.signs import Signs, find_signs, sign_findings
-from springpot.trainer.recordings.quality.spikes import hold_spikes
 from springpot.trainer.recordings.quality.units import glance, unit_findings
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import Recordings, given_recordings
