@@ -4,11 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from springpot.codegen.coupling.auto import (
-    CouplingChoice,
-    choose_coupling,
-    series,
-)
+from springpot.codegen.coupling.auto import CouplingChoice, choose_coupling, series
 from springpot.codegen.coupling.gains import couple_config, require_plausible_damping
 from springpot.codegen.coupling.loop_device import loop_device
 from springpot.codegen.errors import UsageError

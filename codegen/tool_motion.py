@@ -17,14 +17,13 @@ class Guarded:
     """Samples of a run as the guard takes them, (n,) each.
 
     position: m. ticks: since the sample taken before; 0 where none is taken. share: of the held
-    force that is felt then. silent: ticks without one before it. resync: the history restarts at
-    it. latched: the watchdog has fallen; fall: for so much of a tick without a sample.
+    force that is felt then. resync: the history restarts at it. latched: the watchdog has fallen;
+    fall: for so much of a tick without a sample.
     """
 
     position: Reals
     ticks: NDArray[np.int64]
     share: Reals
-    silent: Reals
     resync: NDArray[np.bool_]
     latched: NDArray[np.bool_]
     fall: Reals
@@ -48,9 +47,7 @@ def guarded(plan: Plan, raw: Reals, believed: NDArray[np.bool_]) -> Guarded:
     tick = silence.dt_s * silence.per_dt
     worth = real(SILENCE_WORTH) * silence.dt_s
     plausible = (raw >= config.min_m) & (raw <= config.max_m)
-    before = np.zeros(n, dtype=raw.dtype)
     for i, x in enumerate(raw):
-        before[i] = silent * silence.per_dt
         elapsed = (silent + silence.dt_s) * silence.per_dt
         since = 1 + (int(elapsed - real(0.5)) if elapsed >= 1.5 else 0)
         if believed[i] and not plausible[i]:
@@ -83,7 +80,7 @@ def guarded(plan: Plan, raw: Reals, believed: NDArray[np.bool_]) -> Guarded:
                 fall[i], silent = min(real(int(beyond) + 1), tick), real(0)
         latches[i] = latched
         position[i] = good
-    return Guarded(position, ticks, share, before, resync, latches, fall)
+    return Guarded(position, ticks, share, resync, latches, fall)
 
 
 @dataclass(frozen=True, eq=False)

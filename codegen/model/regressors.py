@@ -26,10 +26,6 @@ class Regressor(ABC):
     def on_scaled(self, scale: float) -> Self:
         """The regressor r' with r'(z) = r(scale z)."""
 
-    def share(self, of_force: float) -> Self:
-        """The regressor that gives so much of the force; of trees, which `auto` may weaken."""
-        raise TypeError(f"a share of {type(self).__name__} is not defined")
-
     def require_valid(self, n_features: int) -> None:  # noqa: B027 (no rules)
         """Raise DataError, with field and reason, for what its types cannot tell."""
 
@@ -96,9 +92,6 @@ class Forest(Regressor):
     def is_mean(self) -> bool:
         """Whether the force is the mean of the trees, and not their sum."""
         return bool(np.isclose(self.weight * len(self.roots), 1.0))
-
-    def share(self, of_force: float) -> "Forest":
-        return replace(self, weight=of_force * self.weight, bias_n=of_force * self.bias_n)
 
     def on_scaled(self, scale: float) -> "Forest":
         if self.quantisation is not None:

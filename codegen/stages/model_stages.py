@@ -10,7 +10,7 @@ from springpot.codegen.entry_points import blaming
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
-from springpot.codegen.stages import exponentials, forest, rbf, windows
+from springpot.codegen.stages import exponentials, regressors, windows
 from springpot.codegen.stages.passive.hammerstein import HammersteinStage, hammerstein_stage
 from springpot.codegen.stages.passive.placed import Taken
 from springpot.codegen.stages.stage import (
@@ -23,7 +23,7 @@ from springpot.codegen.stages.stage import (
 )
 
 # Importing them registers their stages.
-REGISTERED = (exponentials, forest, rbf, windows)
+REGISTERED = (exponentials, regressors, windows)
 
 
 @dataclass(frozen=True)

@@ -29,12 +29,13 @@ _LONGEST_PAUSE_S = 600.0
 _LATE = 5  # samples by which clocks of two recordings may overlap
 
 
-def contact_of(recordings: Sequence[Recording]) -> Contact:
+def contact_of(recordings: Sequence[Recording]) -> tuple[Contact, str]:
     """Return "surface" where force is 0 at position 0, "always" where the tool never leaves.
 
-    It never leaves where an importer moved the zero, or where force at the lowest depth is 2 % of
-    the peak or more and no recording shows where contact begins. (One that does has a tare: it is
-    no force that the object pushes with.) Nor does it leave what holds it: `pulls`.
+    And why there is no surface, where nobody said so. The tool never leaves where an importer moved
+    the zero, or where force at the lowest depth is 2 % of the peak or more and no recording shows
+    where contact begins. (One that does has a tare: it is no force that the object pushes with.)
+    Nor does it leave what holds it: `pulls`.
     """
     moved = [recording.name for recording in recordings if recording.zero != "none"]
     if moved and len(moved) != len(recordings):
@@ -43,20 +44,14 @@ def contact_of(recordings: Sequence[Recording]) -> Contact:
             f"{moved[0]} was imported with --zero and {kept} without: import all the same way"
         )
     if moved:
-        return "always"
+        return "always", ""
     peak_n = max(float(recording.force_n.max()) for recording in recordings)
     if peak_n > 0.0 and pulls(recordings):
-        return "always"
-    if abs(rest_force_n(recordings)) < _REST_SHARE * peak_n or peak_n <= 0.0:
-        return "surface"
-    return "surface" if any(map(_shows_contact, recordings)) else "always"
-
-
-def surface_warning(recordings: Sequence[Recording]) -> str:
-    """Say why the model of these recordings has no surface."""
-    if pulls(recordings):
-        return _PULLS.format(min_n=min(float(each.force_n.min()) for each in recordings))
-    return _PRELOADED.format(rest_n=rest_force_n(recordings))
+        return "always", _PULLS.format(min_n=min(float(each.force_n.min()) for each in recordings))
+    rest_n = rest_force_n(recordings)
+    if abs(rest_n) < _REST_SHARE * peak_n or peak_n <= 0.0 or any(map(_shows_contact, recordings)):
+        return "surface", ""
+    return "always", _PRELOADED.format(rest_n=rest_n)
 
 
 def pulls(recordings: Sequence[Recording]) -> bool:

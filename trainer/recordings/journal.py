@@ -20,10 +20,7 @@ import numpy as np
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.codegen.messages import caution
-from springpot.trainer.recordings.recording import (
-    Zero,
-    require_recording_name,
-)
+from springpot.trainer.recordings.recording import Zero, require_recording_name
 from springpot.trainer.recordings.recording_file import (
     MIN_SAMPLES,
     RECORDING_SCHEMA,

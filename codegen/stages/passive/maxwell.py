@@ -10,12 +10,7 @@ import numpy as np
 
 from springpot.codegen.arrays import Reals
 from springpot.codegen.literals import array_text
-from springpot.codegen.model.formulas import (
-    Place,
-    loss_and_gain,
-    loss_by_depth,
-    straight_values,
-)
+from springpot.codegen.model.formulas import Place, loss_and_gain, loss_by_depth, straight_values
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.stages.exponentials import SLOW_TICKS, pole_states
 from springpot.codegen.stages.stage import SMALLEST, Costs, SceneTicks, numbers, padded

@@ -17,11 +17,7 @@ from springpot.trainer.recordings.formats.arrays import read_arrays
 from springpot.trainer.recordings.formats.column_map import ColumnMap, DecimalMark, FileRequest
 from springpot.trainer.recordings.formats.csv_file import read_csv
 from springpot.trainer.recordings.formats.csv_layout import NoRecordingError
-from springpot.trainer.recordings.formats.sampling import (
-    RawChannels,
-    sampling_notes,
-    to_recording,
-)
+from springpot.trainer.recordings.formats.sampling import RawChannels, sampling_notes, to_recording
 from springpot.trainer.recordings.formats.units import factor_to_si, parts_of
 from springpot.trainer.recordings.recording import Recording, Zero, safe_recording_name, zero_word
 from springpot.trainer.recordings.recording_file import JOURNAL_SUFFIX, is_recording, read_recording

@@ -1,4 +1,4 @@
-"""Forests: sp_forest.h, or nested ifs by m2cgen."""
+"""Stages of regressors: forests (sp_forest.h, or nested ifs by m2cgen), radial basis functions."""
 
 import sys
 from dataclasses import dataclass
@@ -16,19 +16,16 @@ from springpot.codegen.model.forest import (
     quantised_leaves,
     rounded,
 )
-from springpot.codegen.model.regressors import Forest
+from springpot.codegen.model.regressors import Forest, Rbf
 from springpot.codegen.scene import Runtime
-from springpot.codegen.stages.compact_forest import (
-    LEVELS,
-    CompactForest,
-    compact_forest,
-)
+from springpot.codegen.stages.compact_forest import LEVELS, CompactForest, compact_forest
 from springpot.codegen.stages.stage import (
     U32,
     Columns,
     Costs,
     Member,
     RegressorStage,
+    padded,
     regressor_stage,
     stage_code,
 )
@@ -40,6 +37,7 @@ if TYPE_CHECKING:
 _LEVELS_A_ROUND = 3  # SP_FOREST_UNCHECKED
 _MAX_IFS = 20_000  # nodes
 _SCORE = "double score(double * input)"
+RBF_VECTOR_WIDTH = 8  # SP_RBF_WIDTH
 
 
 @dataclass(frozen=True, eq=False)
@@ -222,3 +220,74 @@ def score_source(forest: Forest, leaves: QuantisedLeaves) -> str:
 def _nodes(name: str, nodes: Any) -> list[str]:
     pairs = [f"{{{step}, {bin_index}}}" for step, bin_index in nodes.tolist()]
     return [f"static const sp_forest_node {name}[{len(pairs)}] = {{", *wrapped(pairs), "};"]
+
+
+@dataclass(frozen=True, eq=False)
+class RbfStage(RegressorStage):
+    """standard: shape (2, 4): feature_min, feature_max, mean, 1/scale of each feature.
+
+    centers: (2, padded centers); weights_n: (padded centers,); tail_n: (3,).
+    """
+
+    standard: Reals
+    centers: Reals
+    weights_n: Reals
+    tail_n: Reals
+
+    headers = ("sp_number.h", "sp_rbf.h")
+
+    code = stage_code("rbf")
+
+    def tables(self) -> list[str]:
+        return [
+            f"enum {{\n    N_CENTERS = {len(self.weights_n)}\n}};",
+            "/* feature_min, feature_max, mean, 1/scale of each feature */",
+            array_text("standard", "sp_real", self.standard),
+            array_text("centers", "sp_real", self.centers),
+            array_text("center_weights", "sp_real", self.weights_n),
+            array_text("tail", "sp_real", self.tail_n),
+        ]
+
+    def instructions(self, costs: Costs) -> float:
+        return len(self.weights_n) * costs.center + 100.0
+
+    def reference(self, features: Reals) -> Reals:
+        z = []
+        for i in range(2):
+            feature_min, feature_max, mean, per_scale = self.standard[i]
+            below = np.where(features[:, i] < feature_max, features[:, i], feature_max)
+            inside = np.where(below > feature_min, below, feature_min)
+            z.append((inside - mean) * per_scale)
+        # Eight partial sums, as the C's vectors add them: another order rounds otherwise.
+        sums = np.zeros((RBF_VECTOR_WIDTH, len(features)), dtype=features.dtype)
+        for block in range(0, len(self.weights_n), RBF_VECTOR_WIDTH):
+            for i in range(RBF_VECTOR_WIDTH):
+                d0 = z[0] - self.centers[0, block + i]
+                d1 = z[1] - self.centers[1, block + i]
+                square = d0 * d0 + d1 * d1
+                sums[i] += self.weights_n[block + i] * (square * np.sqrt(square))
+        s = sums
+        radial = ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]))
+        tail = self.tail_n
+        force_n: Reals = radial + (tail[0] + (tail[1] * z[0] + tail[2] * z[1]))
+        return force_n
+
+
+@regressor_stage.register
+def rbf_stage(rbf: Rbf, kept: Columns, runtime: Runtime, dtype: RealType) -> RbfStage:
+    """Pad the centers. Raises UsageError for anything but two features."""
+    n, n_features = rbf.centers.shape
+    if n_features != 2:
+        raise UsageError(f"radial basis functions on {n_features} features: the C has two")
+    capacity = padded(n, RBF_VECTOR_WIDTH)
+    centers: Reals = np.zeros((2, capacity), dtype=dtype)
+    centers[:, :n] = rbf.centers.T
+    weights: Reals = np.zeros(capacity, dtype=dtype)
+    weights[:n] = rbf.weights_n
+    standard = np.stack([rbf.feature_min, rbf.feature_max, rbf.mean, 1.0 / rbf.scale], axis=1)
+    return RbfStage(
+        standard=standard.astype(dtype),
+        centers=centers,
+        weights_n=weights,
+        tail_n=rbf.tail_n.astype(dtype),
+    )
