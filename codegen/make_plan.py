@@ -1,4 +1,4 @@
-"""Resolve a model and a scene into a plan."""
+"""Resolve a model and a scene into a plan; the maximum tangent of a model, from its reference."""
 
 from dataclasses import replace
 

@@ -11,7 +11,7 @@ from dataclasses import MISSING, Field, fields
 from typing import Any, TypeVar
 
 NOTICES = "springpot.notices"
-MOST = 200  # characters
+_MOST = 200  # characters of a repr
 _MANY = 8  # entries that are not shown one by one
 _Item = TypeVar("_Item")
 _LOG = logging.getLogger("springpot.progress")
@@ -60,7 +60,7 @@ def short_repr(self: Any) -> str:
         if item.repr and not _is_default(item, getattr(self, item.name))
     ]
     text = f"{type(self).__name__}({', '.join(shown)})"
-    return text if len(text) <= MOST else f"{text[: MOST - 5]} ...)"
+    return text if len(text) <= _MOST else f"{text[: _MOST - 5]} ...)"
 
 
 def _brief(value: Any) -> str:

@@ -28,8 +28,8 @@ FOAW_BAND_M = 15e-6
 SEARCH_CENTERS = 100
 SEARCH_ROWS = 10_000  # of the validation recordings
 _RIDGE = 1e-11  # of the mean diagonal, in the search only
+_DAMPING = 1e-10  # of the largest singular value squared, in the fit
 Pair = tuple[int, int]
-_DAMPING = 1e-10
 
 
 def fit_rbf_fd(

@@ -1,4 +1,7 @@
-"""Kind `rf-fd`: a forest on fractional derivatives, or on past positions as its control."""
+"""Kind `rf-fd`: a forest on fractional derivatives, or on past positions as its control.
+
+And tree ensembles that were fitted elsewhere, on their way into a model.
+"""
 
 import dataclasses
 import time

@@ -43,12 +43,6 @@ class PassiveMotion:
         """Where the model is."""
         return self._u
 
-    @property
-    def memory(self) -> tuple[Reals, Reals]:
-        """Return what branches hold, (branches,), N, and the play of stops, (stops,)."""
-        real = self._stage.spring.dtype
-        return np.concatenate([held.astype(real) for held in self._held]), self._play
-
     def on(self, stage: "HammersteinStage") -> "PassiveMotion":
         """The same state in ticks of another length: the stage of the same model."""
         other = copy(self)
