@@ -1,7 +1,4 @@
-"""Kind `rf-fd`: a forest on fractional derivatives, or on past positions as its control.
-
-And tree ensembles that were fitted elsewhere, on their way into a model.
-"""
+"""Kind `rf-fd`: a forest on fractional derivatives, or past positions; ensembles from elsewhere."""
 
 import dataclasses
 import time
