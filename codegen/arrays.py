@@ -46,6 +46,23 @@ def kept_numbers(values: Any, argument: str) -> Samples:
     return found
 
 
+def require(fits: bool, what: str) -> None:
+    """Raise DataError where something does not fit."""
+    if not fits:
+        raise DataError(what)
+
+
+def require_shape(name: str, values: NDArray[np.generic], shape: tuple[int, ...]) -> None:
+    """Raise DataError for an array of another shape."""
+    require(values.shape == shape, f"{name}: shape {values.shape}, not {shape}")
+
+
+def require_positive(name: str, values: Samples, shape: tuple[int, ...]) -> None:
+    """Raise DataError for an array of another shape, or with numbers at or below 0."""
+    require_shape(name, values, shape)
+    require(bool(np.all(values > 0.0)), f"{name}: not above 0")
+
+
 def rms(values: Samples) -> float:
     """Root mean square.
 

@@ -16,7 +16,7 @@ from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from traceback import extract_tb
-from typing import Any, TypeVar
+from typing import TypeVar
 
 from springpot.codegen.errors import SpringpotError
 from springpot.codegen.types import JsonObject
@@ -39,12 +39,18 @@ def registered(group: str, kind: type[Entry] | tuple[type[Entry], ...]) -> dict[
     lacks a package.
     """
     found: JsonObject = {}
+    kinds = kind if isinstance(kind, tuple) else (kind,)
     for entry in _entries(group):
-        loaded = _loaded(entry)
-        if loaded is None:
+        try:
+            loaded = entry.load()
+        except Exception as error:
+            if _is_own(entry):
+                raise  # an extra is missing: the command line says which
+            lacks = isinstance(error, ModuleNotFoundError)
+            _say(entry, str(error) if lacks else f"{type(error).__name__}: {error}")
             continue
-        if not isinstance(loaded, kind):
-            _say(entry, f"is no {_words(kind)}")
+        if not isinstance(loaded, kinds):
+            _say(entry, f"is no {' or '.join(one.__name__ for one in kinds)}")
         elif entry.name in found:
             _say(entry, "the name is taken")
         else:
@@ -77,27 +83,8 @@ def blaming(what: str, called: object, error: type[SpringpotError]) -> Iterator[
         ) from found
 
 
-def _loaded(entry: EntryPoint) -> Any | None:
-    try:
-        return entry.load()
-    except ModuleNotFoundError as error:
-        if _is_own(entry):
-            raise  # an extra is missing: the command line says which
-        _say(entry, str(error))
-    except Exception as error:
-        if _is_own(entry):
-            raise
-        _say(entry, f"{type(error).__name__}: {error}")
-    return None
-
-
 def _is_own(entry: EntryPoint) -> bool:
     return entry.module.partition(".")[0] == "springpot"
-
-
-def _words(kind: type | tuple[type, ...]) -> str:
-    kinds = kind if isinstance(kind, tuple) else (kind,)
-    return " or ".join(one.__name__ for one in kinds)
 
 
 @cache

@@ -10,7 +10,7 @@ from typing import Annotated, Literal
 
 from annotated_types import Gt, Interval
 
-from springpot.codegen.short_repr import short_repr
+from springpot.codegen.messages import short_repr
 
 Number = Literal["float32", "float64"]
 Target = Literal["host", "cortex-m4f", "cortex-m7", "rv32imafc"]
@@ -97,9 +97,6 @@ class Guard:
     contact: Literal["surface", "always"] | None = None
     """`"surface"`: positions at or below 0 are free air; `"always"`: the tool never leaves the
     object. Default: the model's own."""
-    onset_mm: Annotated[float, Interval(ge=1e-4, le=100)] | None = None
-    """Depth over which the force rises from zero behind the surface. Default: 1 % of the trained
-    depth."""
     __repr__ = short_repr
 
 

@@ -12,12 +12,16 @@ from springpot.codegen.arrays import Indices, Samples, given_numbers
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.features import Features
 from springpot.trainer.models.fit import FitOptions, assemble
-from springpot.trainer.models.forests import depth_scale, ensemble_ir
 from springpot.trainer.models.passive.passive_fit import fit_passive
 from springpot.trainer.models.predict import regressor_force
-from springpot.trainer.models.rf_fd import PAPER_ORDERS, fractional_features
+from springpot.trainer.models.rf_fd import (
+    PAPER_ORDERS,
+    depth_scale,
+    ensemble_ir,
+    fractional_features,
+)
 from springpot.trainer.models.training_set import TrainingSet, training_set
-from springpot.trainer.recordings.quality.spikes import hold_spikes
+from springpot.trainer.recordings.quality.channels import hold_spikes
 from springpot.trainer.recordings.recording_file import Recordings, given_recordings
 
 KIND = "ensemble"

@@ -8,10 +8,10 @@ from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.errors import DataError
-from springpot.codegen.reference.notes import RAMPED
-from springpot.codegen.short_repr import short_repr
+from springpot.codegen.messages import short_repr
+from springpot.codegen.notes import RAMPED
 from springpot.codegen.types import JsonObject
-from springpot.trainer.recordings.quality.noise_floor import NoiseFloor
+from springpot.trainer.recordings.quality.repeats import NoiseFloor
 
 # Weber fraction of force: 10 % at and above 2 N (the paper's figure 8); below it rises, and is
 # drawn, not scored.

@@ -8,8 +8,8 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.types import JsonObject
-from springpot.trainer.recordings.motion import turning_points
 from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.signals import turning_points
 
 STIFFNESS_JND = 0.15  # just noticeable difference, of the stiffness: about so much
 _TURN = 0.1  # of the range of positions: what turns by less is one way in

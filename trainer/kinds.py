@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from springpot.codegen.entry_points import blaming, registered
 from springpot.codegen.errors import DataError, UsageError
-from springpot.codegen.short_repr import short_repr
-from springpot.trainer.paper import PAPER_SMOOTH_S
+from springpot.codegen.messages import short_repr
+from springpot.trainer import PAPER_SMOOTH_S
 
 if TYPE_CHECKING:
     from springpot.trainer.models.fit import Fit, FitOptions
@@ -74,7 +74,7 @@ def fit_model(
     options: "FitOptions",
     validation: "Sequence[Recording]" = (),
 ) -> "Fit":
-    """Fit one model. `validation` decides only for rbf-fd with select "paper".
+    """Fit one model. validation: see `fit_rbf_fd`; other kinds do not look at them.
 
     recordings: those that `check_recordings` gives as `checked`, or others without spikes.
     Raises UsageError for an unknown kind, DataError where the recordings do not fit together.
@@ -94,7 +94,7 @@ def _kind_of_places(kind: str, recordings: "Sequence[Recording]") -> str:
 
     Raises UsageError for another one, DataError if only some recordings have a place.
     """
-    from springpot.trainer.recordings.places import sites_of
+    from springpot.trainer.recordings.recording import sites_of
 
     sites = sites_of(recordings)
     if len(sites) < 2:
@@ -120,7 +120,7 @@ def _default_smoothing(
 
     Another time is one that a person chose: `training_set` refuses it.
     """
-    from springpot.trainer.recordings.smoothing import longest_smoothing_s
+    from springpot.trainer.recordings.signals import longest_smoothing_s
 
     if not recordings or options.smooth_s != PAPER_SMOOTH_S:
         return options, []

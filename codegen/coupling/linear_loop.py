@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from springpot.codegen.coupling.gains import transition
 from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE, LoopDevice
 from springpot.codegen.scene import Coupling
-from springpot.codegen.stages.tool_velocity import TIME_S as VELOCITY_S
+from springpot.codegen.stages.windows import TIME_S as VELOCITY_S
 from springpot.codegen.types import Scalar
 
 _LIMIT_WITHIN = 1.001  # of the first unstable stiffness

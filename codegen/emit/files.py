@@ -6,12 +6,11 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from importlib.metadata import version
 
+from springpot.codegen.emit.c_text import rendered
 from springpot.codegen.emit.header import header_text
-from springpot.codegen.emit.render import rendered
 from springpot.codegen.emit.source import source_text
 from springpot.codegen.model.model_file import model_hash
-from springpot.codegen.plan.plan import Plan
-from springpot.codegen.plan.units import instruction_bound, planned_headers, state_bytes
+from springpot.codegen.plan import Plan, instruction_bound, planned_headers, state_bytes
 from springpot.codegen.types import JsonObject
 from springpot.runtime_c.paths import flags
 
@@ -60,7 +59,9 @@ def _manifest(plan: Plan) -> JsonObject:
         "coupling": coupling_metadata(plan),
         "outside": plan.outside,
         "accept_unsafe": plan.accept_unsafe,
-        **_model_metadata(plan),
+        "orders": list(getattr(plan.features, "orders", ())),
+        "window_s": plan.model.memory_s,
+        **({} if plan.regressor is None else plan.regressor.manifest()),
         **_places(plan),
         "state_bytes": state_bytes(plan),
         **({"instructions": asdict(bound)} if (bound := instruction_bound(plan)) else {}),
@@ -86,15 +87,6 @@ def coupling_metadata(plan: Plan) -> JsonObject:
         "why": choice.why,
         "object_stiffness_npm": plan.stiffness_npm,
         "felt_stiffness_npm": choice.felt_npm,
-    }
-
-
-def _model_metadata(plan: Plan) -> JsonObject:
-    features, regressor = plan.features, plan.regressor
-    return {
-        "orders": list(getattr(features, "orders", ())),
-        "window_s": plan.model.memory_s,
-        **({} if regressor is None else regressor.manifest()),
     }
 
 

@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Reals
 from springpot.codegen.literals import wrapped
-from springpot.codegen.plan.plan import Plan
-from springpot.codegen.reference.run import run_reference
+from springpot.codegen.plan import Plan
+from springpot.codegen.reference import run_reference
 from springpot.codegen.stages.stage import Probe
 from springpot.codegen.types import RealType
 

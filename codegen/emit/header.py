@@ -3,11 +3,9 @@
 import re
 from functools import cache
 
-from springpot.codegen.emit.c_blocks import code_of, top_level_blocks
-from springpot.codegen.emit.render import rendered
+from springpot.codegen.emit.c_text import code_of, rendered, top_level_blocks
 from springpot.codegen.literals import literal
-from springpot.codegen.plan.plan import Plan
-from springpot.codegen.plan.units import planned_headers, state_bytes, state_members
+from springpot.codegen.plan import Plan, planned_headers, state_bytes, state_members
 from springpot.runtime_c.paths import INCLUDE, SOURCE
 
 _PUBLIC = "abi_version|state_size|manifest|init|reset|step|run|idle|place|selftest|state"

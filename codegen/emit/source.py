@@ -4,20 +4,88 @@ In C11 and in C++17; every name of its header carries the scene's prefix. Functi
 that this scene does not call are left out.
 """
 
+import re
 from collections.abc import Sequence
 
-from springpot.codegen.emit.c_blocks import top_level_blocks, without_unused
+from springpot.codegen.emit.c_text import (
+    block_text,
+    has_block,
+    rendered,
+    top_level_blocks,
+    without_unused,
+)
 from springpot.codegen.emit.golden import LEG_TICKS, golden_arrays, golden_places
 from springpot.codegen.emit.header import named, state_types, unit_blocks
-from springpot.codegen.emit.render import block_text, rendered, step_functions
 from springpot.codegen.literals import constant_text, literal
-from springpot.codegen.plan.plan import Plan
-from springpot.codegen.plan.units import planned_headers, stages
+from springpot.codegen.plan import Plan, planned_headers, stages
 from springpot.codegen.stages.stage import RegressorStage, Stage
 from springpot.runtime_c.paths import INCLUDE
 
+ABI_VERSION = 1
 _WIDTH = 100
 LATCHED_S = 0.05  # after which a latched force is 0
+
+
+def step_functions(plan: Plan, manifest: str) -> str:
+    """The functions of a scene: its step, and what the header declares.
+
+    manifest: JSON that the image holds.
+    """
+    in_order = stages(plan)
+    model = [stage for stage in in_order if stage is not plan.velocity]
+    restarting = "\n".join(block_text(stage, "restart") for stage in in_order)
+    ticking = "\n".join(block_text(stage, "advance") for stage in model)
+    if plan.features is not None and plan.regressor is not None:
+        ticking += block_text(plan.features, "features") + block_text(plan.regressor, "force")
+    terms = _terms(plan)
+    return rendered(
+        "scene.c.j2",
+        plan=plan,
+        stages=in_order,
+        model=model,
+        block_text=block_text,
+        has_block=has_block,
+        terms=terms,
+        restart_needs=_needs(plan, restarting, always=False),
+        tick_needs=_needs(plan, f"{ticking}\n{' '.join(terms)}", always=plan.contact),
+        start_m=_start_m(plan),
+        abi_version=ABI_VERSION,
+        manifest=manifest.replace("\\", "\\\\").replace('"', '\\"'),
+    )
+
+
+def _terms(plan: Plan) -> list[str]:
+    """What the model's force is the sum of: variables that its parts declare."""
+    terms = []
+    if plan.passive is not None:
+        terms.append(f"{plan.passive.follows}_passive_n")
+    if plan.features is not None and plan.regressor is not None:
+        terms.append("model_n")
+    if plan.excess is not None:
+        terms.append("(penetration_passive_n - clipped_passive_n)")
+    return terms
+
+
+def _needs(plan: Plan, text: str, always: bool) -> dict[str, bool]:
+    """Which of the depths, and of the position, the C of the parts reads; always: the depth too."""
+    clipped, deep = _mentions("clipped", text), _mentions("penetration", text)
+    used = clipped or deep
+    return {
+        "clipped": clipped,
+        "penetration": deep or always or (used and plan.contact),
+        "position": used or _mentions("position", text),
+    }
+
+
+def _mentions(name: str, text: str) -> bool:
+    return re.search(rf"\b{name}\b", text) is not None
+
+
+def _start_m(plan: Plan) -> list[str]:
+    """Where the object is felt until a place is chosen, x and y; empty without places."""
+    if plan.passive is None or plan.passive.placed is None:
+        return []
+    return [literal(plan.dtype(at)) for at in plan.passive.placed.start_m]
 
 
 def source_text(plan: Plan, manifest: str) -> str:

@@ -2,7 +2,7 @@
 
 A kind of one's own is a frozen dataclass of this base, with a stage that is registered with
 `feature_stage` (codegen/stages/stage.py) and float64 values registered with `feature_values`
-(trainer/features/values.py).
+(trainer/features.py).
 """
 
 from abc import ABC, abstractmethod
@@ -12,7 +12,8 @@ from typing import Any, ClassVar, Self
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.short_repr import short_repr
+from springpot.codegen.arrays import require, require_positive, require_shape
+from springpot.codegen.messages import short_repr
 
 
 class Features(ABC):
@@ -56,6 +57,9 @@ class Features(ABC):
         """Only these features. Raises NotImplementedError where they cannot stand alone."""
         raise NotImplementedError
 
+    def require_valid(self) -> None:  # noqa: B027 (no rules)
+        """Raise DataError, with field and reason, for what their types cannot tell."""
+
 
 @dataclass(frozen=True, eq=False)
 class FractionalBank(Features):
@@ -88,6 +92,11 @@ class FractionalBank(Features):
     def take(self, columns: NDArray[np.intp]) -> Self:
         taken = self._with_table(getattr(self, self.table)[:, columns])
         return replace(taken, orders=tuple(self.orders[i] for i in columns))
+
+    def require_valid(self) -> None:
+        fits = len(self.orders) > 0 and all(0.0 <= r <= 1.0 for r in self.orders)
+        require(fits, f"orders: {self.orders[:12]} are not within 0 .. 1")
+        require_shape(self.table, getattr(self, self.table), (self.table_rows, len(self.orders)))
 
     def _with_table(self, values: NDArray[np.float64]) -> Self:
         changes: dict[str, Any] = {self.table: values}
@@ -125,6 +134,13 @@ class FastFirBank(FractionalBank):
 
     engine = "fir-fast"
 
+    def require_valid(self) -> None:
+        super().require_valid()
+        require_positive("tau_ticks", self.tau_ticks, (len(self.tau_ticks),))
+        direct = len(self.weights) - len(self.tau_ticks) - 1
+        require(direct >= 1, f"weights: {len(self.weights)} rows for {len(self.tau_ticks)} poles")
+        require(direct + 1 < self.length, f"length: {self.length} samples")
+
     def memory_s(self, dt_s: float) -> float:
         return self.length * dt_s
 
@@ -142,6 +158,10 @@ class RecursiveBank(FractionalBank):
 
     engine = "recursive"
     exact_at_any_rate = True
+
+    def require_valid(self) -> None:
+        super().require_valid()
+        require_positive("tau_s", self.tau_s, (len(self.weights),))
 
     def memory_s(self, dt_s: float) -> float:
         return float(self.tau_s.max())

@@ -1,14 +1,27 @@
 """The model: all that the trainer hands on, and all that the C can need. Plain arrays, SI units."""
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
+from springpot.codegen.arrays import require
+from springpot.codegen.errors import DataError
 from springpot.codegen.model.features import Features
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.model.regressors import Regressor
 from springpot.codegen.types import JsonMapping
 
 Contact = Literal["surface", "always"]
+
+
+@contextmanager
+def _naming(part: str) -> Iterator[None]:
+    """Put a part's name before the field that an error names."""
+    try:
+        yield
+    except DataError as error:
+        raise DataError(f"{part}.{error}") from None
 
 
 @dataclass(frozen=True)
@@ -20,6 +33,12 @@ class TrainedRange:
     max_mps: float
     min_n: float
     max_n: float
+
+    def require_valid(self) -> None:
+        """Raise DataError, with field and reason."""
+        require(self.min_m <= self.max_m, "min_m: above max_m")
+        require(self.min_n <= self.max_n, "min_n: above max_n")
+        require(self.max_mps >= 0.0, f"max_mps: {self.max_mps:g} is negative")
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +72,27 @@ class Model:
             f"Model({self.name!r}, {self.kind}, {1.0 / self.dt_s:.6g} Hz, "
             f"to {1e3 * self.trained.max_m:.4g} mm and {self.trained.max_n:.4g} N)"
         )
+
+    def require_valid(self) -> None:
+        """Raise DataError, with part, field and reason, for what cannot be rendered."""
+        features, regressor, passive = self.features, self.regressor, self.hammerstein
+        require(self.dt_s > 0.0, f"dt_s: {self.dt_s:g} s is no time step")
+        alone = (features is None) != (regressor is None)
+        require(not alone, "features, regressor: one without the other")
+        adds = passive is not None and self.hammerstein_adds
+        require(adds or regressor is not None, "regressor, hammerstein: no force")
+        require(adds == self.hammerstein_adds, "hammerstein_adds: nothing to add")
+        placed = passive is not None and passive.places is not None
+        alone_at_a_surface = adds and regressor is None and self.contact == "surface"
+        require(alone_at_a_surface or not placed, "places: need a passive model with a surface")
+        for name, part in (("trained", self.trained), ("features", features),
+                           ("hammerstein", passive)):  # fmt: skip
+            with _naming(name):
+                if part is not None:
+                    part.require_valid()
+        with _naming("regressor"):
+            if features is not None and regressor is not None:
+                regressor.require_valid(features.n_features)
 
     @property
     def exact_at_any_rate(self) -> bool:

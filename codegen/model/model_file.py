@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.atomic_write import write_file
 from springpot.codegen.entry_points import registered
 from springpot.codegen.errors import DataError
+from springpot.codegen.files import read_bounded, write_file
 from springpot.codegen.model.features import (
     FastFirBank,
     FirBank,
@@ -27,11 +27,8 @@ from springpot.codegen.model.features import (
     RecursiveBank,
 )
 from springpot.codegen.model.model import Model, TrainedRange
-from springpot.codegen.model.passive import Damage, Flow, Hammerstein, Memory
-from springpot.codegen.model.places import Places
+from springpot.codegen.model.passive import Damage, Flow, Hammerstein, Memory, Places
 from springpot.codegen.model.regressors import Forest, Quantisation, Rbf
-from springpot.codegen.model.validity import require_valid
-from springpot.codegen.regular_file import read_bounded
 
 MODEL_SCHEMA = 5
 MODEL_MAGIC = b"springpot-model"
@@ -84,7 +81,7 @@ def model_bytes(model: Model) -> bytes:
     arrays: _Arrays = {}
     header = _packed(model, "model", arrays)
     try:
-        require_valid(model)
+        model.require_valid()
     except DataError as error:
         raise DataError(f"{model.name}: {error}: train on other recordings or options") from None
     text = np.frombuffer(json.dumps(header, sort_keys=True).encode(), dtype=np.uint8)
@@ -120,7 +117,7 @@ def read_model(path: Path) -> Model:
         model = _from_parts(json.loads(arrays.pop("header").tobytes()), arrays, "model")
         if not isinstance(model, Model):
             raise DataError("describes no model")
-        require_valid(model)
+        model.require_valid()
     except DataError as error:
         raise DataError(f"{path}: {error}: train again") from None
     # What another program wrote under a right checksum: numpy, zipfile and json raise these.

@@ -5,10 +5,117 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.model.places import Places
-from springpot.codegen.short_repr import short_repr
+from springpot.codegen.arrays import Real, Reals, require, require_positive, require_shape
+from springpot.codegen.messages import short_repr
 
+_MAX_NODES = 100  # of a curve, and of an axis of a map
+_MAX_RATE_RATIO = 1e4  # of relaxation at the surface and at the trained depth
+_ROUNDED = 1.0 - 1e-12
 FLOW_SHARE = 0.2  # of the force at the trained depth, at which a flowing branch is said to relax
+
+
+@dataclass(frozen=True, eq=False)
+class Places:
+    """Materials on a regular grid: force at a place = sum of amount_r(place) times that of r.
+
+    first_m, step_m: place of the first node, and from node to node, x and y, (2,). amounts: of each
+    material at each node, (nodes in x, nodes in y, materials), >= 0; bilinear between nodes, and
+    constant outside the grid. slopes_n: of each material what `Hammerstein.slopes_n` gives,
+    (materials, slopes).
+    """
+
+    first_m: NDArray[np.float64]
+    step_m: NDArray[np.float64]
+    amounts: NDArray[np.float64]
+    slopes_n: NDArray[np.float64]
+
+    def require_valid(self, slopes: int) -> None:
+        """Raise DataError, with field and reason."""
+        require(self.amounts.ndim == 3, f"places.amounts: {self.amounts.ndim} axes, not 3")
+        few = all(2 <= n <= _MAX_NODES for n in self.nodes)
+        require(few, f"places.amounts: {self.nodes}, not 2 to {_MAX_NODES}")
+        require_shape("places.first_m", self.first_m, (2,))
+        require_positive("places.step_m", self.step_m, (2,))
+        materials = self.amounts.shape[2]
+        _not_negative("places.amounts", self.amounts, (*self.nodes, materials))
+        _not_negative("places.slopes_n", self.slopes_n, (materials, slopes))
+
+    @property
+    def last_m(self) -> NDArray[np.float64]:
+        """Place of the last node, x and y, (2,)."""
+        last_m: NDArray[np.float64] = self.first_m + self.step_m * (np.array(self.nodes) - 1)
+        return last_m
+
+    @property
+    def nodes(self) -> tuple[int, int]:
+        """Nodes in x and in y."""
+        return self.amounts.shape[0], self.amounts.shape[1]
+
+    @property
+    def stiffest_m(self) -> tuple[float, float]:
+        """Place of the stiffest node, x and y: what holds there is safe elsewhere."""
+        stiffness = (self.amounts @ self.slopes_n).sum(axis=2)
+        node = np.unravel_index(int(np.argmax(stiffness)), self.nodes)
+        x_m, y_m = (self.first_m + self.step_m * np.array(node)).tolist()
+        return x_m, y_m
+
+    def mixed_n(self, place_m: tuple[float, float]) -> NDArray[np.float64]:
+        """Slopes at a place, (slopes,)."""
+        per_step = 1.0 / self.step_m
+        amount = amounts_at(self.amounts, self.first_m, per_step, np.array(place_m))
+        return mixed(amount, self.slopes_n)
+
+    @property
+    def most_n(self) -> NDArray[np.float64]:
+        """The greatest of each slope over all places, (slopes,)."""
+        most_n: NDArray[np.float64] = np.max(self.amounts @ self.slopes_n, axis=(0, 1))
+        return most_n
+
+
+def _not_negative(name: str, values: NDArray[np.float64], shape: tuple[int, ...]) -> None:
+    require_shape(name, values, shape)
+    require(bool(np.all(values >= 0.0)), f"{name}: negative, so not passive")
+
+
+def _among(
+    name: str, values: NDArray[np.int64], known: tuple[int, ...], shape: tuple[int, ...]
+) -> None:
+    require_shape(name, values, shape)
+    require(bool(np.isin(values, known).all()), f"{name}: not all of {known}")
+
+
+def grid_steps(
+    nodes: tuple[int, ...], first_m: Reals, per_step: Reals, place_m: Reals
+) -> tuple[Real, ...]:
+    """sp_map_steps: a place in steps from the first node, x and y, within the grid."""
+    passed = ((place_m - first_m) * per_step).tolist()
+    real = per_step.dtype.type
+    return tuple(
+        real(min(at if at > 0.0 else 0.0, n - 1)) for at, n in zip(passed, nodes, strict=True)
+    )
+
+
+def amounts_at(amounts: Reals, first_m: Reals, per_step: Reals, place_m: Reals) -> Reals:
+    """sp_map_amounts: amount of each material at a place, (materials,)."""
+    real = amounts.dtype.type
+    steps = grid_steps(amounts.shape[:2], first_m, per_step, place_m)
+    i, j = (min(int(at), nodes - 2) for at, nodes in zip(steps, amounts.shape[:2], strict=True))
+    x, y, one = steps[0] - real(i), steps[1] - real(j), real(1)
+    weights = ((one - x) * (one - y), (one - x) * y, x * (one - y), x * y)
+    corners = (amounts[i, j], amounts[i, j + 1], amounts[i + 1, j], amounts[i + 1, j + 1])
+    total = weights[0] * corners[0]
+    for weight, corner in zip(weights[1:], corners[1:], strict=True):
+        total = total + weight * corner
+    found: Reals = total
+    return found
+
+
+def mixed(amount: Reals, materials: Reals) -> Reals:
+    """sp_map_mix: sum of the materials, (materials, n), by their amounts, in the order of the C."""
+    total: Reals = amount[0] * materials[0]
+    for its, material in zip(amount[1:], materials[1:], strict=True):
+        total = total + its * material
+    return total
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,6 +130,14 @@ class Flow:
     power: NDArray[np.int64]
     degree: NDArray[np.int64]
     force_n: NDArray[np.float64]
+
+    def require_valid(self) -> None:
+        """Raise DataError, with field and reason."""
+        branches = (self.rate_ps.size,)
+        require_positive("flow.rate_ps", self.rate_ps, branches)
+        _among("flow.power", self.power, (3, 5), branches)
+        _among("flow.degree", self.degree, (1, 2, 4), branches)
+        _not_negative("flow.force_n", self.force_n, branches)
 
     @property
     def tau_s(self) -> NDArray[np.float64]:
@@ -43,6 +158,13 @@ class Damage:
     power: NDArray[np.int64]
     curve_n: NDArray[np.float64]
 
+    def require_valid(self, nodes: int) -> None:
+        """Raise DataError, with field and reason."""
+        curves = self.heal_s.size
+        _among("damage.power", self.power, (1, 3), (curves,))
+        _not_negative("damage.heal_s", self.heal_s, (curves,))
+        _not_negative("damage.curve_n", self.curve_n, (curves, nodes))
+
 
 def power_order(part: Flow | Damage) -> NDArray[np.intp]:
     """Numbers of the branches, or curves, lower powers first: as the C has them."""
@@ -60,6 +182,12 @@ class Memory:
     branch_n: NDArray[np.float64]
     flow: NDArray[np.float64]
     deepest: NDArray[np.float64]
+
+    def require_valid(self, branches: int, flowing: int, curves: int) -> None:
+        """Raise DataError, with field and reason."""
+        require_shape("conditioned.branch_n", self.branch_n, (branches,))
+        require_shape("conditioned.flow", self.flow, (flowing,))
+        _not_negative("conditioned.deepest", self.deepest, (curves,))
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,6 +225,31 @@ class Hammerstein:
     conditioned: Memory | None = None
     starts_conditioned: bool = False
     __repr__ = short_repr
+
+    def require_valid(self) -> None:
+        """Raise DataError, with field and reason."""
+        nodes, branches, stops = self.nodes, self.tau_s.size, self.radius_m.size
+        require(self.span_m > 0.0, f"span_m: {self.span_m:g} m is no depth above 0")
+        require(1 <= nodes <= _MAX_NODES, f"elastic_n: {nodes} nodes, not 1 to {_MAX_NODES}")
+        _not_negative("elastic_n", self.elastic_n, (nodes,))
+        require_positive("tau_s", self.tau_s, (branches,))
+        _not_negative("branch_n", self.branch_n, (branches, nodes))
+        require_positive("radius_m", self.radius_m, (stops,))
+        _not_negative("stop_n", self.stop_n, (stops, nodes))
+        require(0 <= self.n_by_depth <= branches, f"n_by_depth: {self.n_by_depth} branches")
+        known = 1 / _MAX_RATE_RATIO <= self.rate_ratio <= _MAX_RATE_RATIO
+        require(known, f"rate_ratio: {self.rate_ratio:g} is beyond {_MAX_RATE_RATIO:g}")
+        if self.flow is not None:
+            self.flow.require_valid()
+        if self.damage is not None:
+            self.damage.require_valid(nodes)
+        flowing = 0 if self.flow is None else self.flow.rate_ps.size
+        curves = 0 if self.damage is None else self.damage.heal_s.size
+        self.memory.require_valid(branches, flowing, curves)
+        if self.places is not None:
+            self.places.require_valid(self.slopes_n.size)
+            bounded = bool(np.all(self.slopes_n >= _ROUNDED * self.places.most_n))
+            require(bounded, "places: steeper somewhere than the curves beside them say")
 
     @property
     def nodes(self) -> int:

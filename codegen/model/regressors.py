@@ -7,8 +7,9 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.codegen.arrays import require, require_positive, require_shape
 from springpot.codegen.errors import DataError
-from springpot.codegen.short_repr import short_repr
+from springpot.codegen.messages import short_repr
 
 MAX_DEPTH = 256  # splits on a path; fully grown trees on 50 000 rows have about 45
 
@@ -25,9 +26,8 @@ class Regressor(ABC):
     def on_scaled(self, scale: float) -> Self:
         """The regressor r' with r'(z) = r(scale z)."""
 
-    def share(self, of_force: float) -> Self:
-        """The regressor that gives so much of the force; of trees, which `auto` may weaken."""
-        raise TypeError(f"a share of {type(self).__name__} is not defined")
+    def require_valid(self, n_features: int) -> None:  # noqa: B027 (no rules)
+        """Raise DataError, with field and reason, for what its types cannot tell."""
 
     def used_columns(self, n_features: int) -> NDArray[np.intp]:
         """Columns of the features that it reads, ascending, (used,); all by default."""
@@ -48,6 +48,11 @@ class Quantisation:
     def on_scaled(self, scale: float) -> "Quantisation":
         """The same bins for features that are smaller by a factor."""
         return Quantisation(self.feature_min / scale, self.bins_per_unit * scale)
+
+    def require_valid(self, n_features: int) -> None:
+        """Raise DataError, with field and reason."""
+        require_shape("quantisation.feature_min", self.feature_min, (n_features,))
+        require_positive("quantisation.bins_per_unit", self.bins_per_unit, (n_features,))
 
     def take(self, columns: NDArray[np.intp]) -> "Quantisation":
         return Quantisation(self.feature_min[columns], self.bins_per_unit[columns])
@@ -77,18 +82,27 @@ class Forest(Regressor):
     quantisation: Quantisation | None = None
     __repr__ = short_repr
 
+    def require_valid(self, n_features: int) -> None:
+        require(self.weight > 0.0, f"weight: {self.weight:g} is not above 0")
+        require_trees(self, n_features)
+        if self.quantisation is not None:
+            self.quantisation.require_valid(n_features)
+
     @property
     def is_mean(self) -> bool:
         """Whether the force is the mean of the trees, and not their sum."""
         return bool(np.isclose(self.weight * len(self.roots), 1.0))
 
-    def share(self, of_force: float) -> "Forest":
-        return replace(self, weight=of_force * self.weight, bias_n=of_force * self.bias_n)
-
     def on_scaled(self, scale: float) -> "Forest":
         if self.quantisation is not None:
             return replace(self, quantisation=self.quantisation.on_scaled(scale))
         return replace(self, threshold=self.threshold / scale)
+
+    def on_columns(self, columns: NDArray[np.intp]) -> "Forest":
+        """The same on `columns` alone, which are all that it uses, ascending."""
+        inner, steps = self.feature >= 0, self.quantisation
+        feature = np.where(inner, np.searchsorted(columns, self.feature), -1).astype(np.int32)
+        return replace(self, feature=feature, quantisation=steps and steps.take(columns))
 
     def used_columns(self, n_features: int) -> NDArray[np.intp]:
         used = np.unique(self.feature[self.feature >= 0]).astype(np.intp)
@@ -111,6 +125,16 @@ class Rbf(Regressor):
     weights_n: NDArray[np.float64]
     tail_n: NDArray[np.float64]
 
+    def require_valid(self, n_features: int) -> None:
+        require_positive("scale", self.scale, (n_features,))
+        for name in ("mean", "feature_min", "feature_max"):
+            require_shape(name, getattr(self, name), (n_features,))
+        below = bool(np.all(self.feature_min <= self.feature_max))
+        require(below, "feature_min: above feature_max")
+        require_shape("centers", self.centers, (len(self.weights_n), n_features))
+        require_shape("weights_n", self.weights_n, (len(self.weights_n),))
+        require_shape("tail_n", self.tail_n, (n_features + 1,))
+
     def on_scaled(self, scale: float) -> "Rbf":
         return replace(
             self,
@@ -124,11 +148,9 @@ class Rbf(Regressor):
 def require_trees(forest: Forest, n_features: int) -> None:
     """Raise DataError, with the field's name, where traversing the forest could go astray."""
     n = len(forest.feature)
-    for name in ("threshold", "left", "right", "value_n"):
-        if getattr(forest, name).shape != (n,):
-            raise DataError(f"{name}: {getattr(forest, name).shape} for {n} nodes")
-    if forest.feature.ndim != 1 or forest.roots.ndim != 1 or not len(forest.roots):
-        raise DataError("roots: no list of trees")
+    for name in ("feature", "threshold", "left", "right", "value_n"):
+        require_shape(name, getattr(forest, name), (n,))
+    require(forest.roots.ndim == 1 and len(forest.roots) > 0, "roots: no list of trees")
     _require_within("feature", forest.feature, -1, n_features)
     for name in ("left", "right", "roots"):  # of leaves too: tables are built by indexing with them
         _require_within(name, getattr(forest, name), 0, n)

@@ -6,13 +6,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from springpot.codegen.errors import UsageError
+from springpot.codegen.files import given_path
+from springpot.codegen.messages import notice
 from springpot.codegen.model import model_file
 from springpot.codegen.model.model import Model
-from springpot.codegen.regular_file import given_path
 from springpot.codegen.scene import Scene
 from springpot.trainer.recordings import recording_file
 from springpot.trainer.recordings.formats.importing import ImportOptions
-from springpot.trainer.recordings.notices import notice
 from springpot.trainer.recordings.recording import Recording, Zero
 from springpot.trainer.recordings.recording_file import Recordings, given_recordings
 
@@ -89,7 +89,7 @@ def import_recordings(
     from springpot.host.console.in_python import errors_in_python
     from springpot.host.console.quality import warn_of_quality
     from springpot.trainer.recordings.formats.column_map import parse_map
-    from springpot.trainer.recordings.formats.import_set import import_set
+    from springpot.trainer.recordings.formats.importing import import_set
 
     files: Sequence[Any] = paths if isinstance(paths, list | tuple) else [paths]
     for file in files:

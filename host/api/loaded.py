@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike, NDArray
 from springpot.codegen.arrays import Reals, given_numbers
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import UsageError
-from springpot.codegen.regular_file import given_path
+from springpot.codegen.files import given_path
 from springpot.codegen.types import JsonObject
 from springpot.host.api.files import File
-from springpot.trainer.models.limited import stiffest_words
+from springpot.trainer.models.predict import stiffest_words
 from springpot.trainer.recordings.recording import Recording
 
 if TYPE_CHECKING:

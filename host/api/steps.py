@@ -5,7 +5,7 @@ import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -13,13 +13,13 @@ from pydantic import TypeAdapter, ValidationError
 
 from springpot.codegen.arrays import Samples, given_numbers
 from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.files import given_path
+from springpot.codegen.messages import notice
 from springpot.codegen.model.model import Model
-from springpot.codegen.regular_file import given_path
 from springpot.codegen.scene import Scene, Target
 from springpot.codegen.types import JsonObject
 from springpot.host.api.files import File, given_model, read_recordings, write_model
 from springpot.trainer.models.fit import Engine, Fit, FitOptions
-from springpot.trainer.recordings.notices import notice
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import Recordings, given_recordings
 
@@ -76,8 +76,6 @@ def train(
     trees: int = FitOptions.trees,
     leaf: int = FitOptions.leaf,
     n_centers: int = FitOptions.n_centers,
-    centers: Literal["farthest", "greedy"] = FitOptions.centers,
-    select: Literal["cv", "paper"] = FitOptions.select,
     engine: Engine | None = FitOptions.engine,
     round_features: bool = FitOptions.round_features,
     past_positions: bool = FitOptions.past_positions,
@@ -88,7 +86,7 @@ def train(
 
     kind: "auto" takes the one of lowest cross-validated error.
     name: of the model; by default its kind.
-    validation: other recordings, which decide with select="paper" only.
+    validation: other recordings: rbf-fd reports the orders that the paper would choose on them.
     seed: of the rows and trees that are drawn at random.
     fraction: share of the rows that are used, above 0 to 1; None: 0.2 from 20 000 rows on.
     window_s: how long the fractional filters remember, s; None: 171 samples, 1000 s if recursive.
@@ -96,8 +94,6 @@ def train(
     trees: how many a forest has.
     leaf: how many rows the smallest leaf of a tree holds.
     n_centers: how many radial basis functions rbf-fd and rbf-pv have.
-    centers: how rbf-fd and rbf-pv choose them.
-    select: rbf-fd chooses by cross-validation, or as the paper on `validation`.
     engine: of the fractional filters: taps, the same from a few exponentials, or exponentials that
     are exact at any rate; None: taps, and the last where the window is long.
     round_features: trees are fitted on features in 16-bit steps: faster C without search.
@@ -142,8 +138,13 @@ def predict(
     (3,)
     """
     from springpot.host.console.in_python import in_python
-    from springpot.trainer.models.compatibility import require_compatible, zero_of
-    from springpot.trainer.models.limited import extrapolation, limited_n, unplaced
+    from springpot.trainer.models.predict import (
+        extrapolation,
+        limited_n,
+        require_compatible,
+        unplaced,
+        zero_of,
+    )
     from springpot.trainer.recordings.quality.signs import sign_doubts
 
     model = given_model(model)
@@ -234,7 +235,7 @@ def stability(
     >>> "stable" in stability(model=model).recommendation
     True
     """
-    from springpot.codegen.plan.make_plan import make_plan
+    from springpot.codegen.make_plan import make_plan
     from springpot.host.stability.check import stability as check
 
     stated, chosen = _resolved(scene, model)

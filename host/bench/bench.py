@@ -17,8 +17,8 @@ from joblib.memory import MemorizedFunc
 from rich.progress import track
 
 from springpot import Recording
-from springpot.codegen.atomic_write import write_file
 from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.files import write_file
 from springpot.codegen.scene import Target
 from springpot.codegen.types import JsonObject
 from springpot.host.bench.candidates import Candidate, default_sweep

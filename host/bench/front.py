@@ -7,8 +7,8 @@ from pathlib import Path
 from springpot import Model, Recording, Scene, SpringpotError, read_model
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import UnsafeError
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.reference.notes import RESYNC
+from springpot.codegen.make_plan import make_plan
+from springpot.codegen.notes import RESYNC
 from springpot.codegen.scene import Number, Runtime, Target
 from springpot.host.bench.measure import Point, bench_scene
 from springpot.host.boards.boards import Board, default_board, missing

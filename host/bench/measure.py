@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING
 
 from springpot import Model, Recording, Scene, SpringpotError, read_model
 from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.model_file import model_bytes, model_hash
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.plan import Plan
-from springpot.codegen.plan.units import state_bytes
+from springpot.codegen.plan import Plan, state_bytes
 from springpot.codegen.scene import Coupling, Number, Runtime, Target
 from springpot.codegen.types import JsonObject
 from springpot.host.bench.candidates import Candidate

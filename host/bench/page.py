@@ -7,8 +7,8 @@ from pathlib import Path
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
-from springpot.codegen.atomic_write import write_file
 from springpot.codegen.errors import DataError
+from springpot.codegen.files import write_file
 from springpot.codegen.types import JsonMapping
 from springpot.host.bench.bench import RESULT
 from springpot.host.pages.page import page_text

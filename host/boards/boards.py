@@ -4,8 +4,8 @@ import shutil
 from dataclasses import dataclass
 
 from springpot.codegen.errors import UsageError
+from springpot.codegen.messages import short_repr
 from springpot.codegen.scene import Target
-from springpot.codegen.short_repr import short_repr
 from springpot.host.native.toolchain import Toolchain, missing_tools, toolchain
 
 

@@ -4,11 +4,10 @@ import shutil
 import subprocess
 from pathlib import Path
 
-from springpot.codegen.atomic_write import folder_written_aside
 from springpot.codegen.emit.header import prefixed
 from springpot.codegen.errors import BudgetError
-from springpot.codegen.plan.plan import Plan
-from springpot.codegen.plan.units import state_bytes
+from springpot.codegen.files import folder_written_aside
+from springpot.codegen.plan import Plan, state_bytes
 from springpot.host.boards.boards import Board, compiler_of
 from springpot.host.emission.checksums import is_edited, require_replaceable, write_checksums
 from springpot.host.emission.emission import read_emission

@@ -8,7 +8,7 @@ from springpot.codegen.types import JsonObject
 from springpot.host.metrics import Accuracy, accuracy, error_ratios, ratio_rows
 from springpot.host.stiffness import slope_errors, slope_keys, slope_words
 from springpot.host.validation.seen import seen_by, seen_line
-from springpot.trainer.models.compatibility import require_compatible
+from springpot.trainer.models.predict import require_compatible
 from springpot.trainer.recordings.recording import Recording
 
 if TYPE_CHECKING:
@@ -121,9 +121,9 @@ def errors(
 
     Raises DataError for recordings of another rate or zero.
     """
-    from springpot.trainer.models.limited import limited_each_n
-    from springpot.trainer.recordings.quality.noise_floor import find_noise_floor
-    from springpot.trainer.recordings.smoothing import smoothed
+    from springpot.trainer.models.predict import limited_each_n
+    from springpot.trainer.recordings.quality.repeats import find_noise_floor
+    from springpot.trainer.recordings.signals import smoothed
 
     for recording in testing:
         require_compatible(recording, fit.model)

@@ -99,9 +99,9 @@ def import_(
     """
     from springpot.host.console.quality import report_quality
     from springpot.trainer.recordings.conditioning import Conditioning
-    from springpot.trainer.recordings.formats.import_set import import_set
     from springpot.trainer.recordings.formats.importing import (
         ImportOptions,
+        import_set,
         place_or_columns,
     )
 

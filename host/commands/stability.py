@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 @json_option
 def stability_(scene_file: Path | None, model_file: Path | None, as_json: bool) -> None:
     """Spectral radius, small-signal maps, and a closed loop with three hands."""
+    from springpot.codegen.make_plan import make_plan
     from springpot.codegen.model.model_file import read_model
-    from springpot.codegen.plan.make_plan import make_plan
     from springpot.host.emission.scene_file import default_scene, model_path, read_scene
     from springpot.host.stability.check import stability
 

@@ -16,8 +16,8 @@ from springpot.host.console.output import (
     progress_bar,
     say,
 )
+from springpot.trainer import PAPER_SMOOTH_S
 from springpot.trainer.kinds import fit_model, kind_names
-from springpot.trainer.paper import PAPER_SMOOTH_S
 
 if TYPE_CHECKING:
     from springpot.trainer.models.fit import Fit
@@ -69,20 +69,6 @@ if TYPE_CHECKING:
 )
 @click.option("--smooth-validation", is_flag=True, help="Smooth the validation data as well.")
 @click.option(
-    "--select",
-    type=click.Choice(["cv", "paper"]),
-    default="cv",
-    show_default=True,
-    help="rbf-fd: by cross-validation, or on the validation recordings.",
-)
-@click.option(
-    "--centers",
-    type=click.Choice(["farthest", "greedy"]),
-    default="farthest",
-    show_default=True,
-    help="rbf-fd, rbf-pv: how centers are chosen.",
-)
-@click.option(
     "--engine",
     type=click.Choice(["fir", "fir-fast", "recursive"]),
     help="Fractional filters: the paper's taps, the same from a few exponentials, or exponentials "
@@ -132,7 +118,7 @@ def train(
 
 
 def _require_model_file(out: Path) -> None:
-    from springpot.codegen.atomic_write import require_place
+    from springpot.codegen.files import require_place
     from springpot.codegen.model.model_file import MODEL_SUFFIX
 
     if out.suffix != MODEL_SUFFIX:

@@ -16,8 +16,8 @@ from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn
 from rich.table import Table
 from rich.text import Text
 
+from springpot.codegen.messages import NOTICES
 from springpot.codegen.types import JsonMapping
-from springpot.trainer.recordings.notices import NOTICES
 
 progress_console = Console(stderr=True)
 # Names of columns, and rows of as many cells.

@@ -3,9 +3,9 @@
 import warnings
 from collections.abc import Callable
 
+from springpot.codegen.messages import notice
 from springpot.host.console.in_python import errors_in_python, in_python
 from springpot.host.console.output import say
-from springpot.trainer.recordings.notices import notice
 from springpot.trainer.recordings.quality.report import QualityReport, check_recordings
 from springpot.trainer.recordings.recording_file import Recordings
 

@@ -9,8 +9,8 @@ from typing import Any, TypeVar
 from pydantic import TypeAdapter, ValidationError
 
 from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.files import read_bounded
 from springpot.codegen.model.model_file import MODEL_SUFFIX
-from springpot.codegen.regular_file import read_bounded
 
 T = TypeVar("T")
 _NO_SUCH_KEY = "unexpected_keyword_argument"

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 from springpot.codegen.errors import DeviceError
+from springpot.codegen.messages import short_repr
 from springpot.codegen.scene import Device
-from springpot.codegen.short_repr import short_repr
 from springpot.codegen.types import CData
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from springpot.codegen.entry_points import blaming, registered
 from springpot.codegen.errors import DeviceError, UsageError
-from springpot.codegen.short_repr import short_repr
+from springpot.codegen.messages import short_repr
 from springpot.host.devices.device import DeviceRequirements, OpenedDevice
 from springpot.host.devices.url import Address, parse_address
 

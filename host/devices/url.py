@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from urllib.parse import parse_qsl, unquote, urlsplit
 
 from springpot.codegen.errors import DeviceError, UsageError
-from springpot.codegen.short_repr import short_repr
+from springpot.codegen.messages import short_repr
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,7 @@ from typing import Any
 from cobs import cobs
 from google_crc32c import value as crc32c
 
-from springpot.codegen.short_repr import short_repr
+from springpot.codegen.messages import short_repr
 from springpot.codegen.types import JsonObject
 from springpot.runtime_c.paths import PORT_WIRE
 

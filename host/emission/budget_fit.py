@@ -13,13 +13,13 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.errors import BudgetError, SpringpotError, UsageError
-from springpot.codegen.forest.smaller import fewer_trees, larger_leaves, quantised
+from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.features import FirBank
+from springpot.codegen.model.forest import fewer_trees, larger_leaves, quantised
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import read_model, write_model
 from springpot.codegen.model.regressors import Forest
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.units import instruction_bound, state_bytes
+from springpot.codegen.plan import instruction_bound, state_bytes
 from springpot.codegen.scene import Budget, Scene
 from springpot.host.console.output import say
 from springpot.host.emission.emission import emit
@@ -85,8 +85,7 @@ def _best_first(
     scene: Scene, model: Model, recordings: Sequence[Recording], accept_unsafe: bool
 ) -> Iterator[_Smaller]:
     """Smaller models that may be within the budget, those of least error first."""
-    from springpot.trainer.models.compatibility import require_compatible
-    from springpot.trainer.models.predict import regressor_force
+    from springpot.trainer.models.predict import regressor_force, require_compatible
 
     tick_s = make_plan(model, scene, accept_unsafe).dt_s
     for recording in recordings:
@@ -105,7 +104,7 @@ def _best_first(
 
 def _candidates(model: Model) -> Iterator[_Smaller]:
     """Every smaller version of a model on trees."""
-    from springpot.trainer.features.fast_fir import fast_fir_bank
+    from springpot.trainer.features import fast_fir_bank
     from springpot.trainer.models.rf_fd import MAX_TAPS
 
     features, whole = model.features, model.regressor
@@ -131,8 +130,8 @@ def _candidates(model: Model) -> Iterator[_Smaller]:
 
 def _evaluation(model: Model, recordings: Sequence[Recording]) -> tuple[Samples, Samples]:
     """Features of some samples, (n, features), and what the trees must give, (n,), N."""
-    from springpot.trainer.features.values import feature_values
-    from springpot.trainer.models.contact import depth_m
+    from springpot.trainer.features import feature_values
+    from springpot.trainer.models.depths import depth_m
     from springpot.trainer.models.predict import predict_each_n
 
     assert model.features is not None

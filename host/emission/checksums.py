@@ -7,7 +7,7 @@ from collections.abc import Collection, Sequence
 from pathlib import Path
 
 from springpot.codegen.errors import DataError, UsageError
-from springpot.codegen.regular_file import read_bounded
+from springpot.codegen.files import read_bounded
 
 CHECKSUMS = "from/files.json"
 # What validation, report and a build by hand put beside it.

@@ -9,16 +9,15 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from springpot.codegen.atomic_write import folder_written_aside
 from springpot.codegen.emit.files import emit_files
 from springpot.codegen.errors import BudgetError, DataError, MismatchError, UsageError
+from springpot.codegen.files import folder_written_aside
+from springpot.codegen.make_plan import make_plan
+from springpot.codegen.messages import short_repr
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import MODEL_SUFFIX, read_model
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.plan import Plan
-from springpot.codegen.plan.units import state_bytes
+from springpot.codegen.plan import Plan, state_bytes
 from springpot.codegen.scene import Scene
-from springpot.codegen.short_repr import short_repr
 from springpot.codegen.types import JsonObject
 from springpot.host.console.output import say
 from springpot.host.emission.checksums import (

@@ -3,9 +3,9 @@
 from dataclasses import replace
 
 from springpot.codegen.errors import SpringpotError
+from springpot.codegen.make_plan import FELT_SHARE, SERVED_HZ, make_plan
 from springpot.codegen.messages import number_of
-from springpot.codegen.plan.make_plan import FELT_SHARE, SERVED_HZ, make_plan
-from springpot.codegen.plan.plan import Plan
+from springpot.codegen.plan import Plan
 
 
 def felt_notices(plan: Plan) -> list[str]:

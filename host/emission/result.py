@@ -5,8 +5,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from springpot.codegen.errors import BudgetError
-from springpot.codegen.plan.plan import Plan
-from springpot.codegen.plan.units import instruction_bound
+from springpot.codegen.plan import Plan, instruction_bound
 from springpot.codegen.scene import Budget
 from springpot.codegen.types import JsonObject
 from springpot.host.native.footprint import Footprint

@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 from pydantic import TypeAdapter
 
-from springpot.codegen.atomic_write import write_file
 from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.files import write_file
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
 from springpot.host.console.toml_file import checked_keys, toml_as_json

@@ -13,8 +13,8 @@ from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
 
-from springpot.codegen.atomic_write import written_aside
 from springpot.codegen.errors import SpringpotError
+from springpot.codegen.files import written_aside
 from springpot.runtime_c.paths import flags
 
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from springpot.codegen.arrays import Reals
-from springpot.codegen.emit.render import ABI_VERSION
+from springpot.codegen.emit.source import ABI_VERSION
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.messages import number_of
 from springpot.codegen.types import CData, JsonObject, RealType

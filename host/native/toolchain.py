@@ -3,7 +3,7 @@
 import shutil
 from dataclasses import dataclass
 
-from springpot.codegen.short_repr import short_repr
+from springpot.codegen.messages import short_repr
 from springpot.host.native.compiler import find_compiler
 
 

@@ -7,8 +7,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from springpot.codegen.emit.files import emit_files
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.plan import Plan
+from springpot.codegen.make_plan import make_plan
+from springpot.codegen.plan import Plan
 from springpot.host.native.scene_library import SceneLibrary
 
 

@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 from markupsafe import Markup
 
-from springpot.codegen.atomic_write import write_file
 from springpot.codegen.coupling.linear_loop import DESIGN_HAND, Hand
 from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.files import write_file
 from springpot.codegen.messages import counted
-from springpot.codegen.plan.plan import Plan
+from springpot.codegen.plan import Plan
 from springpot.codegen.types import JsonObject
 from springpot.host.emission.emission import Emitted, read_emission
 from springpot.host.page.wasm_module import node_force_hash, page_module

@@ -13,7 +13,7 @@ from springpot import SpringpotError
 from springpot.codegen.emit.golden import backward_velocity, golden_positions
 from springpot.codegen.emit.header import prefixed
 from springpot.codegen.errors import MismatchError, UsageError
-from springpot.codegen.plan.plan import Plan
+from springpot.codegen.plan import Plan
 from springpot.host.native.compiler import CompilerError, first_error, packaged_compiler
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary, port_headers

@@ -11,7 +11,7 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DeviceError, SpringpotError, UsageError
-from springpot.codegen.reference.notes import LATCHED
+from springpot.codegen.notes import LATCHED
 from springpot.codegen.types import CData, JsonObject
 from springpot.host.console.keys import reading_keys
 from springpot.host.console.output import say

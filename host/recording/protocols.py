@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
 from springpot.codegen.errors import UsageError
-from springpot.codegen.short_repr import short_repr
+from springpot.codegen.messages import short_repr
 from springpot.codegen.types import JsonMapping, JsonObject
 
 Command = NDArray[np.float64]

@@ -12,13 +12,14 @@ from springpot.host.recording.protocols import RATE_HZ, Profile
 from springpot.host.session.runner import Progress
 from springpot.host.simulation.bench import SimulatedBench
 from springpot.host.simulation.objects import parse_url
-from springpot.trainer.recordings.journal import JournalWriter, journal_of, require_no_journal
+from springpot.trainer.recordings.journal import JournalWriter
 from springpot.trainer.recordings.recording import (
     RECORDING_SUFFIX,
     Recording,
     require_recording_name,
     safe_recording_name,
 )
+from springpot.trainer.recordings.recording_file import journal_of, require_no_journal
 
 
 @dataclass(frozen=True)

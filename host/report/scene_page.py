@@ -3,8 +3,8 @@
 import json
 from pathlib import Path
 
-from springpot.codegen.atomic_write import write_file
 from springpot.codegen.errors import DataError
+from springpot.codegen.files import write_file
 from springpot.codegen.types import JsonObject
 from springpot.host.emission.emission import read_emission, require_emission
 from springpot.host.metrics import JND_WORDS, SCORED_ABOVE_N, floor_words

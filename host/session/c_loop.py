@@ -6,8 +6,8 @@ from typing import Self
 
 from springpot.codegen.entry_points import blaming
 from springpot.codegen.errors import DeviceError
-from springpot.codegen.reference.notes import LATCHED
-from springpot.codegen.short_repr import short_repr
+from springpot.codegen.messages import short_repr
+from springpot.codegen.notes import LATCHED
 from springpot.codegen.types import CData
 from springpot.host.devices.device import OpenedDevice
 from springpot.host.native.c_library import CLibrary

@@ -9,8 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.plan.plan import Plan
-from springpot.codegen.reference.notes import CLAMPED, HELD, LATCHED, LIMITED, OUTSIDE
+from springpot.codegen.notes import CLAMPED, HELD, LATCHED, LIMITED, OUTSIDE
+from springpot.codegen.plan import Plan
 from springpot.codegen.types import JsonObject
 from springpot.host.native.loop_library import COLUMN, NONE, LoopRows, empty_rows
 from springpot.host.session.outcome import LOWER, NOTE_WORDS, UPPER, clamped_low

@@ -10,8 +10,8 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.arrays import Samples
-from springpot.codegen.atomic_write import written_aside
 from springpot.codegen.errors import DataError
+from springpot.codegen.files import written_aside
 from springpot.codegen.types import JsonMapping
 from springpot.host.native.loop_library import COLUMN, COLUMNS, INPUT, LoopRows
 from springpot.trainer.recordings.journal import JournalWriter

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from springpot.codegen.short_repr import short_repr
+from springpot.codegen.messages import short_repr
 
 
 @dataclass(frozen=True)

@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from springpot.codegen import notes as notes_of
 from springpot.codegen.errors import DeviceError, SpringpotError
-from springpot.codegen.reference import notes as notes_of
 from springpot.host.native.loop_library import (
     COLUMN,
     GOT_CPU,

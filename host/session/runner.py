@@ -10,7 +10,7 @@ import numpy as np
 
 from springpot.codegen.entry_points import blaming
 from springpot.codegen.errors import DeviceError, SpringpotError, UsageError
-from springpot.codegen.short_repr import short_repr
+from springpot.codegen.messages import short_repr
 from springpot.host.console.output import say
 from springpot.host.devices.device import RECONNECT_S, DeviceRequirements
 from springpot.host.devices.drivers import open_device

@@ -11,7 +11,8 @@ from pathlib import Path
 from typing import Any, Self
 
 from springpot.codegen.errors import DeviceError
-from springpot.codegen.regular_file import given_path
+from springpot.codegen.files import given_path
+from springpot.codegen.messages import caution, notice
 from springpot.codegen.types import JsonObject
 from springpot.host.devices.device import RECONNECT_S, requirements_of
 from springpot.host.emission.emission import read_emission
@@ -23,9 +24,8 @@ from springpot.host.session.log import SessionLog, write_flight
 from springpot.host.session.loop import LoopSettings, LoopState
 from springpot.host.session.outcome import BY_USER, expected_ticks, steal_ms
 from springpot.host.session.runner import SessionRunner, TakeRows
-from springpot.trainer.recordings.journal import MIN_SAMPLES
-from springpot.trainer.recordings.notices import caution, notice
 from springpot.trainer.recordings.recording import Zero
+from springpot.trainer.recordings.recording_file import MIN_SAMPLES
 
 # Results of `run --json` that the loop and its links count.
 _OF_LOOP = ("ticks", "late", "ring_dropped", "watchdog_trips", "disconnects", "resets")

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.coupling.linear_loop import Hand
-from springpot.codegen.plan.plan import Plan
+from springpot.codegen.plan import Plan
 from springpot.host.simulation.hand_loop import Scenario
 from springpot.host.simulation.scenarios import (
     RISE_S,

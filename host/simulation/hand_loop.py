@@ -11,7 +11,7 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.coupling.linear_loop import HandName
 from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE, LoopDevice
 from springpot.codegen.errors import SpringpotError
-from springpot.codegen.short_repr import short_repr
+from springpot.codegen.messages import short_repr
 from springpot.codegen.types import CData
 from springpot.host.native.c_library import CLibrary, load_c
 from springpot.host.native.scene_library import SceneLibrary

@@ -8,8 +8,8 @@ import numpy as np
 from springpot.codegen.arrays import Reals, Samples
 from springpot.codegen.coupling.linear_loop import Hand
 from springpot.codegen.coupling.loop_device import LoopDevice
-from springpot.codegen.plan.plan import Plan
-from springpot.codegen.short_repr import short_repr
+from springpot.codegen.messages import short_repr
+from springpot.codegen.plan import Plan
 from springpot.host.simulation.hand_loop import Scenario
 
 _FREE_M = 0.002  # start in free air, this far from the surface

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 from springpot.codegen.coupling.linear_loop import DESIGN_HAND
 from springpot.codegen.errors import UnsafeError
-from springpot.codegen.plan.plan import Plan
-from springpot.codegen.short_repr import short_repr
+from springpot.codegen.messages import short_repr
+from springpot.codegen.plan import Plan
 from springpot.codegen.types import JsonObject
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.native.trial_build import built, uncoupled
@@ -29,7 +29,7 @@ from springpot.host.stability.verdict import (
     outcome_words,
     why_unbounded,
 )
-from springpot.trainer.plot_axes import axes_for_plot
+from springpot.trainer.recordings.recording import axes_for_plot
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

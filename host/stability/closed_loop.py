@@ -7,10 +7,9 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.coupling.linear_loop import HAND_MODELS, Hand
-from springpot.codegen.messages import at_step
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.plan import Plan
-from springpot.codegen.short_repr import short_repr
+from springpot.codegen.make_plan import make_plan
+from springpot.codegen.messages import at_step, short_repr
+from springpot.codegen.plan import Plan
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.simulation.cases import cases, losing_cases, stiff_case
 from springpot.host.simulation.hand_loop import HandLoop, Operator, Trace

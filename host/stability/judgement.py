@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 
-from springpot.codegen.plan.plan import Plan
+from springpot.codegen.plan import Plan
 from springpot.host.stability.closed_loop import Outcome
 
 QUIET_MPS = 1e-3

@@ -11,9 +11,9 @@ from springpot.codegen.coupling.gains import (
 )
 from springpot.codegen.coupling.linear_loop import DESIGN_HAND, HAND_MODELS, Hand, LinearLoop
 from springpot.codegen.errors import UnsafeError
+from springpot.codegen.make_plan import SERVED_HZ, make_plan
 from springpot.codegen.messages import number_of
-from springpot.codegen.plan.make_plan import SERVED_HZ, make_plan
-from springpot.codegen.plan.plan import Plan
+from springpot.codegen.plan import Plan
 from springpot.codegen.types import JsonObject
 
 

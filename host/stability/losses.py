@@ -7,9 +7,9 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
+from springpot.codegen import notes
 from springpot.codegen.arrays import Samples
-from springpot.codegen.plan.plan import Plan
-from springpot.codegen.reference import notes
+from springpot.codegen.plan import Plan
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.simulation.cases import LATE, TAKEN
 from springpot.host.simulation.hand_loop import Scenario, Trace

@@ -6,9 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.messages import counted
-from springpot.codegen.plan.plan import Plan
-from springpot.codegen.short_repr import short_repr
+from springpot.codegen.messages import counted, short_repr
+from springpot.codegen.plan import Plan
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.trainer.selection.small_signal import (
     ACTIVE,

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 
 from springpot.codegen.coupling.linear_loop import HAND_MODELS
 from springpot.codegen.messages import number_of
-from springpot.codegen.plan.plan import Plan
+from springpot.codegen.plan import Plan
 from springpot.host.stability.closed_loop import MORE_DELAY, Outcome
 from springpot.host.stability.judgement import Grade, device_advice, judge
 from springpot.host.stability.small_signal import Map

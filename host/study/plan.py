@@ -13,8 +13,8 @@ from typing import NamedTuple
 import numpy as np
 
 from springpot import emit
-from springpot.codegen.atomic_write import folder_written_aside
 from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.files import folder_written_aside
 from springpot.codegen.messages import counted
 from springpot.host.emission.emission import read_emission
 from springpot.host.study.definition import RENDERED, Study, read_study

@@ -7,8 +7,8 @@ from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
-from springpot.codegen.atomic_write import sync_path
 from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.files import sync_path
 
 Row = dict[str, str]
 

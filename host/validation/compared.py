@@ -8,17 +8,15 @@ from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Reals, Samples
 from springpot.codegen.emit.golden import backward_velocity
-from springpot.codegen.messages import counted
-from springpot.codegen.plan.plan import Plan
-from springpot.codegen.plan.units import member_offset
-from springpot.codegen.reference.run import run_reference
+from springpot.codegen.messages import caution, counted
+from springpot.codegen.plan import Plan, member_offset
+from springpot.codegen.reference import run_reference
 from springpot.host.metrics import start_up_ramp
 from springpot.host.native.loop_library import NONE, SILENT, UNSENT
 from springpot.host.native.replay import Replay, motions_of
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.session.outcome import NOTE_NAMES, clamped_low
 from springpot.host.validation.ticks import at_samples, samples_of
-from springpot.trainer.recordings.notices import caution
 from springpot.trainer.recordings.recording import Recording
 
 

@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from springpot.codegen.arrays import Samples
 from springpot.host.metrics import accuracy
 from springpot.trainer.models.folds import geometric_mean
-from springpot.trainer.recordings.places import site_words, sites_of
-from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.recording import Recording, site_words, sites_of
 
 
 @dataclass(frozen=True)

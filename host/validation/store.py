@@ -7,9 +7,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.atomic_write import write_file, written_aside
 from springpot.codegen.errors import DataError
-from springpot.codegen.short_repr import short_repr
+from springpot.codegen.files import write_file, written_aside
+from springpot.codegen.messages import short_repr
 from springpot.codegen.types import JsonObject
 from springpot.host.native.machine import machine_metadata
 from springpot.host.validation.validation import Validation

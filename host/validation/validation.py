@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import DataError, MismatchError
+from springpot.codegen.messages import caution
 from springpot.codegen.model.model import Model
-from springpot.codegen.plan.plan import Plan
+from springpot.codegen.plan import Plan
 from springpot.codegen.types import JsonObject
 from springpot.host.console.output import shown_fields
 from springpot.host.emission.emission import read_emission
@@ -25,13 +26,10 @@ from springpot.host.validation.compared import compared_all, is_log_of
 from springpot.host.validation.parts import PlaceError, place_errors
 from springpot.host.validation.seen import seen_by
 from springpot.host.validation.ticks import at_samples, at_ticks
-from springpot.trainer.models.compatibility import require_compatible
-from springpot.trainer.models.limited import limited_each_n
-from springpot.trainer.plot_axes import axes_for_plot
-from springpot.trainer.recordings.notices import caution
-from springpot.trainer.recordings.quality.noise_floor import NoiseFloor, find_noise_floor
+from springpot.trainer.models.predict import limited_each_n, require_compatible
+from springpot.trainer.recordings.quality.repeats import NoiseFloor, find_noise_floor
 from springpot.trainer.recordings.quality.signs import sign_doubts
-from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.recording import Recording, axes_for_plot
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -33,7 +33,7 @@ static inline sp_real sp_damage_share(sp_real healed, sp_real v, sp_real *deepes
     return share < (sp_real)1 ? share : (sp_real)1; /* it is: the analyser sees it so */
 }
 
-/* One tick. The first n_linear of n curves have q = 1, the others 3. values: of the curves at u.
+/* One tick. The first n_linear of n curves have q = 1, the others 3; values: of the curves at u.
  * Returns the sum, N. */
 static inline sp_real sp_damage(const sp_real *healed, uint32_t n_linear, uint32_t n, sp_real u,
                                 const sp_real *values, sp_real *deepest)

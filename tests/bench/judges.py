@@ -26,7 +26,7 @@ from judges_recordings import PAPER_SIGNALS, SEED, SETTINGS, Recordings, recorde
 from spring_dashpot import spring_dashpot_percent
 from support.files.mach1 import mach1_recordings
 
-from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.make_plan import make_plan
 from springpot.host.bench.bench import code_hash, key_of
 from springpot.host.bench.measure import bench_scene, hot_ns, prediction_errors
 from springpot.host.native.machine import machine_metadata
@@ -35,7 +35,7 @@ from springpot.host.simulation.objects import FOREIGN_OBJECTS, OBJECTS
 from springpot.trainer.kinds import AUTO, fit_kind
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.training_set import training_set
-from springpot.trainer.recordings.quality.noise_floor import find_noise_floor
+from springpot.trainer.recordings.quality.repeats import find_noise_floor
 from springpot.trainer.selection.auto import candidates
 
 PROCESSES = 2

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from springpot.codegen.atomic_write import (
+from springpot.codegen.files import (
     folder_written_aside,
     write_file,
     written_aside,

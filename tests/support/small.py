@@ -10,10 +10,10 @@ from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import write_model
 from springpot.codegen.model.passive import Damage, Flow, Hammerstein
 from springpot.codegen.scene import Coupling, Runtime, Scene, Smoothing
-from springpot.trainer.features.fractional import gl_taps
+from springpot.trainer.features import gl_taps
 from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.depths import DepthMotion
 from springpot.trainer.models.fit import Fit, FitOptions
-from springpot.trainer.models.motion import DepthMotion
 from springpot.trainer.models.passive.passive_force import model_along
 from springpot.trainer.recordings.recording import Recording, Zero
 from support.derivatives import fir_derivatives

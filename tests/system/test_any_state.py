@@ -8,9 +8,8 @@ import pytest
 from support.c import golden_forces
 from support.small import press
 
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.plan import Plan
-from springpot.codegen.plan.units import member_offset, state_members
+from springpot.codegen.make_plan import make_plan
+from springpot.codegen.plan import Plan, member_offset, state_members
 from springpot.codegen.stages.stage import DOUBLE, REAL, U32, padded
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.native.trial_build import built

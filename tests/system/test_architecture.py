@@ -102,7 +102,7 @@ def test_only_what_fits_imports_what_fits() -> None:
 
 
 LIGHT = ("cli", "commands.validate", "native.scene_library", "commands.train",
-         "commands.record", "study.session")  # fmt: skip
+         "commands.record", "study.session", "validation.validation")  # fmt: skip
 
 
 def test_replaying_and_logging_load_no_fit() -> None:

@@ -23,7 +23,7 @@ from springpot.codegen.stages.stage import (
     feature_stage,
     regressor_stage,
 )
-from springpot.trainer.features.values import feature_values
+from springpot.trainer.features import feature_values
 from springpot.trainer.kinds import KINDS, Kind
 from springpot.trainer.models.fit import FitOptions, assemble
 from springpot.trainer.models.passive.passive_fit import fit_passive

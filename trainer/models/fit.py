@@ -7,21 +7,21 @@ from typing import Annotated, Literal
 
 from annotated_types import Ge, Interval
 
+from springpot.codegen.messages import short_repr
 from springpot.codegen.model.features import Features
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.model.regressors import Regressor
-from springpot.codegen.short_repr import short_repr
 from springpot.codegen.types import JsonMapping
+from springpot.trainer import PAPER_SMOOTH_S
 from springpot.trainer.models.passive.passive_terms import PASSIVE_POLES
 from springpot.trainer.models.training_set import TrainingSet
-from springpot.trainer.paper import PAPER_SMOOTH_S
 
 PAPER_TREES = 100
 PAPER_LEAF = 5
 PAPER_CENTERS = 100
 
-ACCEPTED_SIGNS = "accepted_signs"  # item of a model's provenance
+ACCEPTED_SIGNS = "accepted_signs"  # item of a model's provenance: recordings, by their names
 
 Engine = Literal["fir", "fir-fast", "recursive"]
 
@@ -41,8 +41,6 @@ class FitOptions:
     trees: Annotated[int, Ge(1)] = PAPER_TREES
     leaf: Annotated[int, Ge(1)] = PAPER_LEAF
     n_centers: Annotated[int, Ge(1)] = PAPER_CENTERS
-    centers: Literal["farthest", "greedy"] = "farthest"
-    select: Literal["cv", "paper"] = "cv"
     engine: Engine | None = None
     round_features: bool = False
     past_positions: bool = False
@@ -90,6 +88,7 @@ def assemble(
     is part of the model's, else it renders depths beyond the trained one alone. metadata: JSON
     values, further provenance.
     """
+    accepted = [recording.name for recording in data.recordings if recording.signs_accepted]
     return Model(
         kind=kind,
         name=name,
@@ -109,16 +108,10 @@ def assemble(
             "recordings": _hashes(data),
             "scikit-learn": version("scikit-learn"),
             "springpot": version("springpot"),
-            **_accepted(data),
+            **({ACCEPTED_SIGNS: accepted} if accepted else {}),
             **metadata,
         },
     )
-
-
-def _accepted(data: TrainingSet) -> dict[str, list[str]]:
-    """Recordings with signs that a person accepted on import."""
-    names = [recording.name for recording in data.recordings if recording.signs_accepted]
-    return {ACCEPTED_SIGNS: names} if names else {}
 
 
 def _hashes(data: TrainingSet) -> dict[str, str]:

@@ -10,9 +10,9 @@ from itertools import pairwise
 import numpy as np
 
 from springpot.codegen.arrays import Indices, Samples
-from springpot.codegen.short_repr import short_repr
+from springpot.codegen.messages import short_repr
 from springpot.trainer.models.training_set import TrainingSet
-from springpot.trainer.recordings.motion import turning_points
+from springpot.trainer.recordings.signals import turning_points
 
 N_FOLDS = 5
 FEWEST = 3  # recordings, or ranges, of which one can be held out

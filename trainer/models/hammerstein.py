@@ -3,51 +3,30 @@
 import time
 from collections.abc import Sequence
 
-from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.types import JsonObject
 from springpot.trainer.models.fit import Fit, FitOptions, assemble
 from springpot.trainer.models.passive.map_fit import fit_map
 from springpot.trainer.models.passive.passive_fit import passive_choice, timed_passive
 from springpot.trainer.models.passive.passive_terms import parameter_count
 from springpot.trainer.models.training_set import TrainingSet
-from springpot.trainer.recordings.places import sites_of
-from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.recording import Recording, sites_of
 
 
 def fit_hammerstein(
     name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
 ) -> Fit:
     """Kind `hammerstein`: some hundred numbers, passive in the large; a map of several places."""
+    begin, of_map = time.perf_counter(), JsonObject()
     if len(sites_of(data.recordings)) > 1:
-        return _fit_places(name, data, options)
-    (passive, rows, error_n), fit_s = timed_passive(data, options)
-    metadata = _metadata(passive, error_n, passive_choice(data, options)[0].law, data)
-    model = assemble(
-        "hammerstein", name, data, options, rows, (None, None), passive, True, metadata
-    )
-    return Fit(model, rows, feature_s=0.0, fit_s=fit_s, metadata=metadata)
-
-
-def _fit_places(name: str, data: TrainingSet, options: FitOptions) -> Fit:
-    begin = time.perf_counter()
-    found = fit_map(data, options)
-    passive, places = found.model, found.model.places
-    assert places is not None
+        found = fit_map(data, options)
+        passive, rows, error_n, law = found.model, found.rows, found.error_n, found.law
+        assert passive.places is not None
+        of_map = {"places": found.sites, "materials": len(passive.places.slopes_n)}
+        fit_s = time.perf_counter() - begin
+    else:
+        (passive, rows, error_n), fit_s = timed_passive(data, options)
+        law = passive_choice(data, options)[0].law
     metadata = {
-        **_metadata(passive, found.error_n, found.law, data),
-        "places": found.sites,
-        "materials": len(places.slopes_n),
-    }
-    model = assemble(
-        "hammerstein", name, data, options, found.rows, (None, None), passive, True, metadata
-    )
-    return Fit(model, found.rows, 0.0, time.perf_counter() - begin, metadata=metadata)
-
-
-def _metadata(
-    passive: Hammerstein, error_n: float, law: Sequence[str], data: TrainingSet
-) -> JsonObject:
-    return {
         "n_parameters": parameter_count(passive),
         "cv_rmse_n": error_n,
         "law": " and ".join(law) or "plain",
@@ -56,4 +35,9 @@ def _metadata(
         "recovers": passive.recovers,
         "starts_conditioned": passive.starts_conditioned,
         "sessions": sum(len(motion.recordings) > 1 for motion in data.motions),
+        **of_map,
     }
+    model = assemble(
+        "hammerstein", name, data, options, rows, (None, None), passive, True, metadata
+    )
+    return Fit(model, rows, feature_s=0.0, fit_s=fit_s, metadata=metadata)

@@ -1,22 +1,26 @@
-"""A model's own prediction on recordings: no guard, contact, coupling or limits."""
+"""A model's own prediction on recordings: no guard, coupling or limits.
+
+And whether a recording and a model mean the same by a position and a tick.
+"""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from functools import singledispatch
 
 import numpy as np
 
 from springpot.codegen.arrays import Indices, Samples
-from springpot.codegen.forest.leaves import rounded, used_features
-from springpot.codegen.forest.node_table import forest_table
-from springpot.codegen.forest.traverse import forest_force, table_sums
+from springpot.codegen.errors import DataError
+from springpot.codegen.model.forest import forest_force, quantised_leaves, rounded
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.regressors import Forest, Rbf, Regressor
-from springpot.trainer.features.values import feature_values
-from springpot.trainer.models.contact import depth_m
-from springpot.trainer.models.motion import motions
+from springpot.trainer.features import feature_values
+from springpot.trainer.models.depths import depth_m, motions
 from springpot.trainer.models.passive.passive_force import model_along
-from springpot.trainer.models.radial import rbf_force
-from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.recording import Recording, Site, Zero, site_words
+
+_DEEP = 1.5  # times the trained depth: from here on it is said
+_TOO_DEEP = 10.0  # and from here on refused: no extrapolation, but another unit
 
 
 def predict_n(model: Model, recording: Recording, rows: Indices | None = None) -> Samples:
@@ -28,7 +32,7 @@ def predict_n(model: Model, recording: Recording, rows: Indices | None = None) -
 def predict_each_n(model: Model, pieces: Sequence[tuple[Recording, Indices]]) -> Samples:
     """Force at rows of several recordings, (rows,), N: those of one session one after another.
 
-    A forest's table is made once for all; its features know each recording alone.
+    Features know each recording alone.
     """
     recordings = [recording for recording, _ in pieces]
     depths = [depth_m(recording, model.contact) for recording in recordings]
@@ -62,10 +66,147 @@ def _forest_force(forest: Forest, values: Samples) -> Samples:
     features = values.astype(np.float32)
     if forest.quantisation is not None:
         features = rounded(forest.quantisation, features)
-    table = forest_table(forest, np.float64)
-    kept = used_features(forest)
-    force_n: Samples = forest_force(table, table_sums(table, features[:, kept]))
+    force_n: Samples = forest_force(forest, quantised_leaves(forest), features, np.float64)
     return force_n
 
 
-regressor_force.register(Rbf, rbf_force)
+@regressor_force.register
+def _rbf_force(rbf: Rbf, values: Samples) -> Samples:
+    scaling = Standard(rbf.mean, rbf.scale, rbf.feature_min, rbf.feature_max)
+    system = kernel(scaling(values), rbf.centers)
+    force_n: Samples = system @ np.concatenate([rbf.weights_n, rbf.tail_n])
+    return force_n
+
+
+@dataclass(frozen=True, eq=False)
+class Standard:
+    """Standardisation of features: mean, scale and extremes, each of shape (features,)."""
+
+    mean: Samples
+    scale: Samples
+    feature_min: Samples
+    feature_max: Samples
+
+    def __call__(self, features: Samples) -> Samples:
+        """Clip to the extremes, then to mean 0 and scale 1."""
+        inside = np.clip(features, self.feature_min, self.feature_max)
+        return (inside - self.mean) / self.scale
+
+
+def kernel(z: Samples, centers: Samples) -> Samples:
+    """Rows of the linear system: |z - center|^3 for each center, 1, z. Shape (n, centers + 3)."""
+    square = np.zeros((len(z), len(centers)))
+    for i in range(z.shape[1]):
+        square += np.square(z[:, i : i + 1] - centers[:, i])
+    return np.concatenate([square * np.sqrt(square), np.ones((len(z), 1)), z], axis=1)
+
+
+def limited_n(model: Model, recording: Recording) -> Samples:
+    """Force along a recording's positions, (n,), N, float64, at least 0 where there is a surface.
+
+    Raises DataError for positions ten times deeper than any training press.
+    """
+    return limited_each_n(model, [recording])[0]
+
+
+def limited_each_n(model: Model, recordings: Sequence[Recording]) -> list[Samples]:
+    """The same of several recordings, those of one session one after another.
+
+    Raises DataError as `limited_n`.
+    """
+    for recording in recordings:
+        _require_metres(model, recording)
+    if not recordings:
+        return []
+    pieces = [(each, np.arange(len(each.position_m))) for each in recordings]
+    force_n = predict_each_n(model, pieces)
+    given_n = np.maximum(force_n, 0.0) if model.contact == "surface" else force_n
+    return np.split(given_n, np.cumsum([len(rows) for _, rows in pieces])[:-1])
+
+
+def _require_metres(model: Model, recording: Recording) -> None:
+    times = times_trained(model, recording)
+    if times > _TOO_DEEP:
+        deepest = float(np.max(np.abs(recording.position_m)))
+        raise DataError(
+            f"{recording.name}: position goes to {deepest:.4g} m, {times:.3g} times the trained "
+            f"{_span_m(model):.4g} m: give positions in metres, or correct the unit on import"
+        )
+
+
+def extrapolation(model: Model, recording: Recording) -> str:
+    """Say that positions go farther beyond the training presses than their force is known."""
+    times = times_trained(model, recording)
+    if times <= _DEEP:
+        return ""
+    return (
+        f"{recording.name}: goes to {times:.3g} times the trained depth: there the force is an "
+        "extrapolation"
+    )
+
+
+def unplaced(model: Model, recording: Recording) -> str:
+    """Say which place a recording without one is given of a map: forces differ from place to place.
+
+    "" where the recording has a place, or the model no map.
+    """
+    passive = model.hammerstein
+    if passive is None or passive.places is None or recording.place_m is not None:
+        return ""
+    return f"{recording.name}: has no place: {stiffest_words(passive.places.stiffest_m)}"
+
+
+def stiffest_words(stiffest_m: Site) -> str:
+    """Say what a map renders where nobody chose a place."""
+    return (
+        f"the force is that of the map's stiffest place, {site_words(stiffest_m)}: give place_m, "
+        "or a recording that has its place"
+    )
+
+
+def times_trained(model: Model, recording: Recording) -> float:
+    """Compare how far a recording goes with the training presses: 1 is as far as they went.
+
+    Above a surface is air, where every height gives 0 N; without one, either way counts.
+    """
+    trained = model.trained
+    beyond_m = float(np.max(recording.position_m)) - trained.max_m
+    if model.contact == "always":
+        beyond_m = max(beyond_m, trained.min_m - float(np.min(recording.position_m)))
+    return 1.0 + max(beyond_m, 0.0) / _span_m(model)
+
+
+def _span_m(model: Model) -> float:
+    above_m = model.trained.min_m if model.contact == "always" else 0.0
+    return model.trained.max_m - above_m
+
+
+def zero_of(model: Model) -> Zero:
+    """Zero that an importer gave to the model's recordings.
+
+    A preloaded object has no surface, whether or not it was moved. Models of old do not say.
+    """
+    zero: Zero = model.provenance.get("zero", "min" if model.contact == "always" else "none")
+    return zero
+
+
+def require_compatible(recording: Recording, model: Model, tick_s: float | None = None) -> None:
+    """Raise DataError for another sampling rate, or another meaning of position 0.
+
+    tick_s: of the scene, which may have a rate of its own; without one, the model's. A model that
+    is exact at any rate takes slower recordings too, see `at_ticks`.
+    """
+    dt_s, whose = (model.dt_s, "model") if tick_s is None else (tick_s, "scene")
+    ticks_between = recording.dt_s / dt_s
+    slower = tick_s is not None and model.exact_at_any_rate and ticks_between > 1.0
+    if not slower and abs(ticks_between - 1.0) > 1e-3:
+        raise DataError(
+            f"{recording.name} is sampled at {recording.rate_hz:g} Hz, the {whose} at "
+            f"{1 / dt_s:g} Hz: import it from its source with --resample-hz {1 / dt_s:g}"
+        )
+    moved = zero_of(model) != "none"
+    if (recording.zero != "none") != moved:
+        raise DataError(
+            f"{recording.name} was imported with --zero {recording.zero}, the model's recordings "
+            f"{'with' if moved else 'without'} --zero first or min: import all the same way"
+        )

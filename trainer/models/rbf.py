@@ -1,4 +1,4 @@
-"""Kinds `rbf-fd` and `rbf-pv`: radial basis functions, and the choice of two orders."""
+"""Kinds `rbf-fd` and `rbf-pv`: cubic radial basis functions with a linear tail on two features."""
 
 import time
 from collections.abc import Sequence
@@ -6,18 +6,19 @@ from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples, rms
-from springpot.codegen.errors import UsageError
 from springpot.codegen.model.features import Features, FractionalBank, PositionVelocity
+from springpot.codegen.model.regressors import Rbf
 from springpot.codegen.types import JsonMapping
-from springpot.trainer.features.values import feature_values
-from springpot.trainer.models.contact import depth_m
+from springpot.trainer.features import feature_values
+from springpot.trainer.models.depths import depth_m
 from springpot.trainer.models.fit import Fit, FitOptions, assemble
 from springpot.trainer.models.folds import Folds, fold_families
 from springpot.trainer.models.passive.nonnegative import normal_equations
 from springpot.trainer.models.passive.passive_fit import fit_passive
-from springpot.trainer.models.radial import farthest_points, fit_rbf, kernel, standard
+from springpot.trainer.models.predict import Standard, kernel
 from springpot.trainer.models.rf_fd import PAPER_ORDERS, fractional_features
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.recording import Recording
@@ -27,6 +28,7 @@ FOAW_BAND_M = 15e-6
 SEARCH_CENTERS = 100
 SEARCH_ROWS = 10_000  # of the validation recordings
 _RIDGE = 1e-11  # of the mean diagonal, in the search only
+_DAMPING = 1e-10  # of the largest singular value squared, in the fit
 Pair = tuple[int, int]
 
 
@@ -35,8 +37,8 @@ def fit_rbf_fd(
 ) -> Fit:
     """Radial basis functions on two fractional derivatives (equation 12), of all 45 pairs.
 
-    The pair is chosen by cross-validation over recordings; with options.select "paper" by the error
-    on the validation recordings, as the paper did. Raises UsageError where those are missing then.
+    The pair is chosen by cross-validation over recordings. The metadata also says which one the
+    error on the validation recordings, where there are any, would choose, as the paper did.
     """
     begin = time.perf_counter()
     rows = data.rows(options.fraction, options.seed)
@@ -51,10 +53,8 @@ def fit_rbf_fd(
     if validation:
         by_paper = _paper_errors(bank, values, force_n, data, validation)
         pairs["paper"] = min(by_paper, key=lambda pair: by_paper[pair])
-    if options.select not in pairs:
-        raise UsageError("--select paper chooses orders on validation recordings: give --validate")
     search_s += time.perf_counter() - begin
-    chosen = pairs[options.select]
+    chosen = pairs["cv"]
     metadata = {"pairs": {how: [PAPER_ORDERS[i] for i in pair] for how, pair in pairs.items()}}
     features = bank.take(np.array(chosen))
     fit = _fitted("rbf-fd", name, data, options, features, values[:, chosen], force_n, metadata)
@@ -86,7 +86,7 @@ def _fitted(
 ) -> Fit:
     """The functions on features (rows, 2), and the passive fallback beside them."""
     begin = time.perf_counter()
-    rbf, condition = fit_rbf(values, force_n, options.n_centers, options.centers)
+    rbf, condition = fit_rbf(values, force_n, options.n_centers)
     fit_s = time.perf_counter() - begin
     passive, _, _ = fit_passive(data, options)
     metadata = {"n_centers": len(rbf.centers), "condition": condition, **metadata}
@@ -160,3 +160,57 @@ def _paper_errors(
         predicted_n = kernel(scaling(tested[:, pair]), centers) @ weights
         errors[pair] = rms(predicted_n - measured_n)
     return errors
+
+
+def standard(features: Samples) -> Standard:
+    """Mean, deviation and extremes of each column of features (n, features)."""
+    scale = features.std(axis=0)
+    return Standard(
+        mean=features.mean(axis=0),
+        scale=np.where(scale > 0.0, scale, 1.0),
+        feature_min=features.min(axis=0),
+        feature_max=features.max(axis=0),
+    )
+
+
+def farthest_points(z: Samples, count: int) -> NDArray[np.intp]:
+    """Rows of at most `count` points, (centers,), each the farthest from those before it."""
+    chosen = [int(np.argmax(np.square(z).sum(axis=1)))]
+    distance = np.square(z - z[chosen[0]]).sum(axis=1)
+    while len(chosen) < min(count, len(z)) and distance.max() > 0.0:
+        chosen.append(int(np.argmax(distance)))
+        distance = np.minimum(distance, np.square(z - z[chosen[-1]]).sum(axis=1))
+    return np.array(chosen)
+
+
+def solve(system: Samples, force_n: Samples) -> tuple[Samples, float]:
+    """Weights, (columns,), and the condition number, of least squares with a little damping.
+
+    Without it the weights of near centers are large, of both signs: their sum loses digits in
+    float32, and between the samples it is far off.
+    """
+    size = np.sqrt(np.square(system).sum(axis=0))
+    left, singular, right = np.linalg.svd(system / size, full_matrices=False)
+    condition = float(singular[0] / max(singular[-1], 1e-300))
+    inverse = singular / (np.square(singular) + _DAMPING * singular[0] ** 2)
+    weights: Samples = (right.T @ (inverse * (left.T @ force_n))) / size
+    return weights, condition
+
+
+def fit_rbf(features: Samples, force_n: Samples, count: int) -> tuple[Rbf, float]:
+    """Fit on rows; returns the functions and the condition number of their system."""
+    scaling = standard(features)
+    z = scaling(features)
+    centers = z[farthest_points(z, count)]
+    weights, condition = solve(kernel(z, centers), force_n)
+    n = len(centers)
+    rbf = Rbf(
+        mean=scaling.mean,
+        scale=scaling.scale,
+        feature_min=scaling.feature_min,
+        feature_max=scaling.feature_max,
+        centers=centers,
+        weights_n=weights[:n],
+        tail_n=weights[n:],
+    )
+    return rbf, condition

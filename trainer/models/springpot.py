@@ -19,12 +19,12 @@ from scipy.optimize import nnls
 from springpot.codegen.arrays import Samples
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.types import JsonObject
-from springpot.trainer.features.values import highpass
+from springpot.trainer.features import highpass
 from springpot.trainer.models.fit import Fit, FitOptions, assemble
 from springpot.trainer.models.passive.passive_force import model_along
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.sensor import sensor_noise_n
+from springpot.trainer.recordings.signals import sensor_noise_n
 
 _PER_DECADE, _FASTEST_STEPS, _BEYOND = 2.5, 0.25, 10.0  # time steps, longest recordings
 _FAR, _POINTS = 20.0, 400  # of ln tau beyond the branches: what is left further out is little

@@ -11,16 +11,15 @@ from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.messages import short_repr
 from springpot.codegen.model.features import Features
 from springpot.codegen.model.model import Contact, TrainedRange
-from springpot.codegen.short_repr import short_repr
-from springpot.trainer.features.values import feature_values
-from springpot.trainer.models.contact import contact_of, depth_m, surface_warning
-from springpot.trainer.models.motion import DepthMotion, motions
+from springpot.trainer.features import feature_values
+from springpot.trainer.models.depths import DepthMotion, contact_of, depth_m, motions
 from springpot.trainer.recordings.formats.importing import one_session
 from springpot.trainer.recordings.formats.sampling import MAX_UPSAMPLING
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.smoothing import MAX_SMOOTHED, smoothed
+from springpot.trainer.recordings.signals import MAX_SMOOTHED, smoothed
 
 PAPER_FRACTION = 0.2  # of the rows, section IV-B
 ALL_BELOW = 20_000
@@ -162,11 +161,7 @@ def training_set(
     contact: of the whole that these are a part of; by default what these show.
     """
     dt_s = common_time_step(recordings)
-    warnings = []
-    if contact is None:
-        contact = contact_of(recordings)
-        if contact == "always" and recordings[0].zero == "none":
-            warnings.append(surface_warning(recordings))
+    contact, warning = (contact, "") if contact else contact_of(recordings)
     shortest = min(recordings, key=lambda recording: len(recording.force_n))
     if smooth_s > MAX_SMOOTHED * shortest.duration_s:
         raise UsageError(
@@ -181,7 +176,7 @@ def training_set(
         dt_s=dt_s,
         contact=contact,
         trained=_trained_range(prepared, depths_m, contact),
-        warnings=tuple(warnings),
+        warnings=(warning,) if warning else (),
     )
 
 

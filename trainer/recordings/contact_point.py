@@ -8,7 +8,7 @@ import numpy as np
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.sensor import noise_n
+from springpot.trainer.recordings.signals import noise_n
 
 _LOW_SHARE = 0.05  # of the travel, taken as free of contact if its force is level
 _MIN_FREE_SHARE = 0.02

@@ -2,8 +2,9 @@
 
 import hashlib
 import re
-from collections.abc import Hashable, Mapping
+from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
+from math import dist
 from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
@@ -11,7 +12,6 @@ import numpy as np
 from springpot.codegen.arrays import Samples, kept_numbers
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.messages import number_of
-from springpot.trainer.plot_axes import axes_for_plot
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -19,8 +19,10 @@ if TYPE_CHECKING:
     from springpot.trainer.recordings.conditioning import Conditioning
 
 Zero = Literal["none", "first", "min"]
+Site = tuple[float, float]  # x and y, m
 
 RECORDING_SUFFIX = ".h5"
+SAME_PLACE_M = 1e-4  # no printed grid and no stage is finer
 FRAME_SOURCE = "frame"  # source of what a table held
 MAX_NAME_BYTES = 200  # a file name has 255: room for endings
 _UNSAFE = re.compile(r"[^\w.+-]+")
@@ -142,7 +144,7 @@ class Recording:
         Recording('frame', 3 samples at 1000 Hz, 0 to 2 mm, 0 to 9 N)
         """
         from springpot.trainer.recordings.conditioning import condition
-        from springpot.trainer.recordings.formats.frame import frame_channels
+        from springpot.trainer.recordings.formats.arrays import frame_channels
         from springpot.trainer.recordings.formats.sampling import to_recording
 
         raw = frame_channels(frame, name, {"time": time, "position": position, "force": force})
@@ -254,3 +256,36 @@ def safe_recording_name(text: str) -> str:
     """Return a name that `require_recording_name` accepts, as near to the text as can be."""
     safe = _UNSAFE.sub("_", text).strip("._")
     return safe.encode()[: MAX_NAME_BYTES - 20].decode("utf-8", "ignore") or "recording"
+
+
+def sites_of(recordings: Sequence[Recording]) -> dict[Site, list[int]]:
+    """Numbers of the recordings of each site, in the order of recording.
+
+    Recordings without a place are of no site.
+    """
+    sites: dict[Site, list[int]] = {}
+    for number, recording in enumerate(recordings):
+        if recording.place_m is not None:
+            here = recording.place_m
+            known = next((site for site in sites if dist(site, here) < SAME_PLACE_M), here)
+            sites.setdefault(known, []).append(number)
+    return sites
+
+
+def site_words(site: Site) -> str:
+    """Write a site as messages show it, in mm."""
+    return f"({1e3 * site[0]:.4g}, {1e3 * site[1]:.4g}) mm"
+
+
+def axes_for_plot(axes: "Axes | None") -> "Axes":
+    """Return these axes, or those of a new figure of pyplot where none are given.
+
+    Raises UsageError where matplotlib is not installed.
+    """
+    if axes is not None:
+        return axes
+    try:
+        from matplotlib import pyplot
+    except ModuleNotFoundError:
+        raise UsageError(".plot() needs matplotlib: pip install 'springpot[report]'") from None
+    return pyplot.subplots(layout="constrained")[1]

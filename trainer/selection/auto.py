@@ -7,7 +7,7 @@ import time
 from collections.abc import Sequence
 from dataclasses import replace
 
-from springpot.trainer.features.fractional import recursive_bank
+from springpot.trainer.features import recursive_bank
 from springpot.trainer.kinds import fit_kind
 from springpot.trainer.models.fit import Fit, FitOptions
 from springpot.trainer.models.rf_fd import PAPER_ORDERS

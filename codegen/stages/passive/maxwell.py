@@ -10,16 +10,10 @@ import numpy as np
 
 from springpot.codegen.arrays import Reals
 from springpot.codegen.literals import array_text
-from springpot.codegen.model.formulas import (
-    Place,
-    loss_and_gain,
-    loss_by_depth,
-    straight_values,
-)
+from springpot.codegen.model.formulas import Place, loss_and_gain, loss_by_depth, straight_values
 from springpot.codegen.model.passive import Hammerstein
-from springpot.codegen.stages.costs import Costs
-from springpot.codegen.stages.recursive import SLOW_TICKS, pole_states
-from springpot.codegen.stages.stage import SMALLEST, SceneTicks, numbers, padded
+from springpot.codegen.stages.exponentials import SLOW_TICKS, pole_states
+from springpot.codegen.stages.stage import SMALLEST, Costs, SceneTicks, numbers, padded
 
 
 @dataclass(frozen=True)
@@ -116,14 +110,11 @@ def branch_steps(
         else:
             # The gain of a rise within a tick is folded into the curves; what fills has none.
             of_one, gain = loss_and_gain(tau_s, dt_s)
-            loss = _filled(of_one, fill).astype(np.float64 if in_double else dtype)
+            loss = np.pad(of_one, (0, fill), constant_values=1.0)
+            loss = loss.astype(np.float64 if in_double else dtype)
             branch_n = np.pad(gain[:, None] * branch_n, ((0, fill), (0, 0)))
         steps.append(MaxwellBranches(first, depends, in_double, loss))
         slopes_n.append(branch_n)
         held_n.append(np.pad(model.memory.branch_n[its], (0, fill)))
         first += len(its) + fill
     return tuple(steps), np.concatenate(slopes_n), np.concatenate(held_n)
-
-
-def _filled(values: Reals, fill: int) -> Reals:
-    return np.pad(values, (0, fill), constant_values=1.0)

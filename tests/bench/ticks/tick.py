@@ -24,7 +24,7 @@ from springpot.host.native.compiler import compiler_version, find_compiler
 from springpot.host.native.machine import machine_metadata
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.forests import depth_scale, random_forest
+from springpot.trainer.models.rf_fd import depth_scale, random_forest
 from springpot.trainer.models.training_set import training_set
 
 OBJECT = "ecoflex-00-30"
@@ -40,9 +40,7 @@ def rows_of(folder: Path, recordings: Any, judges: Any) -> tuple[list[Row], Any,
     options = FitOptions()
     exact = fit_model("rf-fd", OBJECT, recordings, options).model
     rounded = fit_model("rf-fd", OBJECT, recordings, FitOptions(round_features=True)).model
-    trimmed = fit_model(
-        "rf-fd", OBJECT, recordings, FitOptions(within=0.01, select="paper"), judges
-    ).model
+    trimmed = fit_model("rf-fd", OBJECT, recordings, FitOptions(), judges).model
     rbf = fit_model("rbf-fd", OBJECT, recordings, options).model
     hammerstein = fit_model("hammerstein", OBJECT, recordings, options).model
     assert isinstance(exact.features, FirBank)

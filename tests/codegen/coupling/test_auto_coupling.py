@@ -21,7 +21,7 @@ from springpot.codegen.coupling.gains import is_unit_error
 from springpot.codegen.coupling.linear_loop import HAND_MODELS, Hand, LinearLoop
 from springpot.codegen.coupling.loop_device import LoopDevice
 from springpot.codegen.scene import Coupling
-from springpot.codegen.stages.tool_velocity import TIME_S
+from springpot.codegen.stages.windows import TIME_S
 
 STEP_M = 10e-6  # of an encoder
 QUIET_MPS = 1.2e-3

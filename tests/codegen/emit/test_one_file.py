@@ -11,8 +11,7 @@ import pytest
 from support.c import golden_forces
 from support.c.single import every_plan, plan_of, write_single
 
-from springpot.codegen.plan.plan import Plan
-from springpot.codegen.plan.units import planned_headers
+from springpot.codegen.plan import Plan, planned_headers
 from springpot.runtime_c.paths import SOURCE
 
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")

@@ -10,17 +10,20 @@ from sklearn.ensemble import ExtraTreesRegressor, RandomForestRegressor
 from support.paths import C_TESTS
 
 from springpot.codegen.errors import UsageError
-from springpot.codegen.forest import compact as compact_layout
-from springpot.codegen.forest import node_table
-from springpot.codegen.forest.compact import CompactForest, compact_forest
-from springpot.codegen.forest.leaves import quantisation_over, rounded, used_features
-from springpot.codegen.forest.traverse import compact_sums, feature_bins, forest_force, table_sums
+from springpot.codegen.model.forest import (
+    forest_force,
+    quantisation_over,
+    quantised_leaves,
+    rounded,
+    used_features,
+)
 from springpot.codegen.model.regressors import Forest, Quantisation
+from springpot.codegen.stages.compact_forest import CompactForest, compact_forest
 from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import shared_library
 from springpot.runtime_c.paths import INCLUDE, SOURCE
 from springpot.trainer.models.fit import PAPER_LEAF, PAPER_TREES
-from springpot.trainer.models.forests import forest_ir
+from springpot.trainer.models.rf_fd import forest_ir
 
 HARNESS = C_TESTS / "forest_harness.c"
 N_FEATURES = 10
@@ -95,11 +98,11 @@ def assert_same_leaves(
     marked = labelled(forest)
     expected = marked.value_n[model.apply(features) + forest.roots].sum(axis=1).astype(np.uint32)
     used = np.ascontiguousarray(features[:, used_features(forest)])
-    compact = compact_forest(marked, np.float64)
+    leaves = quantised_leaves(marked)
+    compact = compact_forest(marked, leaves)
     for simd in variants():
         np.testing.assert_array_equal(c_sums(compact, used, simd), expected)
-    table = node_table.forest_table(marked, np.float64)
-    np.testing.assert_array_equal(table_sums(table, used), expected)
+    np.testing.assert_array_equal(forest_force(marked, leaves, features, np.float64), expected)
 
 
 @pytest.mark.few(1)
@@ -142,45 +145,30 @@ def test_same_leaves_as_scikit_learn_on_rounded_features(trees: int, rows: int) 
 def test_force_is_the_mean_of_the_leaves_within_the_stated_rounding() -> None:
     model = fitted(trees=11, leaf=5, rows=1500)
     forest = forest_ir(model)
-    compact = compact_forest(forest, np.float64)
-    features = random_features(3000, 4)
-    bins = feature_bins(compact.thresholds, features[:, used_features(forest)])
-    force_n = forest_force(compact, compact_sums(compact, bins))
+    features, leaves = random_features(3000, 4), quantised_leaves(forest)
+    force_n = forest_force(forest, leaves, features, np.float64)
     span_n = np.ptp(forest.value_n[forest.feature < 0])
-    assert np.abs(force_n - model.predict(features)).max() <= compact.leaf_error_n
-    assert compact.leaf_error_n == pytest.approx(span_n / 2**17, rel=1e-4)
+    assert np.abs(force_n - model.predict(features)).max() <= leaves.error_n
+    assert leaves.error_n == pytest.approx(span_n / 2**17, rel=1e-4)
 
 
 def test_too_many_features_are_refused() -> None:
     rng = np.random.default_rng(0)
     features = rng.normal(size=(400, 16)).astype(np.float32)
     model = RandomForestRegressor(n_estimators=20, random_state=0).fit(features, features.sum(1))
-    assert compact_forest(forest_ir(model), np.float32) is None
     with pytest.raises(UsageError, match="16 features"):
-        node_table.forest_table(forest_ir(model), np.float32)
+        compact_forest(forest_ir(model), quantised_leaves(forest_ir(model)))
 
 
 def test_ranks_are_those_of_a_whole_search_however_far_a_feature_jumps() -> None:
     model = fitted(trees=20, leaf=2, rows=3000)
-    compact = compact_forest(forest_ir(model), np.float32)
+    forest = labelled(forest_ir(model))
+    leaves = quantised_leaves(forest)
+    compact = compact_forest(forest, leaves)
     rng = np.random.default_rng(13)
     slow = np.cumsum(rng.normal(scale=1e-3, size=(3000, N_FEATURES)), axis=0)
     jumps = rng.normal(size=(3000, N_FEATURES)) * (rng.random((3000, 1)) < 0.1)
     features = np.ascontiguousarray((slow + jumps).astype(np.float32))
-    expected = compact_sums(compact, feature_bins(compact.thresholds, features))
+    expected = forest_force(forest, leaves, features, np.float64)
     for simd in variants():
         np.testing.assert_array_equal(c_sums(compact, features, simd), expected)
-
-
-def test_the_stated_work_bounds_the_search_and_the_walk() -> None:
-    compact = compact_forest(forest_ir(fitted(trees=7, leaf=3, rows=900)), np.float32)
-    bound = compact_layout.work_at_most(compact)
-    rounds = 0
-    for below in compact.thresholds:
-        left = len(below)
-        rounds += 2
-        while left > 0:  # sp_bins_search
-            left -= left - left // 2
-            rounds += 1
-    assert bound["thresholds"] == rounds
-    assert bound["nodes"] == 7 * (int(compact.longest_paths.max()) + 1)

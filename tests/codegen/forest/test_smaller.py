@@ -3,10 +3,10 @@
 import numpy as np
 from support.small import small_model, training
 
-from springpot.codegen.forest.smaller import fewer_trees, larger_leaves, quantised
+from springpot.codegen.model.forest import fewer_trees, larger_leaves, quantised
 from springpot.codegen.model.regressors import Forest
-from springpot.trainer.features.values import feature_values
-from springpot.trainer.models.contact import depth_m
+from springpot.trainer.features import feature_values
+from springpot.trainer.models.depths import depth_m
 from springpot.trainer.models.predict import regressor_force
 
 

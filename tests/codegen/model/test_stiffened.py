@@ -7,7 +7,7 @@ import pytest
 from support.small import DEPTH_M, press, scene, training
 
 from springpot import Model
-from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.make_plan import make_plan
 from springpot.codegen.scene import Guard
 from springpot.host.native.trial_build import built
 from springpot.trainer.kinds import fit_model

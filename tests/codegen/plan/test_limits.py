@@ -11,14 +11,14 @@ from hypothesis import strategies as st
 
 from springpot import Scene
 from springpot.codegen.errors import DataError, UsageError
-from springpot.codegen.model.model import TrainedRange
-from springpot.codegen.plan.limits import (
+from springpot.codegen.limits import (
     guard_config,
     max_mps,
     output_config,
     silence_config,
     watchdog_s_of,
 )
+from springpot.codegen.model.model import TrainedRange
 from springpot.codegen.scene import Guard
 from springpot.codegen.stages.stage import SceneTicks
 

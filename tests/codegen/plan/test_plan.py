@@ -6,7 +6,7 @@ from support.small import DEPTH_M, small_model
 
 from springpot import Scene
 from springpot.codegen.errors import UnsafeError, UsageError
-from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.make_plan import make_plan
 from springpot.codegen.scene import Coupling, Guard, Runtime
 
 SCENE = Scene(schema=1, name="x", model="x")

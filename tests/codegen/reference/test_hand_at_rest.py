@@ -9,7 +9,7 @@ import pytest
 from support.c import golden_forces
 from support.small import scene
 
-from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.make_plan import make_plan
 from springpot.host.native.replay import Replay
 from springpot.host.native.trial_build import built
 

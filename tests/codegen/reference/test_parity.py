@@ -9,22 +9,14 @@ from support.c.same_bits import require_same_bits
 from support.small import DT_S, press, scene, small_model, training, wandering
 
 from springpot import Recording
+from springpot.codegen import reference as codegen_reference
 from springpot.codegen.emit.golden import golden_positions
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.plan import Plan
-from springpot.codegen.reference import run as codegen_reference
-from springpot.codegen.reference.notes import (
-    CLAMPED,
-    HELD,
-    LATCHED,
-    LIMITED,
-    OUTSIDE,
-    RAMPED,
-    RESYNC,
-)
-from springpot.codegen.reference.run import run_reference
+from springpot.codegen.make_plan import make_plan
+from springpot.codegen.notes import CLAMPED, HELD, LATCHED, LIMITED, OUTSIDE, RAMPED, RESYNC
+from springpot.codegen.plan import Plan
+from springpot.codegen.reference import run_reference
 from springpot.codegen.scene import Coupling
-from springpot.codegen.stages.model_force import Stages, model_force
+from springpot.codegen.stages.model_stages import Stages, model_force
 from springpot.host.native.trial_build import built
 from springpot.host.validation.compared import proxy_positions
 from springpot.trainer.kinds import fit_model

@@ -11,10 +11,10 @@ from support.small import DT_S, scene
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.emit.golden import backward_velocity
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.plan import Plan
-from springpot.codegen.reference.guarding import SILENCE_WORTH
-from springpot.codegen.reference.notes import HELD, LATCHED
+from springpot.codegen.make_plan import make_plan
+from springpot.codegen.notes import HELD, LATCHED
+from springpot.codegen.plan import Plan
+from springpot.codegen.tool_motion import SILENCE_WORTH
 
 KINDS = ("hammerstein", "rf-fd", "rbf-fd", "rbf-pv", "rf-fd-long", "rf-history-quantised")
 MODES = ("off", "tool", "proxy")

@@ -10,8 +10,8 @@ from support.c import golden_forces
 from support.paths import C_TESTS
 from support.small import scene
 
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.reference.notes import LATCHED
+from springpot.codegen.make_plan import make_plan
+from springpot.codegen.notes import LATCHED
 from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import shared_library
 from springpot.host.native.replay import Replay

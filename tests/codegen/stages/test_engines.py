@@ -8,14 +8,14 @@ import numpy as np
 import pytest
 from support.small import DT_S, model_file, scene, training
 
+from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.features import FirBank
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.reference.run import run_reference
-from springpot.codegen.stages.fast_fir import fast_fir_stage
-from springpot.codegen.stages.fir import fir_stage
+from springpot.codegen.reference import run_reference
+from springpot.codegen.stages.exponentials import fast_fir_stage
+from springpot.codegen.stages.windows import fir_stage
 from springpot.host.emission.emission import emit
 from springpot.host.native.scene_library import SceneLibrary
-from springpot.trainer.features.fast_fir import equivalent_taps, fast_fir_bank, imitation_error
+from springpot.trainer.features import equivalent_taps, fast_fir_bank, imitation_error
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.rf_fd import PAPER_ORDERS, PAPER_TAPS, fractional_features

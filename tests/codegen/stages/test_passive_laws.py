@@ -19,12 +19,12 @@ from support.small import (
 )
 
 from springpot import Model
+from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.passive import Memory
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.units import planned_headers
-from springpot.codegen.reference.run import run_reference
+from springpot.codegen.plan import planned_headers
+from springpot.codegen.reference import run_reference
 from springpot.host.native.trial_build import built
-from springpot.trainer.models.motion import DepthMotion
+from springpot.trainer.models.depths import DepthMotion
 from springpot.trainer.models.passive.passive_force import with_memory
 
 HOUR_S = 4e3  # slow: more than 1e5 ticks

@@ -11,12 +11,11 @@ from support.small import damage, flow, passive_model, press, scene, wandering
 from springpot import Model
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import DataError
+from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.model_file import model_bytes
-from springpot.codegen.model.passive import Hammerstein
-from springpot.codegen.model.places import Places
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.units import state_bytes
-from springpot.codegen.reference.run import run_reference
+from springpot.codegen.model.passive import Hammerstein, Places
+from springpot.codegen.plan import state_bytes
+from springpot.codegen.reference import run_reference
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.native.trial_build import built
 

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 48119582f84c98d908b58f9cf0d225f7048c067268cf4e4ac1b453fc1dcdc36d */
+/* springpot 0.1.0 609f54482b9bb9444b6dddeefef62a1f4da4f6237e89f05f56a8b597417dac37 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:

@@ -14,10 +14,10 @@ from support.small import damage, flow, model_file, press, recording, training
 
 from springpot.codegen.emit.files import emit_files
 from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.model import Model
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.units import instruction_bound
-from springpot.codegen.reference.notes import HELD, RESYNC
+from springpot.codegen.notes import HELD, RESYNC
+from springpot.codegen.plan import instruction_bound
 from springpot.codegen.scene import Guard, Scene
 from springpot.host.boards.boards import BOARDS
 from springpot.host.boards.emulator import run_batch, steps

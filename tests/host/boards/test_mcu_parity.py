@@ -29,7 +29,7 @@ pytestmark = [pytest.mark.board, pytest.mark.slow]
 
 KINDS = {
     "rf-fd": FitOptions(seed=1, trees=5, leaf=20),
-    "rbf-fd": FitOptions(seed=1, select="cv"),
+    "rbf-fd": FitOptions(seed=1),
     "rbf-pv": FitOptions(seed=1),
     "hammerstein": FitOptions(seed=1),
 }

@@ -10,7 +10,7 @@ from support.small import scene
 
 from springpot import Model, Recording, Scene
 from springpot.codegen.errors import UsageError
-from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.make_plan import make_plan
 from springpot.codegen.scene import Coupling, Runtime
 from springpot.host.emission.felt import FELT_SHARE, felt_notices, rate_notices
 from springpot.trainer.kinds import fit_model

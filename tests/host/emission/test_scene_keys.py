@@ -36,7 +36,6 @@ NUMBERS: dict[str, tuple[float | None, list[float], list[float]]] = {
     "smoothing.time_constant_s": (0.0, [0.0, 1.0], [-1e-9, 1.001]),
     "guard.max_force_n": (None, [1e-9, 1e4], [0.0, 1.001e4]),
     "guard.watchdog_ms": (None, [1e-9, 1000], [0.0, 1000.1]),
-    "guard.onset_mm": (None, [1e-4, 100], [0.999e-4, 100.1]),
     "device.delay_samples": (0, [10, 0], [-1, 11]),
     "device.delay_s": (None, [0.0, 0.02], [-1e-9, 0.0201]),
     "device.mass_kg": (None, [1e-3, 100], [0.999e-3, 100.1]),

@@ -9,7 +9,7 @@ import pytest
 from support.small import model_file, passive_model, press, recording, scene
 
 from springpot.codegen.errors import UsageError
-from springpot.codegen.reference.notes import HELD, LATCHED, RAMPED, RESYNC
+from springpot.codegen.notes import HELD, LATCHED, RAMPED, RESYNC
 from springpot.codegen.scene import Device
 from springpot.host.emission.emission import emit
 from springpot.host.native.scene_library import SceneLibrary

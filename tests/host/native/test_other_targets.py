@@ -11,7 +11,7 @@ from support.c import golden_forces
 from support.small import scene
 
 from springpot.codegen.emit.files import emit_files
-from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.make_plan import make_plan
 from springpot.runtime_c.paths import flags
 
 pytestmark = pytest.mark.slow

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from support.peer import Peer, peer
 
-from springpot.codegen.reference.notes import LATCHED
+from springpot.codegen.notes import LATCHED
 from springpot.host.native.loop_library import NONE, UNSENT
 from springpot.host.session.session import Session
 from springpot.host.validation.validation import validate

@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 from support.peer import CLI, Peer, peer, wait_until
 
-from springpot.codegen.reference.notes import LATCHED
+from springpot.codegen.notes import LATCHED
 from springpot.host.native.loop_library import NONE, RESET, SILENT
 from springpot.host.validation.validation import validate
 from springpot.trainer.recordings.recording_file import read_recording

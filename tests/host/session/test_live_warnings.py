@@ -6,14 +6,8 @@ from support.peer import wait_until
 from support.small import DEPTH_M, passive_model, press, recording, scene
 
 from springpot import Session
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.reference.notes import (
-    CLAMPED,
-    HELD,
-    OUTSIDE,
-    RAMPED,
-    RESYNC,
-)
+from springpot.codegen.make_plan import make_plan
+from springpot.codegen.notes import CLAMPED, HELD, OUTSIDE, RAMPED, RESYNC
 from springpot.host.native.loop_library import COLUMN, NONE, empty_rows
 from springpot.host.session.live_warnings import LiveWarnings
 from springpot.trainer.recordings.recording_file import read_recording, write_recording

@@ -8,7 +8,7 @@ from support.peer import peer, wait_until
 from support.small import model_file, scene
 
 from springpot import Session
-from springpot.codegen.reference.notes import LATCHED, RAMPED
+from springpot.codegen.notes import LATCHED, RAMPED
 from springpot.codegen.scene import Guard
 from springpot.host.emission.emission import emit
 from springpot.host.native.loop_library import IDLE, NONE

@@ -8,10 +8,10 @@ import pytest
 from support.small import DEPTH_M, DT_S, press, scene, training
 
 from springpot import Model
+from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.model import TrainedRange
 from springpot.codegen.model.passive import Hammerstein
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.reference.run import run_reference
+from springpot.codegen.reference import run_reference
 from springpot.codegen.scene import Coupling
 from springpot.host.native.trial_build import built
 from springpot.host.simulation.hand_loop import HandLoop, Operator

@@ -9,10 +9,10 @@ import pytest
 from springpot import Model, Scene
 from springpot.codegen.coupling.linear_loop import HAND_MODELS, Hand
 from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE, LoopDevice, loop_device
+from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.model import TrainedRange
 from springpot.codegen.model.passive import Hammerstein
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.plan import Plan
+from springpot.codegen.plan import Plan
 from springpot.codegen.scene import Coupling, Device, Runtime
 from springpot.host.native.trial_build import built
 from springpot.host.simulation.bench import SimulatedHand

@@ -13,8 +13,8 @@ from support.paths import C_TESTS
 from support.small import scene
 
 from springpot.codegen.coupling.linear_loop import DESIGN_HAND
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.plan import Plan
+from springpot.codegen.make_plan import make_plan
+from springpot.codegen.plan import Plan
 from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import shared_library
 from springpot.host.native.trial_build import built, uncoupled

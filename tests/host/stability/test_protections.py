@@ -23,10 +23,10 @@ from support.c import golden_forces
 from support.small import passive_model, scene
 
 from springpot.codegen.arrays import Samples
+from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.model import Model
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.plan import Plan
-from springpot.codegen.reference.notes import HELD, LATCHED
+from springpot.codegen.notes import HELD, LATCHED
+from springpot.codegen.plan import Plan
 from springpot.codegen.scene import Guard, Runtime
 from springpot.host.native.replay import Replay
 from springpot.host.native.trial_build import built

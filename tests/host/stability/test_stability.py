@@ -19,8 +19,8 @@ from support.small import (
 
 from springpot.codegen.coupling.linear_loop import DESIGN_HAND
 from springpot.codegen.errors import UnsafeError
+from springpot.codegen.make_plan import SERVED_HZ, make_plan
 from springpot.codegen.model.model import Model
-from springpot.codegen.plan.make_plan import SERVED_HZ, make_plan
 from springpot.codegen.scene import Coupling, Device, Runtime, Scene
 from springpot.host.emission.emission import emit, read_emission
 from springpot.host.native.trial_build import built

@@ -13,8 +13,8 @@ from support.small import scene
 from springpot import Model, Scene
 from springpot.codegen.coupling.linear_loop import DESIGN_HAND, HAND_MODELS, Hand
 from springpot.codegen.errors import UnsafeError
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.plan import Plan
+from springpot.codegen.make_plan import make_plan
+from springpot.codegen.plan import Plan
 from springpot.codegen.scene import Device
 from springpot.host.native.trial_build import built, uncoupled
 from springpot.host.simulation.cases import HOLDS, NUDGE_N, NUDGE_S, cases, held_case

@@ -10,7 +10,7 @@ from support.small import DT_S, passive_model, press, scene
 import springpot
 from springpot import Model, Recording, Session
 from springpot.codegen.model.model_file import write_model
-from springpot.codegen.model.places import Places
+from springpot.codegen.model.passive import Places
 from springpot.host.emission.emission import emit
 from springpot.host.validation.validation import validate
 from springpot.trainer.models.predict import predict_n

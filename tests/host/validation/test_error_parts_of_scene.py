@@ -15,7 +15,7 @@ from springpot.host.emission.emission import emit
 from springpot.host.validation.validation import Validation, validate
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.limited import limited_n
+from springpot.trainer.models.predict import limited_n
 
 
 def validated(folder: Path, mode: str, details: dict[str, object] | None = None) -> Validation:

@@ -39,7 +39,7 @@ def scene_reader() -> Reader:
     from support.small import small_model
 
     from springpot.codegen.errors import SpringpotError, UsageError
-    from springpot.codegen.plan.make_plan import make_plan
+    from springpot.codegen.make_plan import make_plan
     from springpot.host.emission.scene_file import read_scene
 
     def read(file: Path) -> None:

@@ -11,9 +11,9 @@ from itertools import product
 import numpy as np
 
 from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import read_model
-from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.scene import Coupling, Guard, Runtime, Scene, Smoothing
 from springpot.host.native.replay import Replay
 from springpot.host.native.trial_build import built

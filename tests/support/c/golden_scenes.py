@@ -7,12 +7,12 @@ with all that a hand on a device needs. `cd tests && python -m support.c.golden_
 import numpy as np
 
 from springpot.codegen.emit.files import emit_files
+from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.features import FirBank
 from springpot.codegen.model.model import Model, TrainedRange
 from springpot.codegen.model.model_file import read_model
 from springpot.codegen.model.regressors import Forest
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.plan import Plan
+from springpot.codegen.plan import Plan
 from springpot.codegen.scene import Coupling, Guard, Runtime, Scene
 from support.c import golden_forces
 from support.paths import ROOT, TESTS

@@ -7,8 +7,7 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.model.passive import Hammerstein
-from springpot.codegen.stages.passive.from_model import hammerstein_stage
-from springpot.codegen.stages.passive.hammerstein import HammersteinStage
+from springpot.codegen.stages.passive.hammerstein import HammersteinStage, hammerstein_stage
 from springpot.codegen.stages.stage import SceneTicks
 from springpot.host.native.c_library import CLibrary, load_c
 from springpot.runtime_c.paths import INCLUDE, SOURCE

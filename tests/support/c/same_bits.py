@@ -3,9 +3,8 @@
 import numpy as np
 
 from springpot.codegen.emit.golden import backward_velocity
-from springpot.codegen.plan.plan import Plan
-from springpot.codegen.plan.units import state_bytes
-from springpot.codegen.reference.run import run_reference
+from springpot.codegen.plan import Plan, state_bytes
+from springpot.codegen.reference import run_reference
 from springpot.host.native.replay import Replay
 from springpot.host.native.trial_build import built
 from springpot.host.validation.compared import proxy_positions

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.emit.files import emit_files
+from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.model import Model
-from springpot.codegen.model.places import Places
-from springpot.codegen.plan.make_plan import make_plan
-from springpot.codegen.plan.plan import Plan
+from springpot.codegen.model.passive import Places
+from springpot.codegen.plan import Plan
 from springpot.codegen.scene import Coupling, Device, Guard, Runtime, Scene, Smoothing
 from support.c import golden_forces
 from support.small import damage, flow, small_model

@@ -17,7 +17,7 @@ from pathlib import Path
 
 import numpy as np
 
-from springpot.codegen.atomic_write import written_aside
+from springpot.codegen.files import written_aside
 from springpot.host.simulation.bench import ObjectMotion, SimulatedHand
 from springpot.host.simulation.objects import OBJECTS, SimulatedObject
 

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from support.derivatives import fir_derivatives
 
-from springpot.trainer.features.fractional import gl_taps, gl_weights
+from springpot.trainer.features import gl_taps, gl_weights
 
 
 @pytest.mark.few(2)

@@ -10,7 +10,7 @@ from support.small import press, recording, scene, training
 
 from springpot import Model
 from springpot.codegen.arrays import rms
-from springpot.codegen.plan.make_plan import make_plan
+from springpot.codegen.make_plan import make_plan
 from springpot.host.metrics import accuracy
 from springpot.host.native.trial_build import built
 from springpot.trainer.kinds import fit_model

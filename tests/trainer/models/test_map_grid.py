@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from springpot.codegen.model.places import amounts_at
+from springpot.codegen.model.passive import amounts_at
 from springpot.trainer.models.passive.map_grid import grid_of
 
 WIDE_M, ROUGH = 0.03, 1e-3

@@ -16,7 +16,7 @@ from springpot.codegen.model.passive import Hammerstein
 from springpot.host.metrics import accuracy
 from springpot.host.recording.protocols import load_protocol
 from springpot.host.recording.session import open_press_device, record_session
-from springpot.trainer.features.values import highpass
+from springpot.trainer.features import highpass
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.passive.nonnegative import normal_equations, sparse_solve

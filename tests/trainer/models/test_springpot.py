@@ -7,8 +7,7 @@ import pytest
 from support.small import press
 
 from springpot.codegen.model.model import Model
-from springpot.trainer.features.fractional import gl_weights
-from springpot.trainer.features.values import highpass
+from springpot.trainer.features import gl_weights, highpass
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.recordings.recording import Recording

@@ -10,15 +10,15 @@ from support.small import DEPTH_M, DT_S, small_fit, training
 
 from springpot import Recording
 from springpot.codegen.errors import DataError
-from springpot.codegen.forest.leaves import quantised_leaves
+from springpot.codegen.model.forest import quantised_leaves
 from springpot.codegen.model.model_file import model_hash
 from springpot.trainer.kinds import fit_model
-from springpot.trainer.models.contact import pulls
+from springpot.trainer.models.depths import pulls
 from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.forests import depth_scale
 from springpot.trainer.models.predict import predict_n
+from springpot.trainer.models.rf_fd import depth_scale
 from springpot.trainer.models.training_set import choose_rows, training_set
-from springpot.trainer.recordings.smoothing import longest_smoothing_s, smoothed
+from springpot.trainer.recordings.signals import longest_smoothing_s, smoothed
 
 
 @pytest.mark.parametrize(

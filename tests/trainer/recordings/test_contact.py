@@ -10,8 +10,8 @@ from support.presses.structures import recorded
 from springpot import Recording
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.contact_point import find_contact
-from springpot.trainer.recordings.quality.contact import contact_findings
 from springpot.trainer.recordings.quality.finding import Finding
+from springpot.trainer.recordings.quality.report import contact_findings
 
 TIME_S = np.arange(4000) * 1e-3
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from support.small import DT_S, press, recording
 
-from springpot.trainer.recordings.quality.noise_floor import find_noise_floor, sensor_noise_n
+from springpot.trainer.recordings.quality.repeats import find_noise_floor, sensor_noise_n
 from springpot.trainer.recordings.recording import Recording
 
 FIRST = recording("press", press(0.5))

@@ -12,7 +12,8 @@ from springpot.trainer.recordings.formats.importing import (
     import_file,
     place_or_columns,
 )
-from springpot.trainer.recordings.journal import JournalWriter, journal_of, read_journal
+from springpot.trainer.recordings.journal import JournalWriter
+from springpot.trainer.recordings.recording_file import journal_of, read_journal
 
 
 def press(name: str, place_m: tuple[float, float] | None, stiffness: float = 400.0) -> Recording:

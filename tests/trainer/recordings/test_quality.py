@@ -16,7 +16,7 @@ from support.small import training
 
 import springpot
 from springpot import Recording, check_recordings
-from springpot.trainer.recordings.quality.cycles import find_cycles
+from springpot.trainer.recordings.quality.repeats import find_cycles
 
 TIME_S = np.arange(4000) * 1e-3
 

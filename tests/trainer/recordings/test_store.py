@@ -15,9 +15,14 @@ import numpy as np
 import pytest
 
 from springpot.codegen.errors import DataError, DeviceError, UsageError
-from springpot.trainer.recordings.journal import JournalWriter, journal_of, read_journal
+from springpot.trainer.recordings.journal import JournalWriter
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.recording_file import read_recording, write_recording
+from springpot.trainer.recordings.recording_file import (
+    journal_of,
+    read_journal,
+    read_recording,
+    write_recording,
+)
 
 RNG = np.random.default_rng(1)
 ITEM = Recording(
@@ -94,7 +99,7 @@ import sys
 from pathlib import Path
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.recording_file import read_recording
-from springpot.trainer.recordings.notices import *
+from springpot.codegen.messages import *
 whole = read_recording(Path(sys.argv[1]))
 for name in sys.argv[2:]:
     try:

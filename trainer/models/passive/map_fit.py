@@ -16,8 +16,7 @@ from springpot.trainer.models.passive.passive_fit import NODES, passive_choice, 
 from springpot.trainer.models.passive.passive_rows import PassiveRows
 from springpot.trainer.models.passive.passive_terms import Terms, plain_terms
 from springpot.trainer.models.training_set import TrainingSet
-from springpot.trainer.recordings.places import sites_of
-from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.recording import Recording, sites_of
 
 FEWEST_SITES = 4  # sites of a map
 _FULL = 0.5  # of the longest site's time: what is shorter shows amounts, not the law

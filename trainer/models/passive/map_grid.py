@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from springpot.codegen.arrays import Samples
-from springpot.codegen.model.places import amounts_at
-from springpot.trainer.recordings.places import Site
+from springpot.codegen.model.passive import amounts_at
+from springpot.trainer.recordings.recording import Site
 
 FINER = 2  # nodes along an axis for each that as many sites in a grid would have
 

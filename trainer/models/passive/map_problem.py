@@ -15,8 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
-from springpot.codegen.model.passive import Hammerstein
-from springpot.codegen.model.places import Places
+from springpot.codegen.model.passive import Hammerstein, Places
 from springpot.trainer.models.passive.map_grid import FINER, Grid
 from springpot.trainer.models.passive.nonnegative import Normal, sparse_solve
 from springpot.trainer.models.passive.passive_terms import Terms, reduced, to_model

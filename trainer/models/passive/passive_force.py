@@ -6,11 +6,10 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.model.passive import Hammerstein, Memory
-from springpot.codegen.stages.passive.from_model import hammerstein_stage
-from springpot.codegen.stages.passive.hammerstein import HammersteinStage
+from springpot.codegen.stages.passive.hammerstein import HammersteinStage, hammerstein_stage
 from springpot.codegen.stages.passive.motion import PassiveMotion
 from springpot.codegen.stages.stage import SceneTicks
-from springpot.trainer.models.motion import DepthMotion
+from springpot.trainer.models.depths import DepthMotion
 
 
 def model_along(

@@ -8,7 +8,7 @@ import numpy as np
 from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.model.formulas import curve_nodes
 from springpot.codegen.model.passive import FLOW_SHARE, Damage, Flow, Hammerstein
-from springpot.codegen.stages.passive.flow import FUNCTIONS
+from springpot.codegen.stages.passive.beside import FUNCTIONS
 from springpot.trainer.models.training_set import TrainingSet
 
 PASSIVE_POLES = 12

@@ -17,7 +17,7 @@ from springpot.trainer.models.passive.passive_fit import (
 from springpot.trainer.models.passive.passive_rows import passive_rows
 from springpot.trainer.models.passive.passive_terms import DEPTH_POLES, plain_terms
 from springpot.trainer.models.training_set import TrainingSet
-from springpot.trainer.recordings.places import sites_of
+from springpot.trainer.recordings.recording import sites_of
 
 
 def with_start(data: TrainingSet, options: FitOptions) -> TrainingSet:

@@ -17,9 +17,9 @@ from springpot.codegen.model.formulas import (
     straight_values,
 )
 from springpot.codegen.model.passive import FLOW_SHARE
-from springpot.codegen.stages.passive.flow import FUNCTIONS
-from springpot.trainer.features.values import highpass, highpass_by_depth
-from springpot.trainer.models.motion import DepthMotion
+from springpot.codegen.stages.passive.beside import FUNCTIONS
+from springpot.trainer.features import highpass, highpass_by_depth
+from springpot.trainer.models.depths import DepthMotion
 from springpot.trainer.models.passive.passive_terms import Terms
 
 _AT_ONCE = 1 << 18  # samples of functions along a motion: those of a press fit into a cache

@@ -1,41 +1,36 @@
-"""MAT (v5, v7.3) and HDF5 files of any layout: one array a channel, by name or map.
+"""Arrays with names: MAT (v5, v7.3) and HDF5 files of any layout, and tables in memory.
 
-Their libraries can crash, hang or ask for any amount of memory on a damaged file. So this module
-reads them in a process of its own, with limits, which prints the arrays as one NPZ.
+A channel is found by its name, or by a map.
 """
 
-import io
-import os
-import subprocess
-import sys
-from collections.abc import Iterator, Mapping, Sequence
-from importlib.util import find_spec
+from collections.abc import Hashable, Iterator, Mapping, Sequence
+from datetime import UTC, datetime
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
+import h5py
 import numpy as np
 
-from springpot.codegen.arrays import Samples
-from springpot.codegen.errors import DataError
-from springpot.codegen.regular_file import max_unpacked_bytes
+from springpot.codegen.arrays import Samples, given_numbers
+from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.recordings.formats.column_map import (
     MAP_EXAMPLE,
     FileRequest,
     guess_column,
+    place_m,
     split_unit,
+    stated_hz,
 )
 from springpot.trainer.recordings.formats.sampling import RawChannels
-from springpot.trainer.recordings.formats.units import Quantity, choose_unit
-from springpot.trainer.recordings.places import place_m
+from springpot.trainer.recordings.formats.units import FRAME_NAME, Quantity, choose_unit
+from springpot.trainer.recordings.recording import FRAME_SOURCE
 
-_MAX_SHOWN = 12
+_MAX_SHOWN = 12  # arrays in a message
 _MAX_COLUMNS = 32
-_MAX_RATIO = 256  # a recording of nothing but zeros shrinks by 230
-_MAX_BYTES, _LEAST_BYTES = 8 << 30, 1 << 30  # of the process, libraries included
-_MAX_CPU_S, _LEAST_CPU_S, _TIMEOUT_S = 120, 4, 150.0
 _SCALES = {"scale_factor": 1.0, "conversion": 1.0, "add_offset": 0.0, "offset": 0.0}
-Found = tuple[str, str, str, object]  # as `_Array`
 _FILLS = ("_FillValue", "missing_value")
+_Stored = tuple[str, str, str, object]  # as `_Array`, whatever the values are
+_MAX_LETTERS = 200  # of all names
 
 
 class _Array(NamedTuple):
@@ -120,11 +115,14 @@ def _choose(
 
 
 def _load(path: Path, kind: str) -> list[_Array]:
-    with np.load(io.BytesIO(_npz_apart(path, kind)), allow_pickle=False) as stored:
-        arrays = [
-            _Array(name, unit, other, stored[f"a{k}"])
-            for k, (name, unit, other) in enumerate(stored["texts"].reshape(-1, 3).tolist())
-        ]
+    """Vectors of a file, and columns of its matrices. Raises DataError where there are none."""
+    try:
+        arrays = [array for found in _stored(path, kind) for array in _vectors(*found)]
+    except ModuleNotFoundError:
+        raise
+    except Exception as error:  # whatever the libraries raise on a damaged file
+        why = " ".join(f"{type(error).__name__}: {error}".split())[:300]
+        raise DataError(f"{path}: damaged or of another format ({why}): export it again") from None
     if not arrays:
         raise DataError(
             f"{path}: holds no vectors of numbers (tables and objects of MATLAB cannot be read): "
@@ -133,58 +131,27 @@ def _load(path: Path, kind: str) -> list[_Array]:
     return arrays
 
 
-def _npz_apart(path: Path, kind: str) -> bytes:
-    """Run this module on the file. Raises DataError if the process refuses it, or is ended."""
-    if kind == "mat" and find_spec("scipy") is None:
-        raise ModuleNotFoundError("MAT files are read by scipy", name="scipy")
-    try:
-        done = subprocess.run(
-            [sys.executable, "-P", "-m", __name__, path, kind], capture_output=True, check=False,
-            timeout=_TIMEOUT_S,
-            env=os.environ | {"OPENBLAS_NUM_THREADS": "1"},  # each thread counts as memory
-        )  # fmt: skip
-    except subprocess.TimeoutExpired:
-        why = "reading it does not end"
-    else:
-        if not done.returncode:
-            return done.stdout
-        lines = done.stderr.decode(errors="replace").strip().splitlines()
-        why = lines[-1] if lines and done.returncode > 0 else "it crashes the reader"
-    raise DataError(f"{path}: damaged or of another format ({why}): export it again")
+def _stored(path: Path, kind: str) -> list[_Stored]:
+    if kind == "hdf5":
+        return _of_hdf5(path)
+    from scipy.io import loadmat
+
+    return list(_nested("", loadmat(path, simplify_cells=True)))
 
 
-def arrays_as_npz(path: Path, kind: str) -> bytes:
-    """Return the vectors of a file as an NPZ; raises whatever the file's library does."""
-    if kind == "mat":
-        from scipy.io import loadmat
-
-        found = list(_nested("", loadmat(path, simplify_cells=True)))
-    else:
-        found = _of_hdf5(path)
-    texts: list[tuple[str, str, str]] = []
-    stored: dict[str, Samples] = {}
-    for name, unit, other, value in found:
-        if np.asarray(value).dtype.kind not in "fiu":
-            continue
-        array = np.squeeze(np.asarray(value)).astype(np.float64)
-        columns = {}
-        if array.ndim == 1 and len(array) > 1:
-            columns[name] = array
-        elif array.ndim == 2 and min(array.shape) <= _MAX_COLUMNS:
-            across = array.T if array.shape[0] >= array.shape[1] else array  # time is longer
-            columns = {f"{name}[{k}]": its for k, its in enumerate(across, 1)}
-        for label, values in columns.items():
-            stored[f"a{len(texts)}"] = values
-            texts.append((label, unit, other))
-    unpacked_bytes = sum(its.nbytes for its in stored.values())
-    if unpacked_bytes > max_unpacked_bytes(path.stat().st_size, _MAX_RATIO):
-        raise ValueError("more numbers than a file of its size can hold")
-    memory = io.BytesIO()
-    np.savez(memory, allow_pickle=False, texts=np.array(texts, dtype=str), **stored)
-    return memory.getvalue()
+def _vectors(name: str, unit: str, other: str, value: object) -> Iterator[_Array]:
+    if np.asarray(value).dtype.kind not in "fiu":
+        return
+    array = np.squeeze(np.asarray(value)).astype(np.float64)
+    if array.ndim == 1 and len(array) > 1:
+        yield _Array(name, unit, other, array)
+    elif array.ndim == 2 and min(array.shape) <= _MAX_COLUMNS:
+        across = array.T if array.shape[0] >= array.shape[1] else array  # time is longer
+        for k, column in enumerate(across, 1):
+            yield _Array(f"{name}[{k}]", unit, other, np.ascontiguousarray(column))
 
 
-def _nested(name: str, value: object) -> Iterator[Found]:
+def _nested(name: str, value: object) -> Iterator[_Stored]:
     """Yield the arrays of structures and cells."""
     if isinstance(value, Mapping):
         for key, inner in value.items():
@@ -197,10 +164,8 @@ def _nested(name: str, value: object) -> Iterator[Found]:
         yield name, "", "", value
 
 
-def _of_hdf5(path: Path) -> list[Found]:
-    import h5py
-
-    found: list[Found] = []
+def _of_hdf5(path: Path) -> list[_Stored]:
+    found: list[_Stored] = []
 
     def visit(name: str, node: object) -> None:
         if not isinstance(node, h5py.Dataset) or name.startswith("#"):
@@ -221,22 +186,97 @@ def _of_hdf5(path: Path) -> list[Found]:
     return found
 
 
-def limit_reader(path: Path) -> None:
-    """Limit this process to the memory and time that reading a file of its size may take."""
-    try:
-        import resource
-    except ModuleNotFoundError:  # Windows has no such limits
-        return
-    mib = path.stat().st_size >> 20
-    max_bytes = min(_MAX_BYTES, _LEAST_BYTES + (mib << 28))
-    cpu_s = min(_MAX_CPU_S, _LEAST_CPU_S + mib)
-    resource.setrlimit(resource.RLIMIT_AS, (max_bytes, max_bytes))
-    resource.setrlimit(resource.RLIMIT_CPU, (cpu_s, cpu_s))
+def frame_channels(frame: Any, name: str, columns: Mapping[Quantity, Hashable]) -> RawChannels:
+    """Three columns of a table, in SI units; columns: as `Recording.from_frame` takes them.
+
+    Columns of a place (place_x_mm, place_y_mm) are read as an import reads them. Raises UsageError
+    for what is no table and for a column that is not there, DataError for a unit.
+    """
+    labels = _labels(frame)
+    scaled: dict[Quantity, Samples] = {}
+    units: dict[Quantity, dict[str, Any]] = {}
+    digit_s, rate_hz = 0.0, None
+    for quantity, column in columns.items():
+        found = _label(labels, column)
+        if found is None:
+            rate_hz = stated_hz(str(column)) if quantity == "time" else None
+            if rate_hz is None:
+                raise UsageError(_missing(quantity, column, labels, frame))
+            units[quantity] = {"unit": f"{rate_hz:g} Hz", "from": "map"}
+            continue
+        label, stated = found
+        where, values = f"{name}, {quantity}={str(column)!r}", _without_zone(frame[label])
+        if quantity == "time" and values.dtype.kind in "mM":  # its type states the unit
+            step = np.ones((), values.dtype.str.replace("M8", "m8"))
+            digit_s = float(step / np.timedelta64(1, "s"))
+            scaled[quantity] = given_numbers((values - values[:1]) / np.timedelta64(1, "s"), where)
+            units[quantity] = {"unit": "s", "from": "map"}
+            continue
+        own = split_unit(label, quantity)[1] if isinstance(label, str) else None
+        texts = {"map": stated, FRAME_NAME: own}
+        unit = choose_unit(texts, quantity, where, str(label), in_python=True)
+        scaled[quantity] = given_numbers(values, where) * unit.to_si
+        units[quantity] = unit.metadata()
+    count = len(scaled["force"])
+    return RawChannels(
+        time_s=scaled["time"] if rate_hz is None else np.arange(count) / rate_hz,
+        position_m=scaled["position"],
+        force_n=scaled["force"],
+        rows=np.arange(count),
+        source=FRAME_SOURCE,
+        time_digit_s=digit_s,
+        details={"units": units},
+        place_m=place_m(
+            name,
+            [str(label) for label in labels],
+            lambda k: given_numbers(np.asarray(frame[labels[k]]), f"{name}, {labels[k]}"),
+        ),
+        in_python=True,
+    )
 
 
-if __name__ == "__main__":
-    limit_reader(Path(sys.argv[1]))
-    try:
-        sys.stdout.buffer.write(arrays_as_npz(Path(sys.argv[1]), sys.argv[2]))
-    except Exception as error:  # whatever the libraries raise on a damaged file
-        sys.exit(" ".join(f"{type(error).__name__}: {error}".split())[:300])
+def _labels(frame: Any) -> list[Hashable]:
+    """Names of all columns. Raises UsageError for what has none."""
+    found = frame.dtype.names if isinstance(frame, np.ndarray) else getattr(frame, "columns", None)
+    found = getattr(frame, "column_names", None) or found
+    if found is None and hasattr(frame, "keys"):
+        found = frame.keys()
+    if found is None or callable(found):
+        raise UsageError(
+            f"{type(frame).__name__} is no table with names of columns: give one of pandas or "
+            "polars, or a dict of columns; Recording(name, position_m, force_n, dt_s) takes "
+            "arrays, import_recordings(path) files"
+        )
+    return list(found)
+
+
+def _label(labels: Sequence[Hashable], column: Hashable) -> tuple[Hashable, str | None] | None:
+    """The table's own name of a column, in letters of either case, and the unit behind a colon."""
+    bare, _, stated = str(column).rpartition(":")
+    for wanted, unit in ((str(column), None), (bare, stated)):
+        for form in (str, lambda label: str(label).casefold()):
+            same = [label for label in labels if form(label) == form(wanted)]
+            if len(same) == 1:
+                return same[0], unit
+    return None
+
+
+def _missing(quantity: Quantity, column: Hashable, labels: Sequence[Hashable], frame: Any) -> str:
+    where, asked = f"{quantity}={str(column)!r}", (str(column), str(column).rpartition(":")[0])
+    same = [name for name in map(str, labels) if name in asked]
+    if len(same) > 1:
+        return f"{where}: {len(same)} columns have the name {same[0]!r}: rename or drop all but one"
+    if str(getattr(getattr(frame, "index", None), "name", None)) in asked:
+        return f"{where}: the table's index, no column: pass the table's reset_index()"
+    shown = ", ".join(repr(str(label)) for label in labels)[:_MAX_LETTERS] or "none"
+    rate = ", or a rate such as time='1000Hz'" if quantity == "time" else ""
+    return f"{where}: no such column: the table has {shown}: name one of them, {quantity}=...{rate}"
+
+
+def _without_zone(column: Any) -> np.ndarray[Any, Any]:
+    """Dates of Python or pandas, which numpy holds as objects, as numpy's own, in UTC."""
+    values = np.asarray(column)
+    if values.dtype.kind != "O" or not all(isinstance(each, datetime) for each in values.flat):
+        return values
+    zoned = [each if each.tzinfo is None else each.astimezone(UTC) for each in values.flat]
+    return np.array([each.replace(tzinfo=None) for each in zoned], "datetime64[us]")

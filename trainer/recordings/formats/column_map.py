@@ -5,10 +5,13 @@ What the map leaves out is guessed from the words and units in a header.
 
 import re
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
+import numpy as np
+
+from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.recordings.formats.units import (
     COMMON_UNITS,
@@ -16,9 +19,11 @@ from springpot.trainer.recordings.formats.units import (
     Quantity,
     Unit,
     choose_unit,
+    factor_to_si,
     is_of_specimen,
     is_unit,
 )
+from springpot.trainer.recordings.recording import SAME_PLACE_M
 
 DecimalMark = Literal["point", "comma"]
 MAP_EXAMPLE = "time=COL:s,position=COL:mm,force=COL:N"
@@ -230,3 +235,36 @@ def _stated(quantity: Quantity, column: Column) -> str:
     if column.rate_hz is not None:
         return f"{quantity}={column.rate_hz:g}Hz"
     return f"{quantity}={column.header_or_number}" + f":{column.unit}" * bool(column.unit)
+
+
+def place_m(
+    where: str,
+    header: Sequence[str],
+    read: Callable[[int], Samples],
+    names: tuple[str, str] = PLACE,
+    below: Sequence[str] = (),
+) -> tuple[float, float] | None:
+    """Return x and y of the place that two columns state, m; None without them.
+
+    read: the numbers of a column, (n,). below: the row of units. A stage that trembles stays.
+    Raises DataError for one column alone, and if the tool moves along the surface.
+    """
+    labels = [split_unit(cell, "position") for cell in header]
+    found_m = []
+    for name in names:
+        for k, (label, own) in enumerate(labels):
+            if name.casefold() in (label.casefold(), header[k].casefold()):
+                unit = own or "".join(below[k : k + 1]).strip("()[]{} ")
+                factor = factor_to_si(unit, "position", f"{where}, column {header[k]!r}")
+                found_m.append(read(k) * factor)
+    if not found_m:
+        return None
+    if len(found_m) != 2:
+        raise DataError(f"{where}: {' and '.join(names)} belong together: give one column of each")
+    if np.ptp(found_m, axis=1).max() > SAME_PLACE_M:
+        raise DataError(
+            f"{where}: the tool moves along the surface, and a model is of presses of one place "
+            "each: cut it into one file a place"
+        )
+    x_m, y_m = np.median(found_m, axis=1).tolist()
+    return x_m, y_m

@@ -16,6 +16,7 @@ from springpot.codegen.messages import number_of
 from springpot.trainer.recordings.formats.column_map import (
     FileRequest,
     guess_column,
+    place_m,
     split_unit,
 )
 from springpot.trainer.recordings.formats.csv_layout import (
@@ -30,7 +31,6 @@ from springpot.trainer.recordings.formats.csv_layout import (
 )
 from springpot.trainer.recordings.formats.sampling import MIN_ROWS, RawChannels
 from springpot.trainer.recordings.formats.units import factor_to_si
-from springpot.trainer.recordings.places import place_m
 
 _LAST_LINES = 2000  # with a fixed number of significant digits, the last stamps have the fewest
 _MAX_EXPONENT = 300

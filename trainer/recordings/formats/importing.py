@@ -1,4 +1,7 @@
-"""Files from outside -> recordings: chooses the reader by what is in the file."""
+"""Files from outside -> recordings: chooses the reader by what is in a file.
+
+All files of one object together are on one surface, and may be one session.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -7,22 +10,17 @@ from pathlib import Path
 import numpy as np
 
 from springpot.codegen.errors import DataError, UsageError
-from springpot.codegen.regular_file import require_regular
-from springpot.codegen.short_repr import short_repr
-from springpot.trainer.recordings.conditioning import Conditioning, condition
+from springpot.codegen.files import require_regular
+from springpot.codegen.messages import counted, short_repr
+from springpot.trainer.recordings.conditioning import Conditioning, condition, on_one_surface
 from springpot.trainer.recordings.formats.arrays import read_arrays
 from springpot.trainer.recordings.formats.column_map import ColumnMap, DecimalMark, FileRequest
 from springpot.trainer.recordings.formats.csv_file import read_csv
-from springpot.trainer.recordings.formats.sampling import (
-    RawChannels,
-    sampling_notes,
-    to_recording,
-)
+from springpot.trainer.recordings.formats.csv_layout import NoRecordingError
+from springpot.trainer.recordings.formats.sampling import RawChannels, sampling_notes, to_recording
 from springpot.trainer.recordings.formats.units import factor_to_si, parts_of
-from springpot.trainer.recordings.journal import JOURNAL_SUFFIX
 from springpot.trainer.recordings.recording import Recording, Zero, safe_recording_name, zero_word
-from springpot.trainer.recordings.recording_file import read_recording
-from springpot.trainer.recordings.recording_hdf5 import is_recording
+from springpot.trainer.recordings.recording_file import JOURNAL_SUFFIX, is_recording, read_recording
 
 _BEGINS = "+-.0123456789"  # a number
 _START_BYTES = 520  # a user block of HDF5 is 512 of them
@@ -36,6 +34,12 @@ _OTHERS = {  # how files begin that are neither arrays nor a table as text: docs
     b"{\\rtf": "formatted text (RTF)",
     b"%PDF": "a PDF",
 }
+# Files of a folder that may be recordings; others are named one by one.
+_OF_RECORDINGS = {
+    ".csv", ".tsv", ".tab", ".txt", ".dat", ".asc", ".tra", ".lvm", ".mat", ".h5",
+    ".hdf5", ".journal",
+}  # fmt: skip
+_MAX_NAMED = 12  # files in a line
 
 
 @dataclass(frozen=True)
@@ -167,3 +171,71 @@ def one_session(recordings: Sequence[Recording], rest_s: float) -> list[Recordin
         found.append(replace(recording, session=name, start_s=start_s))
         start_s += recording.duration_s + rest_s
     return found
+
+
+@dataclass(frozen=True)
+class ImportedSet:
+    """Recordings of some files, and lines on how each was understood, and on what they share."""
+
+    recordings: list[Recording]
+    guesses: dict[Path, str]
+    notes: list[str]
+    __repr__ = short_repr
+
+
+def import_set(
+    paths: Sequence[Path],
+    mapping: ColumnMap | None = None,
+    zero: Zero | None = "none",
+    resample_hz: float | None = None,
+    options: ImportOptions | None = None,
+    rest_s: float | None = None,
+) -> ImportedSet:
+    """Read files, and folders of them, in SI units; arguments as of `import_file`.
+
+    A file that was named is a recording, or refused; of a folder, what is none is left out.
+    rest_s: the files are presses of one object in this order, so long apart, s.
+    """
+    files, notes = _listed(paths)
+    recordings: list[Recording] = []
+    guesses: dict[Path, str] = {}
+    others: list[NoRecordingError] = []
+    for file in counted(files, "reading"):
+        try:
+            found = import_file(file, mapping, zero, resample_hz, options)
+        except NoRecordingError as error:
+            if file in paths:
+                raise
+            others.append(error)
+            continue
+        recordings += found.recordings
+        guesses[file] = found.guess
+    if others and not recordings:
+        raise others[0]
+    notes += [f"left out, no recording: {other}" for other in others]
+    recordings, surface = on_one_surface(recordings, (options or ImportOptions()).conditioning)
+    if rest_s is not None:
+        recordings = one_session(recordings, rest_s)
+    return ImportedSet(recordings, guesses, [*notes, surface] if surface else notes)
+
+
+def _listed(paths: Sequence[Path]) -> tuple[list[Path], list[str]]:
+    """Files, with those of each folder that may be recordings; a line names the others.
+
+    Raises UsageError for a folder without recordings.
+    """
+    found, notes = list[Path](), list[str]()
+    for path in paths:
+        if not path.is_dir():
+            found.append(path)
+            continue
+        there = sorted(f for f in path.iterdir() if f.is_file() and not f.name.startswith("."))
+        inside = [file for file in there if file.suffix.casefold() in _OF_RECORDINGS]
+        if not inside:
+            kinds = ", ".join(sorted(_OF_RECORDINGS))
+            raise UsageError(f"{path}: no file in this folder ends in {kinds}: name the files")
+        if others := [file.name for file in there if file not in inside]:
+            more = f" and {len(others) - _MAX_NAMED} more" if others[_MAX_NAMED:] else ""
+            notes.append(f"{path}: left out, no recordings: {', '.join(others[:_MAX_NAMED])}{more}")
+        found += inside
+    return found, notes

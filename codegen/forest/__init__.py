@@ -1,1 +1,0 @@
-"""Tree ensembles: leaves in 16 bits, two node tables, traversal, quantised features, pruning."""

@@ -1,0 +1,250 @@
+"""Plan: exactly what will be emitted of a model and a scene, and what is left out.
+
+With the bound of the instructions of one tick, which a budget is checked against: a tick that
+restarts (the first one, and one that takes a new position as true) fills the memory besides; the
+first after a silence is all the ticks without a sample too.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from springpot.codegen.arrays import Real
+from springpot.codegen.coupling.auto import CouplingChoice
+from springpot.codegen.coupling.gains import CoupleConfig
+from springpot.codegen.coupling.loop_device import LoopDevice, loop_device
+from springpot.codegen.limits import GuardConfig, OutputConfig, SilenceConfig
+from springpot.codegen.messages import short_repr
+from springpot.codegen.model.model import Model
+from springpot.codegen.scene import Scene
+from springpot.codegen.stages.model_stages import RangeConfig, Stages
+from springpot.codegen.stages.stage import (
+    COSTS,
+    DOUBLE,
+    REAL,
+    U32,
+    Member,
+    RegressorStage,
+    SceneTicks,
+    Stage,
+    padded,
+)
+from springpot.codegen.stages.windows import ToolVelocityStage
+from springpot.codegen.types import RealType
+
+MAX_RECOVERY_S = 2.0
+_MAKE_UP = 60.0  # beside its ticks
+
+
+@dataclass(frozen=True)
+class LeftOut:
+    """One thing that the scene does not need; bytes: tables and state saved, code apart."""
+
+    what: str
+    why: str
+    bytes: int
+
+
+def unused_orders(model: Model, dtype: RealType) -> list[LeftOut]:
+    """List the fractional orders that no split uses."""
+    if model.features is None or model.regressor is None:
+        return []
+    features = model.features
+    kept = model.regressor.used_columns(features.n_features)
+    orders = features.fractional_orders
+    unused = [order for i, order in enumerate(orders) if i not in set(kept.tolist())]
+    if not unused:
+        return []
+    vector_width = padded(len(orders)) - padded(max(len(kept), 1))
+    names = ", ".join(f"{order:g}" for order in unused)
+    saved = vector_width * features.table_rows * np.dtype(dtype).itemsize
+    return [LeftOut(f"orders {names}", "no split uses them", saved)]
+
+
+def units_left_out(
+    scene: Scene, ticks: SceneTicks, coupled: bool, estimates: bool, alpha: float | None
+) -> list[LeftOut]:
+    """List the units of the runtime that the scene does without."""
+    size = np.dtype(ticks.dtype).itemsize
+    needless = "the device gives it" if coupled else "nothing in this scene needs a velocity"
+    found = (
+        (ticks.surface, "contact and onset", "the recordings never leave the object", size),
+        # stiffness, damping, compliance, dt, phi; proxy's position, velocity, flag
+        (coupled, "coupling", "coupling.mode is off", 8 * size + 2 * size + 4),
+        (estimates, "velocity estimate", needless, 4 * size),
+        (alpha is not None, "smoothing", "smoothing.time_constant_s is 0", 2 * size),
+    )
+    return [LeftOut(what, why, saved) for kept, what, why, saved in found if not kept]
+
+
+@dataclass(frozen=True, eq=False)
+class Plan(Stages):
+    """Everything the emitted C contains. Fields that are None are units left out.
+
+    chose_rate: whether it ticks at a rate that neither the scene nor the recordings state.
+    """
+
+    scene: Scene
+    model: Model
+    real: Literal["float", "double"]
+    dt_s: float
+    guard: GuardConfig
+    range: RangeConfig
+    per_onset: Real | None
+    per_fade: Real | None
+    velocity: ToolVelocityStage | None
+    couple: CoupleConfig | None
+    at_proxy: bool
+    max_mps: Real
+    smooth_alpha: Real | None
+    output: OutputConfig
+    silence: SilenceConfig
+    watchdog_s: float
+    left_out: tuple[LeftOut, ...]
+    accept_unsafe: bool
+    stiffness_npm: float
+    coupling: CouplingChoice
+    outside: str
+    chose_rate: bool = False
+    __repr__ = short_repr
+
+    @property
+    def dtype(self) -> RealType:
+        """Numpy type of sp_real."""
+        return np.float32 if self.real == "float" else np.float64
+
+    @property
+    def needs_device_velocity(self) -> bool:
+        """Whether sp_step reads its velocity argument."""
+        return self.couple is not None and self.velocity is None
+
+    @property
+    def recovery_ticks(self) -> int:
+        """Ticks of good input after which bad input is forgotten, to 2 % of the maximum force.
+
+        The guard's resynchronisation, the ramp, and the longest memory: a window's length, or four
+        time constants of a pole (none longer than MAX_RECOVERY_S counts: an object that creeps for
+        minutes has rightly rested elsewhere).
+        """
+        ramp = round(1.0 / float(self.output.rise))
+        model = self.model
+        passive_s = 0.0 if model.hammerstein is None else 4.0 * model.hammerstein.memory_s
+        features_s = 0.0 if model.features is None else model.features.settling_s(self.dt_s)
+        longest_s = min(max(features_s, passive_s), MAX_RECOVERY_S)
+        return self.guard.resync_ticks + ramp + round(longest_s / self.dt_s)
+
+    @property
+    def loop_device(self) -> LoopDevice:
+        """The device that checks assume: the scene's."""
+        return loop_device(self.scene.device, self.dt_s)
+
+    @property
+    def has_places(self) -> bool:
+        """Whether the object is not the same everywhere: there is sp_place then."""
+        return self.passive is not None and self.passive.placed is not None
+
+    @property
+    def max_force_n(self) -> float:
+        """Largest force that leaves, in either direction, N."""
+        return max(float(self.output.max_n), -float(self.output.min_n))
+
+    @property
+    def contact(self) -> bool:
+        """Whether positions at or below 0 are free air."""
+        return self.per_onset is not None
+
+
+def stages(plan: Plan) -> list[Stage]:
+    """Stages that keep a state, in the order of a tick."""
+    excess = plan.excess or (None, None)
+    found: tuple[Stage | None, ...] = (plan.features, plan.passive, *excess, plan.velocity)
+    return [stage for stage in found if stage is not None]
+
+
+def planned_headers(plan: Plan) -> list[str]:
+    """Headers of the plan's units and of what they need, once each, in the order of a tick."""
+    parts: list[Stage | RegressorStage] = [*stages(plan)]
+    if plan.regressor is not None:
+        parts.append(plan.regressor)
+    headers = ["sp_number.h", "sp_silence.h", "sp_guard.h", "sp_range.h"]
+    headers += ["sp_guard_velocity.h"] if plan.needs_device_velocity else []
+    headers += [header for part in parts for header in part.headers]
+    headers += ["sp_contact.h"] if plan.contact else []
+    headers += ["sp_couple.h"] if plan.couple is not None else []
+    headers += ["sp_smooth.h"] if plan.smooth_alpha is not None else []
+    return list(dict.fromkeys([*headers, "sp_output.h"]))
+
+
+def state_members(plan: Plan) -> list[Member]:
+    """Members of sp_state, in order."""
+    members = [
+        Member("uint32_t begun", (U32,)),
+        Member("sp_silence_state silence", (REAL, REAL, U32)),
+        Member("sp_guard_state guard", (REAL, REAL, U32, U32)),
+    ]
+    members += [member for stage in stages(plan) for member in stage.members]
+    if plan.regressor is not None:
+        members += plan.regressor.members
+    if plan.couple is not None:
+        members.append(Member("sp_couple_state couple", (REAL, REAL, U32)))
+    if plan.smooth_alpha is not None:
+        members.append(Member("sp_real smoothed_n", (REAL,)))
+    return [*members, Member("sp_output_state output", (REAL, REAL, REAL))]
+
+
+def state_bytes(plan: Plan) -> int:
+    """Size of sp_state: the members' sizes, each padded to its own alignment."""
+    return _layout(plan)[1]
+
+
+def member_offset(plan: Plan, name: str) -> int:
+    """Offset of the member `name` in sp_state, bytes. Raises KeyError."""
+    return _layout(plan)[0][name]
+
+
+def _layout(plan: Plan) -> tuple[dict[str, int], int]:
+    sizes = {REAL: plan.dtype(0).itemsize, U32: 4, DOUBLE: 8}
+    offsets = {}
+    total = 0
+    widest = 1
+    for member in state_members(plan):
+        align = max(sizes[scalar] for scalar in member.scalars)
+        size = sum(sizes[scalar] for scalar in member.scalars)
+        total = padded(total, align)
+        offsets[member.declaration.split()[-1].split("[")[0]] = total
+        total += padded(size, align)
+        widest = max(widest, align)
+    return offsets, padded(total, widest)
+
+
+@dataclass(frozen=True)
+class InstructionBound:
+    """Instructions of sp_step. tick: after a tick with a sample; after_silence: the longest."""
+
+    tick: int
+    restart: int
+    after_silence: int
+
+
+def instruction_bound(plan: Plan) -> InstructionBound | None:
+    """Bound for the plan's target; None for a PC, doubles in software, nested ifs."""
+    costs = COSTS.get(plan.scene.runtime.target)
+    if costs is None or plan.real == "double":
+        return None
+    regressor = 0.0 if plan.regressor is None else plan.regressor.instructions(costs)
+    if regressor is None:
+        return None
+    passive = sum(
+        stage.instructions(costs) for stage in (plan.passive, *(plan.excess or ())) if stage
+    )
+    coupling = costs.coupling if plan.couple is not None else 0.0
+    features = 0.0 if plan.features is None else plan.features.instructions(costs)
+    tick = costs.tick + coupling + features + regressor + passive
+    forget = sum(stage.restart_instructions(costs) for stage in stages(plan))
+    longest = 1 + round(plan.watchdog_s / plan.dt_s)
+    return InstructionBound(
+        tick=round(tick),
+        restart=round(tick + forget),
+        after_silence=round(longest * tick + _MAKE_UP),
+    )

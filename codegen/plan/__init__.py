@@ -1,1 +1,0 @@
-"""Model and scene resolved into what will be emitted: limits, units, state, instruction bound."""

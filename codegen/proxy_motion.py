@@ -1,0 +1,170 @@
+"""Reference of a coupling whose proxy the model sees: its motion depends on the model's force."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.arrays import Reals
+from springpot.codegen.coupling.gains import CoupleConfig
+from springpot.codegen.plan import Plan
+from springpot.codegen.stages.model_stages import RangeConfig
+from springpot.codegen.stages.stage import Starts, bounded
+from springpot.codegen.tool_motion import Followed
+from springpot.codegen.types import Scalar
+
+ModelForce = Callable[[int, Reals, Starts, NDArray[np.bool_]], Reals]
+_CHUNK = 1024  # ticks predicted at a time, at most
+_MIN = 8  # at least: a pass has a cost of its own
+_AHEAD = 4  # times the ticks that the last pass verified
+
+
+@dataclass(frozen=True, eq=False)
+class ContactTrace:
+    """Run as the coupling sees it: the tool's motion, and whether it is in contact, (rows,)."""
+
+    motion: Followed
+    contact: NDArray[np.bool_]
+
+    @property
+    def placed(self) -> NDArray[np.bool_]:
+        """Rows, (rows,), that set the proxy to the tool: contact begins, or history restarts."""
+        begins = self.contact & ~np.concatenate([[False], self.contact[:-1]])
+        starts = self.motion.starts
+        begins[starts] = self.contact[starts]
+        return np.asarray(begins)
+
+    def restart_before(self, tick: int) -> int:
+        """The last restart at or before a tick; the first tick where there was none."""
+        starts = self.motion.starts
+        found = int(np.searchsorted(starts, tick, side="right"))
+        return int(starts[found - 1]) if found else 0
+
+
+def proxy_motion(
+    plan: Plan, trace: ContactTrace, force: ModelForce, predicted_m: Reals | None
+) -> Reals:
+    """Position at which the model looks at each tick, (n,), m: the proxy, or the tool in free air.
+
+    Predict and verify: the stages' references take whole motions, but the proxy's next position
+    needs the force here. So the force is evaluated on a predicted motion and the proxy stepped
+    with it: every tick up to the first that differs is exact, because its past was; what follows
+    is a better prediction. A pass begins at the last restart, which forgets what came before, and
+    goes a few times as far as the last one verified: in a stiff object one wrong tick spoils the
+    rest of a long prediction.
+    force(first, motion, starts, asked): the model's force, (n,), N, on a motion (n,), m, from the
+    tick `first` on, where `asked`.
+    predicted_m: (n,), the motion that the C reports, with which one pass is enough.
+    """
+    coupled = _Stepper(plan, trace)
+    pressed = trace.motion.position.copy()
+    if predicted_m is not None:
+        predicted = trace.contact & ~trace.placed
+        pressed[predicted] = predicted_m[predicted]
+    total = len(pressed)
+    # The first prediction is the tool: a proxy that is placed begins there.
+    done, chunk = 0, _CHUNK if predicted_m is None else total
+    while done < total:
+        end = min(total, done + chunk)
+        begin = trace.restart_before(done)
+        asked = trace.contact[begin:end].copy()
+        asked[: done - begin] = False  # verified: only the features' past
+        starts = trace.motion.starts
+        starts = starts[(starts >= begin) & (starts < end)] - begin
+        motion = pressed[begin:end]
+        model_n = shaped(plan, motion, force(begin, motion, starts, asked))
+        verified = coupled.verify(pressed, model_n[done - begin :], done, end)
+        chunk = min(_CHUNK, max(_MIN, _AHEAD * (verified - done)))
+        done = verified
+    return pressed
+
+
+def shaped(plan: Plan, pressed: Reals, model_n: Reals) -> Reals:
+    """sp_range_fade and sp_contact.h: the model's force at border and surface, (n,), N."""
+    zero, one = model_n.dtype.type(0), model_n.dtype.type(1)
+    if plan.per_fade is not None:
+        beyond = _beyond(plan.range, pressed)
+        share = one - beyond * plan.per_fade
+        fading = np.where(share > 0, model_n * share, zero)
+        model_n = np.where(beyond > 0, fading, model_n)
+    if plan.per_onset is not None:
+        share = pressed * plan.per_onset
+        rising = np.where(share < 1, model_n * share, model_n)
+        model_n = np.where(share > 0, rising, zero)
+    return model_n
+
+
+def _beyond(config: RangeConfig, x: Reals) -> Reals:
+    above, below = x - config.max_m, config.min_m - x
+    return np.where(above > below, above, below)
+
+
+class Coupled:
+    """sp_couple.h: Algorithm 1, stepped exactly."""
+
+    def __init__(self, config: CoupleConfig) -> None:
+        self._config = config
+        self.proxy: tuple[Scalar, Scalar] | None = None
+
+    def place(self, x: Scalar, v: Scalar) -> Scalar:
+        """Position of the proxy, m, which exists from here on."""
+        self.proxy = self.proxy or (x, v)
+        return self.proxy[0]
+
+    def force(self, x: Scalar, v: Scalar, model_n: Scalar) -> Scalar:
+        """Force at the tool, N; then moves the proxy."""
+        config = self._config
+        self.place(x, v)
+        assert self.proxy is not None
+        proxy_m, proxy_mps = self.proxy
+        e = proxy_m - x
+        w = proxy_mps - v
+        force_n = -(config.stiffness_npm * e) - config.damping_nspm * w
+        rest = -(config.compliance_mpn * model_n)
+        from_rest = e - rest
+        phi = config.phi
+        self.proxy = (
+            bounded(x + config.dt_s * v + (rest + (phi[0] * from_rest + phi[1] * w))),
+            bounded(v + (phi[2] * from_rest + phi[3] * w)),
+        )
+        return force_n
+
+
+class _Stepper:
+    def __init__(self, plan: Plan, trace: ContactTrace) -> None:
+        assert plan.couple is not None
+        self._coupled = Coupled(plan.couple)
+        self._guard = plan.guard
+        self._trace = trace
+        self._placed = trace.placed
+
+    def verify(self, pressed: Reals, model_n: Reals, begin: int, end: int) -> int:
+        """Step through ticks begin .. end; correct `pressed`; return the first unverified tick.
+
+        model_n: (ticks,), force on the prediction. Ticks after a wrong one are stepped too: their
+        motion is the next prediction.
+        """
+        verified = end
+        for i in range(begin, end):
+            proxy = self._coupled.proxy
+            if self._tick(pressed, model_n[i - begin], i) and verified == end:
+                verified, at_proof = i, proxy
+        if verified < end:  # the next pass steps that tick again, from the proxy before it
+            self._coupled.proxy = at_proof
+        return verified
+
+    def _tick(self, pressed: Reals, model_n: Scalar, i: int) -> bool:
+        """One tick; returns whether the predicted position was wrong."""
+        trace = self._trace
+        if self._placed[i] or not trace.contact[i]:
+            self._coupled.proxy = None
+        if not trace.contact[i]:
+            return False
+        x, v = trace.motion.position[i], trace.motion.velocity[i]
+        at = np.clip(self._coupled.place(x, v), self._guard.min_m, self._guard.max_m)
+        # A NaN that was predicted is right: two of them are the same motion.
+        wrong = bool(at != pressed[i]) and not (np.isnan(at) and np.isnan(pressed[i]))
+        pressed[i] = at
+        self._coupled.force(x, v, model_n)
+        return wrong

@@ -1,0 +1,230 @@
+"""Numpy reference of the emitted C: the same operations in the same order, bit for bit."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.arrays import Reals
+from springpot.codegen.notes import CLAMPED, HELD, LATCHED, LIMITED, OUTSIDE, RAMPED, RESYNC, Notes
+from springpot.codegen.plan import Plan
+from springpot.codegen.proxy_motion import ContactTrace, Coupled, proxy_motion, shaped
+from springpot.codegen.stages.model_stages import clip, model_force
+from springpot.codegen.stages.passive.placed import Taken
+from springpot.codegen.stages.stage import Starts, flushed
+from springpot.codegen.tool_motion import Followed, Guarded, at_rows, followed, guarded
+from springpot.codegen.types import Scalar
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """Returns of the C for each tick: force_n, shape (n,), the scene's type; notes, (n,)."""
+
+    force_n: Reals
+    notes: Notes
+
+
+def run_reference(
+    plan: Plan,
+    position_m: Reals,
+    velocity_mps: Reals | None = None,
+    predicted_m: Reals | None = None,
+    places: Taken = (),
+) -> Run:
+    """Run the plan on positions (and device velocities) from a fresh state.
+
+    position_m, velocity_mps: shape (n,), any float type; rounded to the scene's type first.
+    predicted_m: (n,), where the C's proxy was; it decides how long this takes, never the result.
+    places: before which tick sp_place was called, and with what, m.
+    """
+    raw = np.asarray(position_m, dtype=plan.dtype)
+    with np.errstate(over="ignore", invalid="ignore", under="ignore"):
+        device, believed = _device_velocity(plan, velocity_mps, len(raw))
+        samples = guarded(plan, raw, believed)
+        motion = followed(plan, samples, device)
+        starts = motion.starts
+        contact = motion.position > 0 if plan.contact else np.ones(len(motion.position), dtype=bool)
+        pressed = motion.position
+        taken = _taken(plan, motion, contact, places)
+        if plan.at_proxy:
+
+            def at_proxy(
+                first: int, proxy: Reals, begun: Starts, asked: NDArray[np.bool_]
+            ) -> Reals:
+                since = [(max(row - first, 0), place_m) for row, place_m in taken]
+                return model_force(plan, _depths(plan, proxy)[0], begun, asked, since)
+
+            predicted = predicted_m
+            if predicted_m is not None:
+                predicted = at_rows(predicted_m, motion.row, motion.missed)
+            pressed = proxy_motion(plan, ContactTrace(motion, contact), at_proxy, predicted)
+        depths, outside = _depths(plan, pressed)
+        heard = motion.row >= 0
+        notes = np.where(samples.resync, RESYNC, 0).astype(np.int32)
+        notes[heard] |= np.where(outside[motion.row[heard]], OUTSIDE, 0).astype(np.int32)
+        model_n = model_force(plan, depths, starts, contact, taken)
+        output = OutputStage(plan)
+        force_n = output.run(samples, motion, pressed, model_n, contact, notes)
+    return Run(force_n=force_n, notes=notes)
+
+
+def _taken(plan: Plan, motion: Followed, contact: NDArray[np.bool_], places: Taken) -> Taken:
+    """Rows in which a place is taken: once the tool is off the object, or the history restarts."""
+    if plan.passive is None or plan.passive.placed is None:
+        return ()
+    open_rows = np.append(np.union1d(np.flatnonzero(~contact), motion.starts), len(contact))
+    # What comes before a tick's own row are the ticks missed before it, which the same call makes.
+    begin = 1 + np.maximum.accumulate(np.append(-1, motion.row))
+    asked = [(int(begin[tick]), place_m) for tick, place_m in places]
+    return plan.passive.placed.taken(
+        asked, lambda row: int(open_rows[np.searchsorted(open_rows, row)])
+    )
+
+
+def _depths(plan: Plan, pressed: Reals) -> tuple[dict[str, Reals], NDArray[np.bool_]]:
+    """`penetration` and `clipped` of sp_step, each (n,), m, and where the depth was clipped."""
+    minimum = plan.dtype(0) if plan.contact else plan.range.min_m
+    penetration = np.where(pressed > minimum, pressed, minimum)
+    clipped, outside = clip(plan.range, penetration if plan.contact else pressed)
+    return {"penetration": penetration, "clipped": clipped}, outside
+
+
+def _device_velocity(
+    plan: Plan, velocity_mps: Reals | None, length: int
+) -> tuple[Reals, NDArray[np.bool_]]:
+    """The device's velocities, (n,), m/s, and where sp_guard_velocity.h believes them."""
+    if not plan.needs_device_velocity or velocity_mps is None:
+        return np.zeros(length, dtype=plan.dtype), np.ones(length, dtype=bool)
+    velocity: Reals = np.asarray(velocity_mps, dtype=plan.dtype)
+    return velocity, np.abs(velocity) <= plan.max_mps
+
+
+class OutputStage:
+    """Contact, coupling, smoothing and output: sp_contact.h to sp_output.h."""
+
+    def __init__(self, plan: Plan) -> None:
+        self._plan = plan
+        self._couple = Coupled(plan.couple) if plan.couple is not None else None
+        self._output = Output(plan)
+        self._smoothed = plan.dtype(0)
+
+    def run(
+        self, guarded: Guarded, followed: Followed, pressed: Reals, model_n: Reals,
+        contact: NDArray[np.bool_], notes: Notes,
+    ) -> Reals:  # fmt: skip
+        """Force of each tick, (n,), N; adds its notes to `notes`, (n,).
+
+        Of the rows of `followed`, (rows,): pressed, where the model looks, m, the model's force,
+        N, and whether there is contact.
+        """
+        model_n = shaped(self._plan, pressed, model_n)
+        force_n = np.zeros(len(notes), dtype=model_n.dtype)
+        for i, (ticks, latched) in enumerate(zip(guarded.ticks, guarded.latched, strict=True)):
+            if not ticks:
+                force_n[i], notes[i] = self._output.hold(latched, guarded.fall[i], guarded.share[i])
+                continue
+            row = followed.row[i]
+            if notes[i] & RESYNC:
+                self._forget()
+                self._output.restart()
+            for at in range(row - ticks + 1, row + 1):
+                force = model_n.dtype.type(0)
+                if contact[at]:
+                    force = self._shape(followed.position[at], followed.velocity[at], model_n[at])
+                else:
+                    self._forget()
+                    self._output.free()
+            force_n[i], note = self._output.force(latched, bool(ticks > 1), force)
+            notes[i] |= note
+        return force_n
+
+    def _shape(self, x: Scalar, v: Scalar, force: Scalar) -> Scalar:
+        if self._couple is not None:
+            force = self._couple.force(x, v, force)
+        if self._plan.smooth_alpha is not None:
+            alpha, held = self._plan.smooth_alpha, self._smoothed
+            self._smoothed = flushed(held + alpha * (force - held))
+            force = self._smoothed
+        return force
+
+    def _forget(self) -> None:
+        if self._couple is not None:
+            self._couple.proxy = None
+        self._smoothed = self._plan.dtype(0)
+
+
+class Output:
+    """Keep the force of the last call, and bound the next one by it."""
+
+    def __init__(self, plan: Plan) -> None:
+        self._config = plan.output
+        self._real = plan.dtype
+        self.given: Scalar = self._real(0)
+        self._share: Scalar = self._real(0)
+        self._rise: Scalar = self._real(0)
+
+    def restart(self) -> None:
+        """The ramp begins again."""
+        self._share, self._rise = self._real(0), self._config.rise
+
+    def free(self) -> None:
+        """No contact."""
+        self._share = self._real(1)
+
+    def hold(self, latched: Scalar, fall: Scalar, share: Scalar) -> tuple[Scalar, int]:
+        """A tick without a good sample; fall: how much of it was latched.
+
+        Force, N, and notes.
+        """
+        self.given = share * self.given
+        if latched:
+            return self._fall(fall), LATCHED
+        return self.given, HELD
+
+    def force(self, latched: Scalar, after_silence: bool, force: Scalar) -> tuple[Scalar, int]:
+        """Return what leaves of the model's force at a good sample, N, and notes."""
+        if latched:
+            return self._fall(self._real(1)), LATCHED
+        note = 0
+        if after_silence:
+            self._resume(force)
+        if self._share < 1:
+            force = force * self._share
+            self._share = self._share + self._rise * self._real(1)
+            note |= RAMPED
+        force, clamped = self._clamped(force)
+        self.given, limited = self._slewed(force)
+        note |= clamped | limited
+        return self.given, note
+
+    def _before(self, force: Scalar) -> Scalar:
+        given, zero = self.given, self._real(0)
+        return max(given, zero) if force > 0 else min(given, zero)
+
+    def _resume(self, force: Scalar) -> None:
+        before, now = abs(self._before(force)), abs(force)
+        share = before / now if before < now else self._real(1)
+        if share < 1 and share < self._share:
+            self._rise = self._rise if self._share < 1 else self._config.back
+            self._share = share + self._rise
+
+    def _clamped(self, force: Scalar) -> tuple[Scalar, int]:
+        min_n, max_n = self._config.min_n, self._config.max_n
+        if min_n <= force <= max_n:
+            return force, 0
+        beyond = min_n if force < min_n else self._real(0)
+        return (max_n if force > max_n else beyond), CLAMPED
+
+    def _slewed(self, force: Scalar) -> tuple[Scalar, int]:
+        slew = self._config.slew_n * self._real(1)
+        before = self._before(force)
+        most, least = before + slew, before - slew
+        if force > 0:
+            return (most, LIMITED) if force > most else (force, 0)
+        return (least, LIMITED) if force < least else (force, 0)
+
+    def _fall(self, ticks: Scalar) -> Scalar:
+        step = self._config.fall_n * ticks
+        down, up = self.given - step, self.given + step
+        self.given = down if down > 0 else up if up < 0 else self._real(0)
+        return self.given

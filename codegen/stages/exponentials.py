@@ -1,0 +1,256 @@
+"""Fractional derivatives as weighted sums of terms that all orders share: sp_weighted_sum.h.
+
+The terms are exponentials (sp_poles.h), or a window's newest rises and truncated exponentials
+(sp_fast_window.h).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.arrays import Reals
+from springpot.codegen.literals import array_text
+from springpot.codegen.model.features import FastFirBank, RecursiveBank
+from springpot.codegen.model.formulas import loss_and_gain
+from springpot.codegen.stages.stage import (
+    DOUBLE,
+    REAL,
+    SMALLEST,
+    U32,
+    Columns,
+    Costs,
+    FeatureStage,
+    Member,
+    Probe,
+    Starts,
+    feature_stage,
+    held_before,
+    numbers,
+    padded,
+    segments,
+    stage_code,
+)
+from springpot.codegen.types import RealType
+
+SLOW_TICKS = 1e5  # above this many ticks of time constant, a float state stops moving
+
+
+@dataclass(frozen=True, eq=False)
+class WeightedSumStage(FeatureStage):
+    """orders: of the columns in use. weights: shape (terms, capacity)."""
+
+    orders: tuple[float, ...]
+    weights: Reals
+
+    @property
+    def n_features(self) -> int:
+        return len(self.orders)
+
+    @property
+    def capacity(self) -> int:
+        return int(self.weights.shape[1])
+
+    @property
+    def named(self) -> str:
+        """The orders, for a comment."""
+        return ", ".join(f"{order:g}" for order in self.orders)
+
+    def probe(self) -> Probe:
+        rows, vector_width = self.weights.shape
+        return Probe(
+            inputs=rows,
+            outputs=vector_width,
+            sums=self.weigh,
+        )
+
+    def sum_instructions(self, costs: Costs) -> float:
+        """Bound of the instructions of the weighted sums alone."""
+        terms, vector_width = self.weights.shape
+        return float(vector_width * (terms * costs.weight + costs.lane))
+
+    def weigh(self, terms: Reals) -> Reals:
+        """Terms (..., terms) by the weights, each column's sum in order: (..., capacity)."""
+        total: Reals = np.zeros((*terms.shape[:-1], self.capacity), dtype=self.weights.dtype)
+        for k, row in enumerate(self.weights):
+            total += terms[..., k, None] * row
+        return total
+
+
+def in_lanes(weights: Reals, kept: NDArray[np.intp], dtype: type) -> Reals:
+    """The columns `kept`, padded with zeros to whole vectors: (terms, capacity)."""
+    found: Reals = np.zeros((len(weights), padded(max(len(kept), 1))), dtype=dtype)
+    found[:, : len(kept)] = weights[:, kept]
+    return found
+
+
+def pole_states(loss: Reals, rises: Reals, h: Reals) -> Reals:
+    """sp_poles.h: states after each tick, (n, poles), from h, (poles,); rises (n,), (n, poles)."""
+    states = np.empty((len(rises), len(h)), dtype=loss.dtype)
+    for k, (its_loss, begin) in enumerate(zip(numbers(loss), numbers(h), strict=True)):
+        along, its_h = [], begin
+        for rise in numbers(rises if rises.ndim == 1 else rises[:, k]):
+            its_h = its_h + (rise - its_loss * its_h)
+            its_h = its_h if abs(its_h) >= SMALLEST else its_h * 0
+            along.append(its_h)
+        states[:, k] = along
+    return states
+
+
+@dataclass(frozen=True, eq=False)
+class RecursiveStage(WeightedSumStage):
+    """Poles fast first; weights: shape (poles, capacity), gains folded in.
+
+    loss: (fast poles,). slow_loss: (slow poles,), stepped in double.
+    """
+
+    loss: Reals
+    slow_loss: NDArray[np.float64]
+
+    code = stage_code("recursive")
+
+    @property
+    def headers(self) -> tuple[str, ...]:
+        slow = ("sp_slow_poles.h",) if len(self.slow_loss) else ()
+        return ("sp_number.h", "sp_poles.h", *slow, "sp_weighted_sum.h")
+
+    @property
+    def members(self) -> tuple[Member, ...]:
+        """States of all poles, the slow ones' own, and the depth of the tick before."""
+        n_poles, n_slow = len(self.weights), len(self.slow_loss)
+        slow = (Member(f"double slow[{n_slow}]", (DOUBLE,) * n_slow),) if n_slow else ()
+        return (
+            *slow,
+            Member(f"sp_real poles[{n_poles}]", (REAL,) * n_poles),
+            Member("sp_real last_clipped", (REAL,)),
+        )
+
+    def tables(self) -> list[str]:
+        n_poles, vector_width = self.weights.shape
+        n_fast = len(self.loss)
+        slow = [array_text("slow_loss", "double", self.slow_loss)] if len(self.slow_loss) else []
+        fast = [array_text("loss", "sp_real", self.loss)] if n_fast else []
+        return [
+            f"enum {{\n    N_POLES = {n_poles},\n    N_FAST = {n_fast},\n"
+            f"    N_VECTOR = {vector_width}\n}};",
+            *fast,
+            *slow,
+            f"/* Poles to orders: a row a pole, a lane each for the orders {self.named}. */",
+            array_text("weights", "sp_real", self.weights),
+        ]
+
+    def instructions(self, costs: Costs) -> float:
+        poles = len(self.loss) * costs.pole + len(self.slow_loss) * costs.slow_pole
+        return float(poles + self.sum_instructions(costs) + 40.0)
+
+    def reference(self, depth: Reals, starts: Starts) -> Reals:
+        result = np.zeros((len(depth), self.n_features), dtype=depth.dtype)
+        for begin, end, held in segments(len(depth), starts):
+            first = depth[begin] if held else depth.dtype.type(0)
+            rises = np.diff(depth[begin:end], prepend=first)
+            fast = pole_states(self.loss, rises, np.zeros_like(self.loss))
+            slow_rises, at_rest = rises.astype(np.float64), np.zeros_like(self.slow_loss)
+            slow = pole_states(self.slow_loss, slow_rises, at_rest)
+            states = np.concatenate([fast, slow.astype(depth.dtype)], axis=1)
+            result[begin:end] = self.weigh(states)[:, : self.n_features]
+        return result
+
+
+@feature_stage.register
+def recursive_stage(
+    bank: RecursiveBank, kept: Columns, dt_s: float, dtype: RealType
+) -> RecursiveStage:
+    """Keep the columns `kept`; order the poles fast first."""
+    order = np.argsort(bank.tau_s)
+    loss, gain = loss_and_gain(bank.tau_s[order], dt_s)
+    slow = bank.tau_s[order] > SLOW_TICKS * dt_s
+    slow &= dtype is np.float32
+    return RecursiveStage(
+        orders=tuple(bank.orders[i] for i in kept),
+        loss=loss[~slow].astype(dtype),
+        slow_loss=loss[slow],
+        weights=in_lanes(gain[:, None] * bank.weights[order], kept, dtype),
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class FastFirStage(WeightedSumStage):
+    """keep, leave: (poles,), what a pole keeps in a tick, and of a rise until the window's end.
+
+    weights: (direct + poles + 1, capacity). length: of the window, samples.
+    """
+
+    keep: Reals
+    leave: Reals
+    length: int
+
+    code = stage_code("fast_fir")
+    headers = ("sp_window.h", "sp_number.h", "sp_fast_window.h", "sp_weighted_sum.h")
+
+    @property
+    def n_direct(self) -> int:
+        """Newest rises, which have weights of their own."""
+        return len(self.weights) - len(self.keep) - 1
+
+    @property
+    def members(self) -> tuple[Member, ...]:
+        """The window, twice so that its samples are contiguous; where it begins; the poles."""
+        window = 2 * (self.length + 1)
+        return (
+            Member(f"sp_real history[{window}]", (REAL,) * window),
+            Member("uint32_t newest", (U32,)),
+            Member(f"sp_real poles[{len(self.keep)}]", (REAL,) * len(self.keep)),
+        )
+
+    def tables(self) -> list[str]:
+        rows, width = self.weights.shape
+        return [
+            f"enum {{\n    N_WINDOW = {self.length + 1},\n    N_DIRECT = {self.n_direct},\n"
+            f"    N_POLES = {len(self.keep)},\n    N_TERMS = {rows},\n    N_VECTOR = {width}\n}};",
+            array_text("keep", "sp_real", self.keep),
+            array_text("leave", "sp_real", self.leave),
+            f"/* Rises, poles, oldest sample: a row each; lanes: the orders {self.named}. */",
+            array_text("weights", "sp_real", self.weights),
+        ]
+
+    def instructions(self, costs: Costs) -> float:
+        poles = len(self.keep) * costs.pole + self.n_direct * costs.direct
+        return float(poles + self.sum_instructions(costs) + 60.0)
+
+    def reference(self, depth: Reals, starts: Starts) -> Reals:
+        result = np.zeros((len(depth), self.n_features), dtype=depth.dtype)
+        stretches = segments(len(depth), starts)
+        pasts = held_before(depth, starts, self.length)
+        for (begin, end, _), (_, samples) in zip(stretches, pasts, strict=True):
+            terms = self._terms(samples, end - begin)
+            result[begin:end] = self.weigh(terms)[:, : self.n_features]
+        return result
+
+    def _terms(self, samples: Reals, n: int) -> Reals:
+        """Terms of n ticks, (n, direct + poles + 1), from `length` past samples and the n."""
+        rises = np.diff(samples)  # rises[i] is that of samples[i + 1]
+        newest = self.length - 1
+        direct = [rises[newest - k : newest - k + n] for k in range(self.n_direct)]
+        entering = rises[newest - self.n_direct : newest - self.n_direct + n]
+        leaving = rises[:n]
+        h = np.zeros(len(self.keep), dtype=samples.dtype)
+        poles = np.empty((n, len(h)), dtype=samples.dtype)
+        for i in range(n):
+            h = self.keep * h + (entering[i] - self.leave * leaving[i])
+            h[np.abs(h) < samples.dtype.type(SMALLEST)] = 0
+            poles[i] = h
+        return np.column_stack([*direct, poles, samples[1 : n + 1]])
+
+
+@feature_stage.register
+def fast_fir_stage(bank: FastFirBank, kept: Columns, dt_s: float, dtype: RealType) -> FastFirStage:
+    """Keep the columns `kept` of the bank."""
+    n_direct = len(bank.weights) - len(bank.tau_ticks) - 1
+    own = bank.length - 1 - n_direct
+    return FastFirStage(
+        orders=tuple(bank.orders[i] for i in kept),
+        keep=np.exp(-1.0 / bank.tau_ticks).astype(dtype),
+        leave=np.exp(-own / bank.tau_ticks).astype(dtype),
+        weights=in_lanes(bank.weights, kept, dtype),
+        length=bank.length,
+    )

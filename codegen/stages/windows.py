@@ -1,0 +1,249 @@
+"""Stages of past samples: taps (sp_taps.h), positions (sp_lags.h), velocities (sp_velocity.h).
+
+And the tool's velocity, for a coupling (sp_tool_velocity.h).
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
+
+from springpot.codegen.arrays import Real, Reals
+from springpot.codegen.literals import array_text, constant_text
+from springpot.codegen.model.features import FirBank, Lags, PositionVelocity
+from springpot.codegen.model.formulas import foaw
+from springpot.codegen.stages.stage import (
+    REAL,
+    U32,
+    Columns,
+    Costs,
+    FeatureStage,
+    Member,
+    Probe,
+    SceneTicks,
+    Stage,
+    Starts,
+    feature_stage,
+    flushed,
+    held_before,
+    padded,
+    stage_code,
+)
+from springpot.codegen.types import RealType, Scalar
+
+SUMS = 16  # SP_TAPS_SUMS
+TIME_S = 0.004  # of the low-pass
+
+
+@dataclass(frozen=True, eq=False)
+class FirStage(FeatureStage):
+    """orders: those kept. taps: shape (orders, length), zero beyond `n_taps`."""
+
+    orders: tuple[float, ...]
+    taps: Reals
+    n_taps: int
+
+    headers = ("sp_window.h", "sp_taps.h")
+
+    code = stage_code("fir")
+
+    @property
+    def n_features(self) -> int:
+        return len(self.orders)
+
+    @property
+    def capacity(self) -> int:
+        return len(self.taps)
+
+    @property
+    def members(self) -> tuple[Member, ...]:
+        """The window, twice so that its samples are contiguous, and where it begins."""
+        length = self.taps.shape[1]
+        return (
+            Member(f"sp_real history[2 * {length}]", (REAL,) * (2 * length)),
+            Member("uint32_t newest", (U32,)),
+        )
+
+    def tables(self) -> list[str]:
+        names = ", ".join(f"{order:g}" for order in self.orders)
+        rows, length = self.taps.shape
+        return [
+            f"enum {{\n    N_TAPS = {length},\n    N_ORDERS = {rows}\n}};",
+            f"/* c(r, k), newest first, {self.n_taps} and padding: a row each of {names}. */",
+            array_text("taps", "sp_real", self.taps),
+        ]
+
+    def probe(self) -> Probe:
+        rows, length = self.taps.shape
+        return Probe(
+            inputs=length,
+            outputs=rows,
+            sums=lambda made_up: np.array([tap_sums(row, made_up, 1)[0] for row in self.taps]),
+        )
+
+    def instructions(self, costs: Costs) -> float:
+        rows, length = self.taps.shape
+        return float(rows * (length * costs.tap + costs.tap_row))
+
+    def reference(self, depth: Reals, starts: Starts) -> Reals:
+        length = self.taps.shape[1]
+        result = np.zeros((len(depth), self.n_features), dtype=depth.dtype)
+        for rows, samples in held_before(depth, starts, length - 1):
+            n = len(samples) - length + 1
+            newest_first = samples[::-1]
+            for i in range(self.n_features):
+                result[rows, i] = tap_sums(self.taps[i], newest_first, n)[::-1]
+        return result
+
+
+def tap_sums(taps: Reals, newest_first: Reals, n: int) -> Reals:
+    """sp_taps.h for n windows, the newest first, each a sample earlier: shape (n,), m/s^r."""
+    s = np.zeros((SUMS, n), dtype=taps.dtype)
+    for k, tap in enumerate(taps):
+        s[k % SUMS] += tap * newest_first[k : k + n]
+    s = s[:8] + s[8:]
+    s = s[:4] + s[4:]
+    total: Reals = (s[0] + s[2]) + (s[1] + s[3])
+    return total
+
+
+@feature_stage.register
+def fir_stage(bank: FirBank, kept: Columns, dt_s: float, dtype: RealType) -> FirStage:
+    """Keep the columns `kept` of the bank."""
+    n_taps = len(bank.taps)
+    taps: Reals = np.zeros((max(len(kept), 1), padded(n_taps, SUMS)), dtype=dtype)
+    taps[: len(kept), :n_taps] = bank.taps[:, kept].T
+    return FirStage(orders=tuple(bank.orders[i] for i in kept), taps=taps, n_taps=n_taps)
+
+
+@dataclass(frozen=True, eq=False)
+class LagsStage(FeatureStage):
+    """lags: those kept, in samples; difference: past positions enter as x(t) - x(t - lag)."""
+
+    lags: NDArray[np.uint32]
+    difference: bool
+
+    headers = ("sp_lags.h",)
+
+    code = stage_code("lags")
+
+    @property
+    def n_features(self) -> int:
+        return len(self.lags)
+
+    @property
+    def _length(self) -> int:
+        return int(self.lags.max()) + 1
+
+    @property
+    def members(self) -> tuple[Member, ...]:
+        return (
+            Member(f"sp_real past[{self._length}]", (REAL,) * self._length),
+            Member("uint32_t newest", (U32,)),
+        )
+
+    def tables(self) -> list[str]:
+        return [
+            f"enum {{\n    N_PAST = {self._length},\n    N_LAGS = {len(self.lags)}\n}};",
+            array_text("lags", "uint32_t", self.lags),
+        ]
+
+    def instructions(self, costs: Costs) -> float:
+        return len(self.lags) * costs.lag + 40.0
+
+    def reference(self, depth: Reals, starts: Starts) -> Reals:
+        longest = self._length - 1
+        result = np.zeros((len(depth), self.n_features), dtype=depth.dtype)
+        for rows, samples in held_before(depth, starts, longest):
+            n = len(samples) - longest
+            for i, lag in enumerate(self.lags.tolist()):
+                past = samples[longest - lag : longest - lag + n]
+                result[rows, i] = samples[longest:] - past if self.difference and lag else past
+        return result
+
+
+@feature_stage.register
+def lags_stage(lags: Lags, kept: Columns, dt_s: float, dtype: RealType) -> LagsStage:
+    """Keep the lags `kept`."""
+    chosen = np.array([lags.samples[i] for i in kept] or [0], dtype=np.uint32)
+    return LagsStage(lags=chosen, difference=lags.difference)
+
+
+@dataclass(frozen=True, eq=False)
+class PositionVelocityStage(FeatureStage):
+    """Features: depth, velocity of the depth. per_step: shape (length,), 1/s."""
+
+    per_step: Reals
+    band_m: Real
+
+    n_features = 2
+    headers = ("sp_window.h", "sp_velocity.h")
+
+    code = stage_code("position_velocity")
+
+    @property
+    def members(self) -> tuple[Member, ...]:
+        """The window, twice so that its samples are contiguous, and where it begins."""
+        length = len(self.per_step) + 1
+        return (
+            Member(f"sp_real clipped_track[2 * {length}]", (REAL,) * (2 * length)),
+            Member("uint32_t clipped_newest", (U32,)),
+        )
+
+    def tables(self) -> list[str]:
+        return [
+            f"enum {{\n    N_CLIPPED_STEPS = {len(self.per_step)}\n}};",
+            array_text("clipped_per_step", "sp_real", self.per_step),
+            constant_text("clipped_band_m", self.band_m),
+        ]
+
+    def instructions(self, costs: Costs) -> float:
+        return float(len(self.per_step) * costs.velocity_step + 60.0)
+
+    def reference(self, depth: Reals, starts: Starts) -> Reals:
+        length = len(self.per_step)
+        velocity = np.zeros_like(depth)
+        for rows, samples in held_before(depth, starts, length):
+            windows = sliding_window_view(samples, length + 1)
+            velocity[rows] = foaw(self.per_step, self.band_m, windows)
+        return np.stack([depth, velocity], axis=1)
+
+
+@feature_stage.register
+def position_velocity_stage(
+    features: PositionVelocity, kept: Columns, dt_s: float, dtype: RealType
+) -> PositionVelocityStage:
+    """Depth and its velocity, whichever of them are `kept`."""
+    per_step = [1.0 / (j * dt_s) for j in range(1, features.length + 1)]
+    return PositionVelocityStage(np.array(per_step, dtype=dtype), dtype(features.band_m))
+
+
+@dataclass(frozen=True)
+class ToolVelocityStage(Stage):
+    """Follows the guarded position; its value is the C variable `position_mps`."""
+
+    rate_hz: Real
+    weight: Real
+
+    headers = ("sp_tool_velocity.h",)
+    members = (Member("sp_tool_velocity_state tool_velocity", (REAL, REAL)),)
+
+    code = stage_code("tool_velocity")
+
+    def tables(self) -> list[str]:
+        return [
+            constant_text("rate_hz", self.rate_hz),
+            constant_text("velocity_weight", self.weight),
+        ]
+
+    def next(self, velocity_mps: Scalar, before_m: Scalar, x: Scalar) -> Scalar:
+        """sp_tool_velocity: the velocity at x, m/s, a tick after before_m."""
+        difference = (x - before_m) * self.rate_hz
+        return flushed(velocity_mps + self.weight * (difference - velocity_mps))
+
+
+def tool_velocity_stage(ticks: SceneTicks) -> ToolVelocityStage:
+    """Difference at 1/dt_s, low-passed over TIME_S by backward Euler."""
+    dt_s, dtype = ticks.dt_s, ticks.dtype
+    return ToolVelocityStage(rate_hz=dtype(1.0 / dt_s), weight=dtype(dt_s / (dt_s + TIME_S)))

@@ -1,0 +1,161 @@
+"""The reference of what every stage sees: samples as the guard takes them, a row for each tick."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot.codegen.arrays import Reals
+from springpot.codegen.plan import Plan
+from springpot.codegen.stages.stage import SMALLEST, Starts
+
+SILENCE_WORTH = 0.15625  # SP_SILENCE_WORTH
+
+
+@dataclass(frozen=True, eq=False)
+class Guarded:
+    """Samples of a run as the guard takes them, (n,) each.
+
+    position: m. ticks: since the sample taken before; 0 where none is taken. share: of the held
+    force that is felt then. resync: the history restarts at it. latched: the watchdog has fallen;
+    fall: for so much of a tick without a sample.
+    """
+
+    position: Reals
+    ticks: NDArray[np.int64]
+    share: Reals
+    resync: NDArray[np.bool_]
+    latched: NDArray[np.bool_]
+    fall: Reals
+
+
+def guarded(plan: Plan, raw: Reals, believed: NDArray[np.bool_]) -> Guarded:
+    """sp_guard.h and sp_silence.h over a run from a fresh state.
+
+    raw: (n,), m. believed: (n,), whether the device's own velocity is.
+    """
+    config, silence, real = plan.guard, plan.silence, raw.dtype.type
+    raw = np.where(np.abs(raw) < real(SMALLEST), real(0), raw)
+    n = len(raw)
+    position, share = raw.copy(), np.ones(n, dtype=raw.dtype)
+    ticks = np.zeros(n, dtype=np.int64)
+    resync, latches = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
+    fall = np.zeros(n, dtype=raw.dtype)
+    good = suspect = silent = lost = real(0)
+    agreeing = 0
+    started = latched = False
+    tick = silence.dt_s * silence.per_dt
+    worth = real(SILENCE_WORTH) * silence.dt_s
+    plausible = (raw >= config.min_m) & (raw <= config.max_m)
+    for i, x in enumerate(raw):
+        elapsed = (silent + silence.dt_s) * silence.per_dt
+        since = 1 + (int(elapsed - real(0.5)) if elapsed >= 1.5 else 0)
+        if believed[i] and not plausible[i]:
+            agreeing = 0
+        elif believed[i] and started and abs(x - good) > config.jump_m * real(since):
+            agrees = agreeing and abs(x - suspect) <= config.jump_m
+            agreeing = agreeing + 1 if agrees else 1
+            suspect = x
+            if agreeing >= config.resync_ticks:
+                agreeing = 0
+                resync[i], ticks[i], good = True, 1, x
+        elif believed[i]:
+            agreeing = 0
+            resync[i] = not started
+            ticks[i], good, started = 1 if not started else since, x, True
+        if not ticks[i] and plan.contact and plausible[i]:
+            part = x / good if x < good else real(1)
+            share[i] = min(part, real(1)) if x > 0 else real(0)
+        if ticks[i]:
+            silent = real(0)
+            lost = lost - worth if lost > 0 else lost
+        elif latched:
+            fall[i] = tick
+        else:
+            silent = silent + silence.dt_s
+            lost = (lost if lost > 0 else real(0)) + silence.dt_s
+            latched = not lost <= silence.watchdog_s
+            beyond = (lost - silence.watchdog_s) * silence.per_dt
+            if latched:
+                fall[i], silent = min(real(int(beyond) + 1), tick), real(0)
+        latches[i] = latched
+        position[i] = good
+    return Guarded(position, ticks, share, resync, latches, fall)
+
+
+@dataclass(frozen=True, eq=False)
+class Followed:
+    """The tool's way through a run.
+
+    (rows,): position, m; velocity, m/s; missed: no sample came. row: (n,), of each tick's sample,
+    -1 where none was taken. starts: rows of restarts.
+    """
+
+    position: Reals
+    velocity: Reals
+    missed: NDArray[np.bool_]
+    row: NDArray[np.int64]
+    starts: Starts
+
+
+def followed(plan: Plan, samples: Guarded, device_mps: Reals) -> Followed:
+    """Before each sample a row for every tick missed, along an even way.
+
+    With the estimated velocity of a coupling: at a constant acceleration from the velocity before.
+    device_mps: (n,), the device's own velocity.
+    """
+    taken = np.flatnonzero(samples.ticks)
+    ticks = samples.ticks[taken]
+    rows = np.cumsum(ticks) - 1
+    total = int(ticks.sum())
+    position = np.zeros(total, dtype=samples.position.dtype)
+    missed = np.ones(total, dtype=bool)
+    position[rows] = samples.position[taken]
+    missed[rows] = False
+    row = np.full(len(samples.ticks), -1)
+    row[taken] = rows
+    starts = rows[samples.resync[taken]]
+    if plan.velocity is not None:
+        velocity = _estimated(plan, position, rows, ticks, starts)
+    else:
+        for k in np.flatnonzero(ticks > 1):
+            _fill(plan, position, rows[k], ticks[k], None)
+        velocity = at_rows(device_mps, row, missed)
+    return Followed(position, velocity, missed, row, starts)
+
+
+def at_rows(of_ticks: Reals, row: NDArray[np.int64], missed: NDArray[np.bool_]) -> Reals:
+    """Values of ticks, (n,), at the rows of their samples and of the ticks missed before."""
+    taken = np.flatnonzero(row >= 0)
+    return of_ticks[taken[np.cumsum(~missed) - ~missed]]
+
+
+def _estimated(
+    plan: Plan, position: Reals, rows: NDArray[np.int64], ticks: NDArray[np.int64], starts: Starts
+) -> Reals:
+    """Fill the rows that were missed; velocity of the tool at every row, m/s."""
+    assert plan.velocity is not None
+    real = position.dtype.type
+    velocity = np.zeros_like(position)
+    restarts = set(starts.tolist())
+    last, before = real(0), real(0)
+    for end, since in zip(rows.tolist(), ticks.tolist(), strict=True):
+        if since > 1:
+            _fill(plan, position, end, since, last * plan.silence.dt_s)
+        elif end in restarts:
+            last, before = real(0), position[end]
+        for i in range(end - since + 1, end + 1):
+            last = plan.velocity.next(last, before, position[i])
+            velocity[i], before = last, position[i]
+    return velocity
+
+
+def _fill(plan: Plan, position: Reals, end: int, since: int, begin: Reals | None) -> None:
+    """Rows missed before the sample at row `end`; begin: the step, m, that the tool came with."""
+    real = position.dtype.type
+    step = (position[end] - position[end - since]) / real(since)
+    left = np.arange(since - 1, 0, -1).astype(real)
+    if begin is not None:
+        step = step + (step - begin) / real(since) * (real(since) - left)
+    way = position[end] - left * step
+    position[end - since + 1 : end] = np.clip(way, plan.guard.min_m, plan.guard.max_m)

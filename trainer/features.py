@@ -1,0 +1,248 @@
+"""Features along a recording, in float64: fractional derivatives, past positions, velocity.
+
+Fractional derivatives are Grünwald-Letnikov sums (the paper's appendix A), an imitation of these by
+direct taps and truncated exponentials (engine `fir-fast`), or sums of exponentials, which are true
+to the derivative at any rate.
+"""
+
+from collections.abc import Sequence
+from functools import singledispatch
+from itertools import pairwise
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from springpot.codegen.arrays import Indices, Samples
+from springpot.codegen.model.features import (
+    FastFirBank,
+    Features,
+    FirBank,
+    Lags,
+    PositionVelocity,
+    RecursiveBank,
+)
+from springpot.codegen.model.formulas import foaw, loss_and_gain
+
+POLES_PER_DECADE = 2.5
+_FASTEST_STEPS = 0.25  # shortest time constant
+_BEYOND = 3.0  # longest time constant, of the memory asked for: the kernel's tail needs it
+_POINTS_PER_DECADE = 60
+DIRECT = 4
+FAST_FIR_POLES = 8
+_FASTEST_TICKS = (1.0, 1.5, 2.0, 3.0, 4.0)
+_SLOWEST_WINDOWS = (0.5, 1.0, 2.0, 6.0)
+_KEPT = 1e-15  # of a state after a tick: of less nothing is left
+_LOG_PIECE = 200.0  # e^-200 is a float64 yet
+_CHUNK = 8192  # rows whose windows are gathered at once
+
+
+def gl_weights(order: float, length: int) -> Samples:
+    """Grünwald-Letnikov weights c_k h^r, (length,): (-1)^k binomial(order, k) from k = 0 on.
+
+    By the recurrence c_k = c_(k-1) (k - 1 - r)/k, which overflows at no length (the gamma
+    functions of the paper's equation (15) do from k = 171 on). Raises ValueError where the order
+    is not in [0, 1] or there is no tap.
+    """
+    if not 0.0 <= order <= 1.0:
+        raise ValueError(f"fractional order {order}: give one in [0, 1]")
+    if length < 1:
+        raise ValueError(f"{length} taps: give at least one")
+    k = np.arange(1, length)
+    return np.concatenate([[1.0], np.cumprod((k - 1 - order) / k)])
+
+
+def gl_taps(order: float, length: int, dt_s: float) -> Samples:
+    """Taps c(r, k) of equation (16), shape (length,), newest sample first, 1/s^order.
+
+    The sum is over f(t - k h), the samples that exist; the paper prints f(t + (r - k) h).
+    """
+    weights: Samples = gl_weights(order, length) * dt_s**-order
+    return weights
+
+
+def recursive_bank(orders: tuple[float, ...], dt_s: float, longest_s: float) -> RecursiveBank:
+    """Log-spaced poles, one bank for all orders, true to motion between longest_s/2 and two steps.
+
+    Weights are non-negative: each feature is then a sum of Maxwell branches, locally dissipative.
+    """
+    fastest_s, slowest_s = _FASTEST_STEPS * dt_s, _BEYOND * longest_s
+    n_poles = 1 + round(POLES_PER_DECADE * np.log10(slowest_s / fastest_s))
+    tau_s = np.geomspace(fastest_s, slowest_s, max(n_poles, 2))
+    ends = _BEYOND / longest_s, 0.5 / dt_s
+    n_points = round(_POINTS_PER_DECADE * np.log10(ends[1] / ends[0]))
+    omega = np.geomspace(*ends, max(n_points, _POINTS_PER_DECADE))
+    weights = np.stack([_weights(order, tau_s, omega) for order in orders], axis=1)
+    return RecursiveBank(orders=orders, tau_s=tau_s, weights=weights)
+
+
+def _weights(order: float, tau_s: Samples, omega: Samples) -> Samples:
+    """Weights w >= 0, (poles,), with sum of w s/(s + 1/tau) ~ s^r on s = j omega (relative)."""
+    from scipy.optimize import nnls  # what replays recordings has no scipy
+
+    s = 1j * omega[:, None]
+    system = s / (s + 1.0 / tau_s) / s**order
+    wanted = np.concatenate([np.ones(len(omega)), np.zeros(len(omega))])
+    columns = np.concatenate([system.real, system.imag])
+    size = np.linalg.norm(columns, axis=0)  # far from 1 for high orders, and nnls goes in circles
+    weights, _ = nnls(columns / size, wanted)
+    return np.asarray(weights / size, dtype=np.float64)
+
+
+def fast_fir_bank(bank: FirBank) -> FastFirBank:
+    """Fit the running sums C_k of all orders' taps with shared poles, by least squares.
+
+    By parts, sum of c_k x(t-k) = sum of C_k (x(t-k) - x(t-k-1)) + C_last x(oldest): the C_k fall
+    smoothly with age, as sums of exponentials do. The poles are log-spaced; their ends
+    are those of a few that give the lowest error.
+    """
+    length = len(bank.taps)
+    candidates = [
+        _fitted(bank, np.geomspace(fastest, slowest * length, FAST_FIR_POLES))
+        for fastest in _FASTEST_TICKS
+        for slowest in _SLOWEST_WINDOWS
+    ]
+    return min(candidates, key=lambda fast: imitation_error(bank, fast))
+
+
+def _fitted(bank: FirBank, tau_ticks: Samples) -> FastFirBank:
+    length = len(bank.taps)
+    sums = np.cumsum(bank.taps, axis=0)
+    age = np.arange(length - 1 - DIRECT)
+    # Rows over their mean: without it the newest sums, the largest, would count most.
+    scale = sums[DIRECT : length - 1].mean(axis=1, keepdims=True)
+    poles, *_ = np.linalg.lstsq(
+        np.exp(-age[:, None] / tau_ticks) / scale, sums[DIRECT : length - 1] / scale, rcond=1e-10
+    )
+    weights = np.concatenate([sums[:DIRECT], poles, sums[-1:]])
+    return FastFirBank(orders=bank.orders, tau_ticks=tau_ticks, length=length, weights=weights)
+
+
+def equivalent_taps(fast: FastFirBank) -> Samples:
+    """Taps of the same filter, shape (length, orders): differences of its running sums."""
+    n_direct = len(fast.weights) - len(fast.tau_ticks) - 1
+    age = np.arange(fast.length - 1 - n_direct)
+    tail = np.exp(-age[:, None] / fast.tau_ticks) @ fast.weights[n_direct:-1]
+    sums = np.concatenate([fast.weights[:n_direct], tail, fast.weights[-1:]])
+    return np.diff(sums, axis=0, prepend=np.zeros((1, sums.shape[1])))
+
+
+def imitation_error(bank: FirBank, fast: FastFirBank) -> float:
+    """Maximum over the orders of the relative RMS error of the response to slow and fast sines.
+
+    Frequencies are log-spaced from one period in ten windows to a tenth of the sample rate.
+    """
+    length = len(bank.taps)
+    turns = np.geomspace(0.1 / length, 0.1, 60)
+    phase = np.exp(-2j * np.pi * turns[:, None] * np.arange(length))
+    wanted, found = phase @ bank.taps, phase @ equivalent_taps(fast)
+    relative = np.abs(found - wanted) / np.abs(wanted)
+    return float(np.sqrt((relative**2).mean(axis=0)).max())
+
+
+@singledispatch
+def feature_values(features: Features, depth_m: Samples, dt_s: float, rows: Indices) -> Samples:
+    """Features at `rows` of one recording, shape (rows, features), in float64.
+
+    depth_m: (n,). Before its first sample the object has rested at that sample. Each kind of
+    features registers its own; raises TypeError for one that did not.
+    """
+    raise TypeError(f"{type(features).__name__} has no values: register them with feature_values")
+
+
+@feature_values.register
+def _fir_values(bank: FirBank, depth_m: Samples, dt_s: float, rows: Indices) -> Samples:
+    return _windowed(bank.taps, depth_m, rows)
+
+
+@feature_values.register
+def _fast_fir_values(bank: FastFirBank, depth_m: Samples, dt_s: float, rows: Indices) -> Samples:
+    return _windowed(equivalent_taps(bank), depth_m, rows)
+
+
+@feature_values.register
+def recursive_values(bank: RecursiveBank, depth_m: Samples, dt_s: float, rows: Indices) -> Samples:
+    """States of the poles times their weights, (rows, orders), m/s^r."""
+    values = np.zeros((len(rows), len(bank.orders)))
+    for tau_s, weights in zip(bank.tau_s, bank.weights, strict=True):
+        values += highpass(depth_m, float(tau_s), dt_s)[rows, None] * weights
+    return values
+
+
+def highpass(
+    values: Samples, tau_s: float, dt_s: float, pauses: Sequence[tuple[int, float]] = ()
+) -> Samples:
+    """State h of a pole: h' = x' - h/tau, x linear within a step and at rest before.
+
+    values: x, (n,), or of several, (n, k), as what is returned. pauses: samples, ascending, before
+    which so many seconds passed: half of their rise comes first.
+    """
+    from scipy.signal import lfilter  # what replays recordings has no scipy
+
+    losses, gains = loss_and_gain(np.array([tau_s]), dt_s)
+    loss, gain = float(losses[0]), float(gains[0])
+    rises = np.diff(values, axis=0, prepend=values[:1])
+    states, begin, h = np.empty_like(rises), 0, np.zeros_like(rises[0])
+    for index, seconds in (*pauses, (len(values), 0.0)):
+        part, start = rises[begin:index], np.asarray((1.0 - loss) * h)[None]
+        states[begin:index] = lfilter([gain], [1.0, loss - 1.0], part, axis=0, zi=start)[0]
+        if index < len(values):
+            half = 0.5 * rises[index]
+            h = (states[index - 1] + half) * float(np.exp(-seconds / tau_s)) + half
+            states[index], begin = h, index + 1
+    return states
+
+
+def highpass_by_depth(values: Samples, lost: Samples) -> Samples:
+    """State h of a pole that loses the share `lost`, (n,), in each tick: sp_depth.h.
+
+    values: (n, k), as what is returned.
+    """
+    rises = np.diff(values, axis=0, prepend=values[:1])
+    return _decaying(1.0 - lost, (1.0 - 0.5 * lost)[:, None] * rises)
+
+
+def _decaying(kept: Samples, added: Samples) -> Samples:
+    """h[i] = kept[i] h[i-1] + added[i] from 0, (n, k); kept, (n,), above 0.
+
+    By sums of what is added over the product of what is kept, in pieces in which that product
+    stays a number.
+    """
+    logs = np.log(np.maximum(kept, _KEPT))
+    passed = np.cumsum(logs)
+    cuts = [0, *(1 + np.flatnonzero(np.diff(np.floor(passed / -_LOG_PIECE)))).tolist(), len(kept)]
+    h, last = np.empty_like(added), np.zeros_like(added[0])
+    for begin, end in pairwise(cuts):
+        before = passed[begin] - logs[begin]
+        product = np.exp(passed[begin:end] - before)[:, None]
+        h[begin:end] = product * (last + np.cumsum(added[begin:end] / product, axis=0))
+        last = h[end - 1] if end > begin else last
+    return h
+
+
+def _windowed(taps: Samples, depth_m: Samples, rows: Indices) -> Samples:
+    held = np.concatenate([np.full(len(taps) - 1, depth_m[0]), depth_m])
+    windows = sliding_window_view(held, len(taps))
+    newest_last = taps[::-1]
+    parts = [
+        windows[rows[begin : begin + _CHUNK]] @ newest_last for begin in range(0, len(rows), _CHUNK)
+    ]
+    return np.concatenate(parts) if parts else np.empty((0, taps.shape[1]))
+
+
+@feature_values.register
+def _lag_values(lags: Lags, depth_m: Samples, dt_s: float, rows: Indices) -> Samples:
+    past = [depth_m[np.maximum(rows - lag, 0)] for lag in lags.samples]
+    if lags.difference:
+        past = [past[0], *(past[0] - values for values in past[1:])]
+    return np.stack(past, axis=1)
+
+
+@feature_values.register
+def _position_velocity_values(
+    features: PositionVelocity, depth_m: Samples, dt_s: float, rows: Indices
+) -> Samples:
+    per_step = 1.0 / (dt_s * np.arange(1, features.length + 1))
+    held = np.concatenate([np.full(features.length, depth_m[0]), depth_m])
+    windows = sliding_window_view(held, features.length + 1)[rows]
+    velocity = foaw(per_step, np.float64(features.band_m), windows)
+    return np.stack([depth_m[rows], velocity], axis=1)

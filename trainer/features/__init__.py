@@ -1,1 +1,0 @@
-"""Features along a recording: fractional derivatives, past positions, velocity."""

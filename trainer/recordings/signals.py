@@ -1,0 +1,117 @@
+"""Sampled signals: noise and grid of a sensor, turns of a motion, smoothing.
+
+A sensor adds white noise and the steps of its grid. The paper smooths recordings offline, by a
+zero-phase moving average (section III-C).
+"""
+
+import math
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from springpot.codegen.arrays import Samples
+from springpot.trainer.recordings.recording import Recording
+
+_SAME = 1e-9  # of the range: the same value, converted or interpolated twice
+_ALONE = 0.02  # of moves: those unlike the one before and the one after, of a ramp at its ends
+_ORDER = 4  # of differences: they keep white noise, and leave next to nothing of a press
+_NORMAL = 1.4826  # standard deviation of normal noise over the median of its size
+MAX_SMOOTHED = 0.25  # of the shortest recording
+_FLATTENED = 0.03  # of a peak: an impact of 30 ms once lost half of its own
+_HALVINGS = 3
+_STRONG = 0.5  # of the set's largest force: in weaker recordings noise makes the peaks
+
+
+def noise_n(samples: Samples) -> float:
+    """Standard deviation of what differs from sample to sample, by the median of second steps."""
+    second = np.diff(samples, 2)
+    return _NORMAL * float(np.median(np.abs(second))) / math.sqrt(6.0) if len(second) else 0.0
+
+
+def sensor_noise_n(force_n: Samples) -> float:
+    """RMS of white noise in a force (n,), N, and at least that of its steps' rounding."""
+    differences = np.abs(np.diff(force_n, _ORDER))
+    moved = differences[differences > 0.0]  # a sensor slower than the recording holds its values
+    if not len(moved):
+        return 0.0
+    white_n = _NORMAL * float(np.median(moved)) / math.sqrt(math.comb(2 * _ORDER, _ORDER))
+    return max(white_n, (quantisation_step(force_n) or 0.0) / math.sqrt(12))
+
+
+def quantisation_step(samples: Samples) -> float | None:
+    """Smallest step between values on a grid, in the channel's unit; None without a grid.
+
+    Values a constant speed apart, on ramps between holds, are on no sensor's grid: on one, a speed
+    takes now more, now fewer of its steps.
+    """
+    values = np.unique(samples)
+    steps = np.diff(values)
+    steps = steps[steps > _SAME * float(values[-1] - values[0])]
+    if not len(steps):
+        return None
+    step = float(steps.min())
+    off_grid = np.abs(steps / step - np.round(steps / step))
+    if len(values) >= len(samples) / 2 or off_grid.max() >= 0.2:
+        return None
+    moves = np.round(np.diff(samples) / step)  # steps of the grid from sample to sample
+    before, after = np.append(0.0, moves[:-1]), np.append(moves[1:], 0.0)
+    alone = (moves != 0.0) & (moves != before) & (moves != after)
+    return step if np.count_nonzero(alone) > _ALONE * np.count_nonzero(moves) else None
+
+
+def turning_points(position_m: Samples, min_m: float) -> list[int]:
+    """Indices at which the motion turns round by at least `min_m`, with both ends."""
+    turns, best, rising = [0], 0, None
+    for k, value in enumerate(position_m.tolist()):
+        if rising is None:
+            if abs(value - position_m[0]) >= min_m:
+                rising, best = value > position_m[0], k
+        elif (value > position_m[best]) == rising and value != position_m[best]:
+            best = k
+        elif abs(value - position_m[best]) >= min_m:
+            turns.append(best)
+            rising, best = not rising, k
+    return [*turns, best] if rising is not None else []
+
+
+def smoothing_samples(smooth_s: float, dt_s: float) -> int:
+    """Return the odd number of samples nearest to `smooth_s`; 1 (no smoothing) if under three."""
+    return max(1, 2 * round((smooth_s / dt_s - 1) / 2) + 1)
+
+
+def smoothed(recording: Recording, smooth_s: float) -> Recording:
+    """Return the centred moving average over `smooth_s`; ends repeat the end samples."""
+    samples = smoothing_samples(smooth_s, recording.dt_s)
+
+    def average(values: Samples) -> Samples:
+        """Running sum, as scipy.ndimage.uniform_filter1d: what replays recordings has no scipy."""
+        padded = np.pad(values, samples // 2, mode="edge")
+        first = np.add.accumulate(padded[:samples])[-1]
+        changes = padded[samples:] - padded[:-samples]
+        return np.asarray(np.add.accumulate(np.append(first, changes)) / samples)
+
+    if samples == 1:
+        return recording
+    return replace(
+        recording, position_m=average(recording.position_m), force_n=average(recording.force_n)
+    )
+
+
+def longest_smoothing_s(recordings: Sequence[Recording], most_s: float) -> float:
+    """Return the longest of most_s, its half, ... that takes noise and no peak; 0 if none does."""
+    longest_s = min(most_s, MAX_SMOOTHED * min(each.duration_s for each in recordings))
+    peaks_n = [float(np.abs(each.force_n).max()) for each in recordings]
+    strong = [
+        (each, peak_n - 3.0 * noise_n(each.force_n))
+        for each, peak_n in zip(recordings, peaks_n, strict=True)
+        if peak_n >= _STRONG * max(peaks_n)
+    ]
+    for halvings in range(_HALVINGS + 1):
+        smooth_s = longest_s * 0.5**halvings
+        if all(
+            np.abs(smoothed(each, smooth_s).force_n).max() >= (1.0 - _FLATTENED) * peak_n
+            for each, peak_n in strong
+        ):
+            return smooth_s
+    return 0.0
