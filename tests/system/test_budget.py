@@ -27,8 +27,8 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
     [
         ("codegen/*.py", 7050),
         ("trainer/*.py", 8550),
-        ("host/*.py", 14250),
-        ("runtime_c/*.[ch]", 7300),
+        ("host/*.py", 14150),
+        ("runtime_c/*.[ch]", 7130),
         ("tests/*.py", 20000),
     ],
 )
