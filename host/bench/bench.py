@@ -6,12 +6,13 @@ import signal
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import resources
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, TypeVar
 
+import numpy as np
 from joblib import Memory, Parallel, delayed, parallel_config
 from joblib.memory import MemorizedFunc
 from rich.progress import track
@@ -21,17 +22,18 @@ from springpot.codegen.atomic_write import write_file
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.scene import Target
 from springpot.codegen.types import JsonObject
-from springpot.host.bench.candidates import Candidate, default_sweep
 from springpot.host.bench.front import ALONE, measure_alone, pareto
 from springpot.host.bench.measure import (
     BenchRecordings,
+    Candidate,
     Point,
+    default_sweep,
     measure_point,
     measure_sizes,
     target_compiler,
 )
-from springpot.host.console.output import progress_console
-from springpot.host.native.machine import machine_metadata
+from springpot.host.native.compiler import machine_metadata
+from springpot.host.output import progress_console
 from springpot.host.validation.seen import known_among
 from springpot.trainer.kinds import KINDS
 from springpot.trainer.models.fit import FitOptions
@@ -212,3 +214,36 @@ def code_hash() -> str:
             if file.is_file() and "__pycache__" not in file.parts:
                 digest.update(f"{file.relative_to(root)}\n".encode() + file.read_bytes())
     return digest.hexdigest()
+
+
+_HOLDOUT = 5  # one recording in so many is held out
+
+
+def holdout(recordings: Sequence[Recording], seed: int) -> tuple[list[Recording], list[Recording]]:
+    """Split into training and validation: a fifth of the recordings, or the end of a single one.
+
+    The recording with the maximum force stays: without it, validation measures extrapolation.
+    """
+    if len(recordings) == 1:
+        cut = 1.0 - 1.0 / _HOLDOUT
+        return [part_of(recordings[0], 0.0, cut)], [part_of(recordings[0], cut, 1.0)]
+    strongest = int(np.argmax([recording.force_n.max() for recording in recordings]))
+    others = [i for i in range(len(recordings)) if i != strongest]
+    count = max(1, len(recordings) // _HOLDOUT)
+    chosen = set(np.random.default_rng(seed).choice(others, size=count, replace=False).tolist())
+    training = [recording for i, recording in enumerate(recordings) if i not in chosen]
+    return training, [recording for i, recording in enumerate(recordings) if i in chosen]
+
+
+def part_of(recording: Recording, begin: float, end: float) -> Recording:
+    """Return the samples between two shares of a recording's length."""
+    n = len(recording.force_n)
+    rows = slice(round(begin * n), round(end * n))
+    return replace(
+        recording,
+        name=f"{recording.name}, {100 * begin:.0f} to {100 * end:.0f} %",
+        position_m=recording.position_m[rows],
+        force_n=recording.force_n[rows],
+        channels={},
+        session="",  # what is left of a session has gaps
+    )

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.host.console.output import (
+from springpot.host.output import (
     TextTable,
     json_option,
     paths_argument,

@@ -1,4 +1,4 @@
-"""`springpot emit` and `springpot build`: C source, and the library made of it."""
+"""`springpot emit`, `build`, `firmware`: C source, and what is made of it."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ from typing import TYPE_CHECKING
 import click
 
 from springpot.codegen.errors import UsageError
-from springpot.host.console.options import PATH
-from springpot.host.console.output import json_option, print_result, progress_bar, say
+from springpot.host.emission.boards import BOARDS, board_of
+from springpot.host.options import PATH
+from springpot.host.output import json_option, print_result, progress_bar, say
 
 if TYPE_CHECKING:
     from springpot.host.emission.result import Emission
@@ -132,3 +133,31 @@ def build(folder: Path, as_json: bool) -> None:
         print_result({"library": str(library), "edited": list(edited)}, True, {})
     else:
         click.echo(library)
+
+
+@click.command()
+@click.option(
+    "--scene",
+    type=click.Path(path_type=Path),
+    required=True,
+    help="Scene file, or a folder that `springpot emit` wrote.",
+)
+@click.option("--board", "name", required=True, help=f"One of {', '.join(BOARDS)}.")
+@click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder to write.")
+@json_option
+def firmware(scene: Path, name: str, out: Path, as_json: bool) -> None:
+    """Build a board's firmware; all its sources lie beside it."""
+    from springpot.host.emission.boards import TRANSDUCER, build_firmware
+    from springpot.host.emission.checksums import is_edited
+    from springpot.host.emission.emission import emitted_folder
+
+    board = board_of(name)
+    if is_edited(out, TRANSDUCER):
+        say(f"{out / TRANSDUCER}: built as you changed it")
+    with progress_bar("firmware"), emitted_folder(scene) as folder:
+        program = build_firmware(folder, board, out)
+    print_result(
+        {"firmware": str(program), "board": board.name, "target": board.target},
+        as_json,
+        {"firmware": str(program)},
+    )

@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from springpot.codegen.errors import UsageError
-from springpot.host.console.options import NOT_NEGATIVE, PATH, FiniteRange
-from springpot.host.console.output import json_option, print_json, progress_bar, say
+from springpot.host.options import NOT_NEGATIVE, PATH, FiniteRange
+from springpot.host.output import json_option, print_json, progress_bar, say
 from springpot.trainer.recordings.formats.column_map import MAP_EXAMPLE, DecimalMark, parse_map
 
 if TYPE_CHECKING:
@@ -97,7 +97,7 @@ def import_(
     One HDF5 file each. Headers such as time_s,position_m,force_N need no --map. Where one file is
     refused, nothing is written.
     """
-    from springpot.host.console.quality import report_quality
+    from springpot.host.quality import report_quality
     from springpot.trainer.recordings.conditioning import Conditioning
     from springpot.trainer.recordings.formats.import_set import import_set
     from springpot.trainer.recordings.formats.importing import (

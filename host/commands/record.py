@@ -13,8 +13,8 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from springpot.codegen.errors import UsageError
 from springpot.codegen.messages import number_of
-from springpot.host.console.options import PATH, POSITIVE
-from springpot.host.console.output import (
+from springpot.host.options import PATH, POSITIVE
+from springpot.host.output import (
     json_option,
     print_json,
     print_table,

@@ -9,9 +9,9 @@ import click
 
 from springpot.codegen.errors import UsageError
 from springpot.codegen.types import JsonObject
-from springpot.host.console.options import PATH, POSITIVE
-from springpot.host.console.output import json_option, print_result, progress_console
 from springpot.host.devices.device import RECONNECT_S
+from springpot.host.options import PATH, POSITIVE
+from springpot.host.output import json_option, print_result, progress_console
 
 if TYPE_CHECKING:
     from springpot.host.session.session import Session

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import click
 
 from springpot.codegen.errors import UsageError
-from springpot.host.console.options import PATH
-from springpot.host.console.output import json_option, print_result, progress_bar
+from springpot.host.options import PATH
+from springpot.host.output import json_option, print_result, progress_bar
 
 if TYPE_CHECKING:
     from springpot.host.stability.check import Stability

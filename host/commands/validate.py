@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import click
 
 from springpot.codegen.messages import number_of
-from springpot.host.console.options import PATH, recordings_given
-from springpot.host.console.output import json_option, print_result, progress_bar
+from springpot.host.options import PATH, recordings_given
+from springpot.host.output import json_option, print_result, progress_bar
 
 if TYPE_CHECKING:
     from springpot.host.validation.validation import Validation
@@ -82,10 +82,9 @@ def _deepest(validation: Validation) -> str:
 
 def validation_rows(validation: Validation) -> dict[str, str]:
     """A person's view of a validation."""
-    from springpot.host.metrics import error_ratios, ratio_rows
+    from springpot.host.metrics import error_ratios, ratio_rows, slope_keys, slope_words
     from springpot.host.session.outcome import notes_in_words
-    from springpot.host.stiffness import slope_keys, slope_words
-    from springpot.host.validation.parts import place_line
+    from springpot.host.validation.compared import place_line
     from springpot.host.validation.seen import accepted_words, seen_line
 
     found, ticks, felt = validation.accuracy, validation.ticks, validation.felt

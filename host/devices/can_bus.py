@@ -14,7 +14,7 @@ from pathlib import Path
 from springpot.codegen.errors import DeviceError
 from springpot.codegen.types import JsonObject
 from springpot.host.devices.can_bridge import FRAME, REMOTE, STANDARD
-from springpot.host.devices.url import Address
+from springpot.host.devices.drivers import Address
 
 STUFFED_BITS = 135  # of a frame of 8 bytes with a short identifier, at worst
 _QUEUE_S = 0.05  # a full queue of frames is sent in a few ms

@@ -14,7 +14,7 @@ from springpot.host.devices.device import (
     require_sample_rate,
 )
 from springpot.host.devices.dhd import DHD_OFF, DHD_ON, DhdLibrary, DhdStatus, force_off_words
-from springpot.host.devices.url import Address
+from springpot.host.devices.drivers import Address
 from springpot.host.native.c_library import CLibrary
 
 _KEYS = ("library", "axis", "surface_mm", "walls_npm", "watchdog", "effector_mass_kg", "weight_n")

@@ -16,9 +16,9 @@ from springpot.host.devices.device import (
     require_sample_rate,
     too_weak,
 )
+from springpot.host.devices.drivers import Address
 from springpot.host.devices.odrive import ENCODER, Drive, DriveLimits, identifier
 from springpot.host.devices.serial_port import require_fast_adapter, require_port
-from springpot.host.devices.url import Address
 from springpot.host.native.c_library import CLibrary
 
 BITRATE = 1_000_000

@@ -20,15 +20,13 @@ from springpot.codegen.plan.units import state_bytes
 from springpot.codegen.scene import Scene
 from springpot.codegen.short_repr import short_repr
 from springpot.codegen.types import JsonObject
-from springpot.host.console.output import say
 from springpot.host.emission.checksums import (
     edited_files,
     edited_hash,
     require_replaceable,
     write_checksums,
 )
-from springpot.host.emission.felt import felt_notices, rate_notices
-from springpot.host.emission.result import Emission, over_budget
+from springpot.host.emission.result import Emission, felt_notices, over_budget, rate_notices
 from springpot.host.emission.scene_file import (
     model_path,
     read_scene,
@@ -36,9 +34,14 @@ from springpot.host.emission.scene_file import (
     scene_to_json,
 )
 from springpot.host.native.compiler import NoCompilerError
-from springpot.host.native.footprint import measure_footprint
 from springpot.host.native.scene_library import SceneLibrary, scene_prefix
-from springpot.host.native.toolchain import SOFT_DOUBLES, missing_tools, toolchain
+from springpot.host.native.toolchain import (
+    SOFT_DOUBLES,
+    measure_footprint,
+    missing_tools,
+    toolchain,
+)
+from springpot.host.output import say
 from springpot.host.stability.check import Check, check
 from springpot.host.stability.linear import require_stable
 

@@ -13,8 +13,7 @@ from springpot.codegen.errors import SpringpotError
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.types import RealType
 from springpot.host.metrics import Accuracy, accuracy, start_up_ramp
-from springpot.host.native.c_library import CLibrary, load_c
-from springpot.host.native.loop_library import INPUT
+from springpot.host.native.c_library import INPUT, CLibrary, load_c
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.runtime_c.paths import PORT_TESTBENCH
 from springpot.trainer.models.motion import DepthMotion, in_ticks, motions

@@ -7,9 +7,9 @@ import numpy as np
 from springpot.codegen.errors import SpringpotError, UsageError
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.drivers import driver_of, parse_device
-from springpot.host.native.loop_library import COLUMN, IDLE, LoopRows
+from springpot.host.native.c_library import COLUMN, IDLE, LoopRows
 from springpot.host.recording.indentation import OPEN_LOOP, press_step_functions
-from springpot.host.session.loop import LoopSettings
+from springpot.host.session.outcome import LoopSettings
 from springpot.host.session.runner import SessionRunner
 
 TOUCHES = 3

@@ -10,11 +10,9 @@ from springpot.codegen.reference.notes import LATCHED
 from springpot.codegen.short_repr import short_repr
 from springpot.codegen.types import CData
 from springpot.host.devices.device import OpenedDevice
-from springpot.host.native.c_library import CLibrary
-from springpot.host.native.loop_library import GOT_FIFO, LoopRows, empty_rows, loop_library
+from springpot.host.native.c_library import GOT_FIFO, CLibrary, LoopRows, empty_rows, loop_library
 from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.session.loop import LinkCounts, LoopSettings, LoopState
-from springpot.host.session.outcome import granted
+from springpot.host.session.outcome import LinkCounts, LoopSettings, LoopState, granted
 
 _RING_S = 16.0  # of rows that wait while Python does something else
 _PRIORITY = 80

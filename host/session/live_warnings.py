@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.reference.notes import CLAMPED, HELD, LATCHED, LIMITED, OUTSIDE
 from springpot.codegen.types import JsonObject
-from springpot.host.native.loop_library import COLUMN, NONE, LoopRows, empty_rows
+from springpot.host.native.c_library import COLUMN, NONE, LoopRows, empty_rows
 from springpot.host.session.outcome import LOWER, NOTE_WORDS, UPPER, clamped_low
 
 WINDOW_S = 0.05  # rows are looked at together

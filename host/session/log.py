@@ -13,7 +13,7 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.atomic_write import written_aside
 from springpot.codegen.errors import DataError
 from springpot.codegen.types import JsonMapping
-from springpot.host.native.loop_library import COLUMN, COLUMNS, INPUT, LoopRows
+from springpot.host.native.c_library import COLUMN, COLUMNS, INPUT, LoopRows
 from springpot.trainer.recordings.journal import JournalWriter
 from springpot.trainer.recordings.recording import Zero
 

@@ -1,6 +1,8 @@
-"""How a session went, in words: why it stopped, what the system granted, what the C noted."""
+"""A loop's settings, state and counts, and how a session went in words: why it stopped, what the
+system granted, what the C noted."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -9,7 +11,8 @@ from numpy.typing import NDArray
 
 from springpot.codegen.errors import DeviceError, SpringpotError
 from springpot.codegen.reference import notes as notes_of
-from springpot.host.native.loop_library import (
+from springpot.codegen.short_repr import short_repr
+from springpot.host.native.c_library import (
     COLUMN,
     GOT_CPU,
     GOT_FIFO,
@@ -17,7 +20,6 @@ from springpot.host.native.loop_library import (
     GOT_SLACK,
     Stop,
 )
-from springpot.host.session.loop import LoopSettings, LoopState
 
 BY_USER = "stopped by the user"
 _FIRST_SAMPLE_S = 0.2  # no device takes longer for it
@@ -33,6 +35,60 @@ _WORDS = {
 NOTE_NAMES: dict[int, str] = {getattr(notes_of, name.upper()): name for name in _WORDS}
 NOTE_WORDS = {bit: _WORDS[name] for bit, name in NOTE_NAMES.items()}
 UPPER, LOWER = "force kept at its upper limit", "force kept at its lower limit"
+
+
+@dataclass(frozen=True)
+class LoopSettings:
+    """period_s: of a tick. seconds: 0, until it is stopped. Beyond the limits the loop ends.
+
+    reversed: the device pulls for a positive force. sensed: a sensor beside the device measures.
+    """
+
+    period_s: float
+    seconds: float = 0.0
+    max_force_n: float = float("inf")
+    max_depth_m: float = float("inf")
+    reversed: bool = False
+    sensed: bool = False
+    real_time: bool = True
+
+
+@dataclass(frozen=True)
+class LoopState:
+    """What sp_loop_get_status returns; counts since the start, flags, link counters."""
+
+    ticks: int = 0
+    late: int = 0
+    stale: int = 0
+    unused: int = 0
+    ring_dropped: int = 0
+    watchdog_trips: int = 0
+    disconnects: int = 0
+    resets: int = 0
+    start_ns: int = 0
+    newest_row: int = 0
+    elapsed_s: float = 0.0
+    latched: int = 0
+    tripped: int = 0
+    tripped_before_disconnect: int = 0
+    connected: int = 1
+    paused: int = 0
+    reason: int = 0
+    over: int = 0
+    got: int = 0
+    __repr__ = short_repr
+
+
+@dataclass(frozen=True)
+class LinkCounts:
+    """What came over all links of a session."""
+
+    samples: int = 0
+    crc_errors: int = 0
+    sequence_gaps: int = 0
+    unsent: int = 0
+    saturated: int = 0
+    device_error: int = 0
 
 
 def why_stopped(

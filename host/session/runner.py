@@ -11,20 +11,27 @@ import numpy as np
 from springpot.codegen.entry_points import blaming
 from springpot.codegen.errors import DeviceError, SpringpotError, UsageError
 from springpot.codegen.short_repr import short_repr
-from springpot.host.console.output import say
 from springpot.host.devices.device import RECONNECT_S, DeviceRequirements
 from springpot.host.devices.drivers import open_device
-from springpot.host.native.loop_library import (
+from springpot.host.native.c_library import (
     COLUMN,
     IDLE,
     NONE,
     LoopRows,
     empty_rows,
 )
+from springpot.host.output import say
 from springpot.host.session.c_loop import CLoop, StepFunctions
 from springpot.host.session.log import FLIGHT_S
-from springpot.host.session.loop import LinkCounts, LoopSettings, LoopState
-from springpot.host.session.outcome import BY_USER, fault_at_end, spread_us, why_stopped
+from springpot.host.session.outcome import (
+    BY_USER,
+    LinkCounts,
+    LoopSettings,
+    LoopState,
+    fault_at_end,
+    spread_us,
+    why_stopped,
+)
 from springpot.host.session.supervisor import DeviceSupervisor
 
 _DRAIN_S = 0.02

@@ -15,13 +15,18 @@ from springpot.codegen.regular_file import given_path
 from springpot.codegen.types import JsonObject
 from springpot.host.devices.device import RECONNECT_S, requirements_of
 from springpot.host.emission.emission import read_emission
-from springpot.host.native.loop_library import Stop
+from springpot.host.native.c_library import Stop
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.session.c_loop import scene_step_functions
 from springpot.host.session.live_warnings import Alarm, LiveWarnings
 from springpot.host.session.log import SessionLog, write_flight
-from springpot.host.session.loop import LoopSettings, LoopState
-from springpot.host.session.outcome import BY_USER, expected_ticks, steal_ms
+from springpot.host.session.outcome import (
+    BY_USER,
+    LoopSettings,
+    LoopState,
+    expected_ticks,
+    steal_ms,
+)
 from springpot.host.session.runner import SessionRunner, TakeRows
 from springpot.trainer.recordings.journal import MIN_SAMPLES
 from springpot.trainer.recordings.notices import caution, notice

@@ -3,15 +3,17 @@
 import contextlib
 import math
 import os
+import select
 import signal
+import sys
 from collections.abc import Iterator
 from types import FrameType
+from typing import TextIO
 
 from rich.live import Live
 from rich.text import Text
 
-from springpot.host.console.keys import reading_keys
-from springpot.host.console.output import progress_console
+from springpot.host.output import progress_console
 from springpot.host.session.runner import Progress, SessionRunner
 
 _KEYS = "q stop, p pause, r reset"
@@ -98,3 +100,42 @@ def _write_nowhere(streams: list[int]) -> None:
     for stream in streams:
         os.dup2(nowhere, stream)
     os.close(nowhere)
+
+
+class Keys:
+    """Keys pressed since the last look."""
+
+    def __init__(self, terminal: TextIO | None) -> None:
+        self._terminal = terminal
+
+    def pressed(self) -> str:
+        found = ""
+        while self._terminal is not None and select.select([self._terminal], [], [], 0)[0]:
+            try:
+                keys = os.read(self._terminal.fileno(), 64).decode(errors="replace")
+            except OSError:  # a terminal that was closed gives none
+                keys = ""
+            if not keys:
+                break
+            found += keys
+        return found
+
+
+@contextlib.contextmanager
+def reading_keys() -> Iterator[Keys]:
+    """Read keys one by one while this lasts."""
+    try:
+        import termios
+        import tty
+    except ModuleNotFoundError:  # Windows
+        termios = None  # type: ignore[assignment]
+    if termios is None or not sys.stdin.isatty():
+        yield Keys(None)
+        return
+    before = termios.tcgetattr(sys.stdin)
+    tty.setcbreak(sys.stdin)
+    try:
+        yield Keys(sys.stdin)
+    finally:
+        with contextlib.suppress(termios.error):  # the terminal was closed
+            termios.tcsetattr(sys.stdin, termios.TCSADRAIN, before)

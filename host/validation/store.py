@@ -11,7 +11,7 @@ from springpot.codegen.atomic_write import write_file, written_aside
 from springpot.codegen.errors import DataError
 from springpot.codegen.short_repr import short_repr
 from springpot.codegen.types import JsonObject
-from springpot.host.native.machine import machine_metadata
+from springpot.host.native.compiler import machine_metadata
 from springpot.host.validation.validation import Validation
 
 _FOLDER = "validation"

@@ -15,16 +15,27 @@ from springpot.codegen.errors import DataError, MismatchError
 from springpot.codegen.model.model import Model
 from springpot.codegen.plan.plan import Plan
 from springpot.codegen.types import JsonObject
-from springpot.host.console.output import shown_fields
 from springpot.host.emission.emission import read_emission
-from springpot.host.metrics import Accuracy, accuracy, error_ratios
+from springpot.host.metrics import (
+    Accuracy,
+    SlopeErrors,
+    accuracy,
+    error_ratios,
+    slope_errors,
+    slope_keys,
+)
 from springpot.host.native.replay import Replay, TickTimes
 from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.stiffness import SlopeErrors, slope_errors, slope_keys
-from springpot.host.validation.compared import compared_all, is_log_of
-from springpot.host.validation.parts import PlaceError, place_errors
+from springpot.host.output import shown_fields
+from springpot.host.validation.compared import (
+    PlaceError,
+    at_samples,
+    at_ticks,
+    compared_all,
+    is_log_of,
+    place_errors,
+)
 from springpot.host.validation.seen import seen_by
-from springpot.host.validation.ticks import at_samples, at_ticks
 from springpot.trainer.models.compatibility import require_compatible
 from springpot.trainer.models.limited import limited_each_n
 from springpot.trainer.plot_axes import axes_for_plot

@@ -25,7 +25,7 @@ from springpot.codegen.reference.notes import (
 from springpot.codegen.reference.run import run_reference
 from springpot.codegen.scene import Coupling
 from springpot.codegen.stages.model_force import Stages, model_force
-from springpot.host.native.trial_build import built
+from springpot.host.native.scene_library import built
 from springpot.host.validation.compared import proxy_positions
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions

@@ -22,7 +22,7 @@ from springpot import Model
 from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.plan.units import planned_headers
 from springpot.codegen.reference.run import run_reference
-from springpot.host.native.trial_build import built
+from springpot.host.native.scene_library import built
 
 HOUR_S = 4e3  # slow: more than 1e5 ticks
 CURVE_N = np.linspace(0.5, 3.0, 9)

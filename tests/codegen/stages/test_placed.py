@@ -17,8 +17,7 @@ from springpot.codegen.model.places import Places
 from springpot.codegen.plan.make_plan import make_plan
 from springpot.codegen.plan.units import state_bytes
 from springpot.codegen.reference.run import run_reference
-from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.native.trial_build import built
+from springpot.host.native.scene_library import SceneLibrary, built
 
 SOFT, STIFF = (0.0, -0.01), (0.01, 0.01)
 CURVE_N = np.linspace(0.5, 3.0, 9)

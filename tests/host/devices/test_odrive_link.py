@@ -18,7 +18,7 @@ from springpot.host.devices.odrive import (
     ENCODER,
     parse_heartbeat,
 )
-from springpot.host.native.loop_library import loop_library
+from springpot.host.native.c_library import loop_library
 
 FILES = {"0.5": "odrive-cansimple-0.5.6.dbc", "0.6": "odrive-cansimple-0.6.10.dbc"}
 

@@ -10,7 +10,7 @@ from support.small import model_file, press, recording, scene, small_model
 from springpot.codegen.errors import DataError
 from springpot.host.emission.emission import emit
 from springpot.host.pages.page import plain
-from springpot.host.report.scene_page import write_report
+from springpot.host.pages.scene_page import write_report
 from springpot.host.validation.store import store_validation
 from springpot.host.validation.validation import Validation, validate
 

@@ -16,7 +16,7 @@ import pytest
 from support.peer import CLI, Peer, peer, wait_until
 
 from springpot.codegen.reference.notes import LATCHED
-from springpot.host.native.loop_library import NONE, RESET, SILENT
+from springpot.host.native.c_library import NONE, RESET, SILENT
 from springpot.host.validation.validation import validate
 from springpot.trainer.recordings.recording_file import read_recording
 

@@ -14,7 +14,7 @@ from springpot.codegen.reference.notes import (
     RAMPED,
     RESYNC,
 )
-from springpot.host.native.loop_library import COLUMN, NONE, empty_rows
+from springpot.host.native.c_library import COLUMN, NONE, empty_rows
 from springpot.host.session.live_warnings import LiveWarnings
 from springpot.trainer.recordings.recording_file import read_recording, write_recording
 

@@ -11,7 +11,7 @@ from springpot import Session, SpringpotError
 from springpot.codegen.errors import DataError
 from springpot.host.cli import exit_status
 from springpot.host.emission.emission import emit
-from springpot.host.native.loop_library import NONE, RESET, SILENT
+from springpot.host.native.c_library import NONE, RESET, SILENT
 from springpot.host.validation.validation import validate
 from springpot.trainer.recordings.recording_file import read_recording, write_recording
 

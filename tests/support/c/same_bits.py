@@ -7,7 +7,7 @@ from springpot.codegen.plan.plan import Plan
 from springpot.codegen.plan.units import state_bytes
 from springpot.codegen.reference.run import run_reference
 from springpot.host.native.replay import Replay
-from springpot.host.native.trial_build import built
+from springpot.host.native.scene_library import built
 from springpot.host.validation.compared import proxy_positions
 
 

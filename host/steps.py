@@ -17,7 +17,7 @@ from springpot.codegen.model.model import Model
 from springpot.codegen.regular_file import given_path
 from springpot.codegen.scene import Scene, Target
 from springpot.codegen.types import JsonObject
-from springpot.host.api.files import File, given_model, read_recordings, write_model
+from springpot.host.files import File, given_model, read_recordings, write_model
 from springpot.trainer.models.fit import Engine, Fit, FitOptions
 from springpot.trainer.recordings.notices import notice
 from springpot.trainer.recordings.recording import Recording
@@ -111,8 +111,7 @@ def train(
     'rf-fd'
     """
     options = _fit_options(locals())
-    from springpot.host.console.in_python import errors_in_python, in_python
-    from springpot.host.console.quality import warn_of_quality
+    from springpot.host.quality import errors_in_python, in_python, warn_of_quality
     from springpot.trainer.kinds import fit_model
 
     training = warn_of_quality(_some(recordings)).checked
@@ -141,7 +140,7 @@ def predict(
     >>> predict(model, [0.0, 1e-3, 2e-3]).shape
     (3,)
     """
-    from springpot.host.console.in_python import in_python
+    from springpot.host.quality import in_python
     from springpot.trainer.models.compatibility import require_compatible, zero_of
     from springpot.trainer.models.limited import extrapolation, limited_n, unplaced
     from springpot.trainer.recordings.quality.signs import sign_doubts
@@ -260,9 +259,8 @@ def bench(
     >>> bench(recordings, models=["hammerstein"])["points"][0]["model"]
     'hammerstein'
     """
-    from springpot.host.bench.bench import Bench, run_bench
-    from springpot.host.bench.splits import holdout
-    from springpot.host.console.quality import warn_of_quality
+    from springpot.host.bench.bench import Bench, holdout, run_bench
+    from springpot.host.quality import warn_of_quality
 
     training = warn_of_quality(_some(recordings)).checked
     testing = given_recordings(validation)

@@ -1,10 +1,50 @@
-"""Messages in Python: options of the command line as the arguments that do the same."""
+"""What Python's callers are told: messages with arguments for options, quality as warnings."""
 
 import re
-from collections.abc import Iterator
+import warnings
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 from springpot.codegen.errors import SpringpotError
+from springpot.host.output import say
+from springpot.trainer.recordings.notices import notice
+from springpot.trainer.recordings.quality.report import QualityReport, check_recordings
+from springpot.trainer.recordings.recording_file import Recordings
+
+_CALLER = 5  # frames above `warn`: of who called the public function that judges recordings
+
+
+def report_quality(
+    recordings: Recordings,
+    doubt: Callable[[str], None] = say,
+    good: Callable[[str], None] = say,
+) -> QualityReport:
+    """Say the warnings and which way is in, by default on standard error.
+
+    recordings: or files and folders of them; `checked` of the report has them without spikes.
+
+    Raises DataError at a refusal.
+    """
+    report = check_recordings(recordings)
+    for kind in {finding.kind: None for finding in report.findings}:
+        first, *others = (found for found in report.findings if found.kind == kind)
+        if first.severity == "warning":
+            also = f" (and {len(others)} more: springpot check)" if others else ""
+            doubt(first.line + also)
+    report.refuse()
+    good(report.sign_words)
+    return report
+
+
+def warn_of_quality(recordings: Recordings) -> QualityReport:
+    """Warn in Python's way, and log which way is in. Raises DataError at a refusal."""
+    with errors_in_python():
+        return report_quality(recordings, _warn, notice)
+
+
+def _warn(line: str) -> None:
+    warnings.warn(in_python(line.removeprefix("warning: ")), UserWarning, stacklevel=_CALLER)
+
 
 # The options that are not the argument with the same name.
 _ARGUMENTS = {

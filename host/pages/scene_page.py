@@ -7,15 +7,13 @@ from springpot.codegen.atomic_write import write_file
 from springpot.codegen.errors import DataError
 from springpot.codegen.types import JsonObject
 from springpot.host.emission.emission import read_emission, require_emission
-from springpot.host.metrics import JND_WORDS, SCORED_ABOVE_N, floor_words
+from springpot.host.metrics import JND_WORDS, SCORED_ABOVE_N, floor_words, slope_words
 from springpot.host.native.compiler import CompilerError
-from springpot.host.native.footprint import measure_footprint
 from springpot.host.native.scene_library import scene_prefix
-from springpot.host.native.toolchain import missing_tools, toolchain
+from springpot.host.native.toolchain import measure_footprint, missing_tools, toolchain
+from springpot.host.pages import figures
 from springpot.host.pages.page import page_text, plain
-from springpot.host.report import figures
 from springpot.host.session.outcome import notes_in_words
-from springpot.host.stiffness import slope_words
 from springpot.host.validation.store import Stored, read_validation
 
 _REPORT_NAME = "report.html"
@@ -42,7 +40,7 @@ def write_report(folder: Path) -> Path:
         "error_figure": figures.error_figure(stored.series),
     }
     path = folder / _REPORT_NAME
-    write_file(path, page_text("report.html", context, "springpot.host.report").encode())
+    write_file(path, page_text("report.html", context).encode())
     return path
 
 

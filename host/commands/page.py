@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from springpot.host.console.output import json_option, print_result, progress_bar
+from springpot.host.output import json_option, print_result, progress_bar
 
 
 @click.command()
@@ -17,7 +17,7 @@ def page(folders: tuple[Path, ...], out: Path, as_json: bool) -> None:
     The page runs the emitted C as WebAssembly: needs clang and lld, or springpot[cc].
     Where node is installed, its forces are compared with those of this machine.
     """
-    from springpot.host.page.press_page import write_press_page
+    from springpot.host.pages.press_page import write_press_page
 
     with progress_bar("page"):
         result = write_press_page(folders, out)

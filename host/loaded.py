@@ -13,7 +13,7 @@ from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import UsageError
 from springpot.codegen.regular_file import given_path
 from springpot.codegen.types import JsonObject
-from springpot.host.api.files import File
+from springpot.host.files import File
 from springpot.trainer.models.limited import stiffest_words
 from springpot.trainer.recordings.recording import Recording
 

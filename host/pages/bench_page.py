@@ -11,8 +11,8 @@ from springpot.codegen.atomic_write import write_file
 from springpot.codegen.errors import DataError
 from springpot.codegen.types import JsonMapping
 from springpot.host.bench.bench import RESULT
+from springpot.host.pages.figures import STYLE, log_ticks, svg_text
 from springpot.host.pages.page import page_text
-from springpot.host.pages.plot_style import STYLE, log_ticks, svg_text
 from springpot.trainer.kinds import KINDS, Kind
 
 _FILE = Kind("file", "", "", "D", "#6a4c93")  # of a model that was not fitted here
@@ -29,7 +29,7 @@ def write_bench_page(folder: Path) -> Path:
         ) from None
     page = folder / "bench.html"
     context = {"result": result, "points": result["points"], "figure": _figure(result["points"])}
-    text = page_text("bench.html", context, "springpot.host.bench", label=label)
+    text = page_text("bench.html", context, label=label)
     write_file(page, text.encode())
     return page
 

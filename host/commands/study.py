@@ -4,8 +4,8 @@ from pathlib import Path
 
 import click
 
-from springpot.host.console.command_group import CommandGroup
-from springpot.host.console.output import json_option, print_result, print_table, progress_bar
+from springpot.host.options import CommandGroup
+from springpot.host.output import json_option, print_result, print_table, progress_bar
 
 _PATH = click.Path(path_type=Path)
 
