@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     from springpot.codegen.scene import (
         Scene as Scene,
     )
+    from springpot.host.ensemble import (
+        from_ensemble as from_ensemble,
+    )
     from springpot.host.files import (
         import_recordings as import_recordings,
     )
@@ -45,6 +48,9 @@ if TYPE_CHECKING:
     from springpot.host.loaded import (
         load as load,
     )
+    from springpot.host.session.session import (
+        Session as Session,
+    )
     from springpot.host.steps import (
         bench as bench,
     )
@@ -65,12 +71,6 @@ if TYPE_CHECKING:
     )
     from springpot.host.steps import (
         validate as validate,
-    )
-    from springpot.host.ensemble import (
-        from_ensemble as from_ensemble,
-    )
-    from springpot.host.session.session import (
-        Session as Session,
     )
     from springpot.trainer.models.fit import (
         Fit as Fit,
