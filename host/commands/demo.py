@@ -27,7 +27,7 @@ def demo(out: Path, object_name: str, as_json: bool) -> None:
     """Do the whole job on a simulated object: record, train, emit, build, validate, report."""
     from springpot.host.commands.demo import run_demo
     from springpot.host.commands.emit import emission_rows
-    from springpot.host.commands.validate import validation_rows
+    from springpot.host.validation.store import validation_rows
     from springpot.host.validation.validation import fail_on_mismatch
 
     done = run_demo(out, object_name)

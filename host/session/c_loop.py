@@ -143,13 +143,6 @@ class CLoop:
         count = self._c.sp_loop_drain(self._loop, self._rows(self._chunk), len(self._chunk))
         return self._chunk[:count].copy()
 
-    def flight(self, seconds: float) -> LoopRows:
-        """The last rows again, after the end."""
-        newest = self.get_status().newest_row
-        count = min(newest, len(self._ring), int(seconds / self._settings.period_s) + 1)
-        places = [(newest - count + k) % len(self._ring) for k in range(count)]
-        return self._ring[places]
-
     def join(self) -> None:
         """Wait for the end of the thread: at most a period and what the device takes."""
         if self._ticking:

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.arrays import Samples
-from springpot.codegen.atomic_write import written_aside
 from springpot.codegen.errors import DataError
 from springpot.codegen.types import JsonMapping
 from springpot.host.native.c_library import COLUMN, COLUMNS, INPUT, LoopRows
@@ -19,7 +18,6 @@ from springpot.trainer.recordings.recording import Zero
 
 _KEPT = tuple(name for name in COLUMNS if name not in ("position_m", "sent_n"))
 CHANNELS = (INPUT, *_KEPT)
-FLIGHT_S = 5.0  # of the end, in a flight recorder
 
 
 class SessionLog:
@@ -88,13 +86,3 @@ class SessionLog:
         result = held[good][1:]
         self._last[channel] = result[-1]
         return result
-
-
-def write_flight(file: Path, rows: LoopRows, why: str) -> Path:
-    """Write the last seconds of a session as text beside its log, with why it stopped above."""
-    path = file.with_suffix(".flight.csv")
-    with written_aside(path) as aside, aside.open("w") as text:
-        text.write(f"# {why}\n{','.join(COLUMNS)}\n")
-        for row in rows.tolist():
-            text.write(",".join(map(repr, row)) + "\n")
-    return path

@@ -22,7 +22,6 @@ from springpot.host.native.c_library import (
 )
 from springpot.host.output import say
 from springpot.host.session.c_loop import CLoop, StepFunctions
-from springpot.host.session.log import FLIGHT_S
 from springpot.host.session.outcome import (
     BY_USER,
     LinkCounts,
@@ -203,10 +202,6 @@ class SessionRunner:
     def fault(self) -> str:
         """Why it ended without its device, and what to do; empty where the device was there."""
         return fault_at_end(self.state, self.counts.samples)
-
-    def flight(self) -> LoopRows:
-        """The last seconds of rows, after the end."""
-        return self._loop.flight(FLIGHT_S)
 
     def spreads_us(self) -> dict[str, dict[str, float]]:
         """Percentiles and maximum: how late ticks began, and how long the calls took, us."""

@@ -7,7 +7,6 @@ brings back a device that was unplugged. However the session is left, the force 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from os import PathLike
-from pathlib import Path
 from typing import Any, Self
 
 from springpot.codegen.errors import DeviceError
@@ -19,7 +18,7 @@ from springpot.host.native.c_library import Stop
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.session.c_loop import scene_step_functions
 from springpot.host.session.live_warnings import Alarm, LiveWarnings
-from springpot.host.session.log import SessionLog, write_flight
+from springpot.host.session.log import SessionLog
 from springpot.host.session.outcome import (
     BY_USER,
     LoopSettings,
@@ -41,7 +40,7 @@ class Session(SessionRunner):
     """Render an emitted scene on a device.
 
     folder: of `springpot emit`. url: of the device. log: file to write, a recording with every
-    call; beside it the flight recorder. seconds: 0, until `stop`. max_force_n, max_depth_m: beyond
+    call. seconds: 0, until `stop`. max_force_n, max_depth_m: beyond
     them the session ends. Files that are not as emitted are a UserWarning; log and result name
     them. place_m: where an object with a map is pressed, x and y. report: takes lines for
     people, by default a logger. viewers: take every row too, and never wait. alarm: takes the
@@ -99,7 +98,6 @@ class Session(SessionRunner):
         )  # fmt: skip
         self._steal_ms = steal_ms()
         self.line = ""
-        self.flight_file: Path | None = None
 
     def __enter__(self) -> Self:
         if self._file is not None:
@@ -145,7 +143,6 @@ class Session(SessionRunner):
             "unused_samples": state.unused,
             "latched": bool(state.latched or state.tripped),
             "log": str(self._file) if self._file is not None else None,
-            "flight": str(self.flight_file) if self.flight_file is not None else None,
             "scheduler": self.scheduler(),
             "warnings": self._warned,
             "stopped": self.line,
@@ -161,10 +158,6 @@ class Session(SessionRunner):
                 log.discard()
                 self._file = None
                 return
-            try:
-                self.flight_file = write_flight(self._file, self.flight(), self.line)
-            except OSError as error:
-                self._report(f"{self._file.parent}: no flight recorder written ({error.strerror})")
             if log.has_space:
                 metadata = {"stopped": self.line, "state": asdict(self.state),
                          "counts": asdict(self.counts), "scheduler": self.scheduler(),

@@ -123,8 +123,6 @@ def _rated_trial(plan: StudyPlan, trial: Trial, url: str) -> tuple[object, ...]:
         rating = _ask(trial, session)
     if rating is None:
         raise session.error or KeyboardInterrupt
-    if session.flight_file is not None:
-        session.flight_file.unlink()  # its rows are in the log too
     seconds, log = f"{time.monotonic() - begin_s:.1f}", session.result()["log"]
     return f"{rating:g}", seconds, watch.warnings, Path(log).name if log else ""
 

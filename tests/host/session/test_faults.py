@@ -131,7 +131,7 @@ def test_device_gone_for_good(tmp_path, folder):
     assert "plug it in" in err
     assert result["ticks"] < 5000
     faithful(folder, host.log)
-    assert "gone" in host.log.with_suffix(".flight.csv").read_text().splitlines()[0]
+    assert "gone" in read_recording(host.log).details["end"]["stopped"]
 
 
 @pytest.mark.realtime

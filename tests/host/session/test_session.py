@@ -64,9 +64,6 @@ def test_a_simulated_hand(tmp_path, folders, number):
     assert len(read.position_m) == result["ticks"]
     assert read.force_n.max() > 0.5
     assert read.details["end"]["stopped"] == "ran for 1 s"
-    flight = log.with_suffix(".flight.csv").read_text().splitlines()
-    assert flight[0] == "# ran for 1 s"
-    assert len(flight) == 2 + result["ticks"]
 
 
 def test_a_log_that_was_altered_does_not_validate(tmp_path, folder):
