@@ -7,7 +7,7 @@ from pathlib import Path
 import click
 
 from springpot.codegen.scene import Target
-from springpot.host.options import SEED, recordings_given
+from springpot.host.options import PATH, SEED, recordings_given
 from springpot.host.output import json_option, print_json, print_table, say
 
 
@@ -22,7 +22,7 @@ from springpot.host.output import json_option, print_json, print_table, say
     default="cortex-m4f", show_default=True, help="Board whose flash is counted.",
 )  # fmt: skip
 @click.option(
-    "--out", type=click.Path(path_type=Path), default=Path("bench"), show_default=True,
+    "--out", type=PATH, default=Path("bench"), show_default=True,
     help="Folder of the results; what is there is not computed again.",
 )  # fmt: skip
 @click.option(

@@ -138,12 +138,12 @@ def build(folder: Path, as_json: bool) -> None:
 @click.command()
 @click.option(
     "--scene",
-    type=click.Path(path_type=Path),
+    type=PATH,
     required=True,
     help="Scene file, or a folder that `springpot emit` wrote.",
 )
 @click.option("--board", "name", required=True, help=f"One of {', '.join(BOARDS)}.")
-@click.option("--out", type=click.Path(path_type=Path), required=True, help="Folder to write.")
+@click.option("--out", type=PATH, required=True, help="Folder to write.")
 @json_option
 def firmware(scene: Path, name: str, out: Path, as_json: bool) -> None:
     """Build a board's firmware; all its sources lie beside it."""

@@ -45,7 +45,7 @@ def test_the_page_has_the_numbers_of_the_validation(
         assert f" {number:.4g} " in words
     assert "0 ticks differ" in words
     assert f"{manifest['state_bytes']} bytes of state" in words
-    assert re.search(r"Flash\s+\d+ bytes  host ", words)
+    assert re.search(r"flash\s+\d+ bytes  host ", words)
     for item in manifest["left_out"]:
         assert item["what"] in words
     assert manifest["hash"] in words
