@@ -34,6 +34,17 @@ POSITIVE = FiniteRange(0, min_open=True)
 NOT_NEGATIVE = FiniteRange(0)
 
 
+def scene_options(command: _Command) -> _Command:
+    """Take a scene, a model, or both, as `scene_file` and `model_file`."""
+    by_scene = click.option(
+        "--scene", "scene_file", type=PATH, help="Scene file; default: every key has its default."
+    )
+    by_model = click.option(
+        "--model", "model_file", type=PATH, help="Model file; default: the scene's."
+    )
+    return by_scene(by_model(command))
+
+
 def recordings_given(help_text: str) -> Callable[[_Command], _Command]:
     """Take recordings behind a command's other arguments or by --recording, as `recordings`."""
 

@@ -29,7 +29,6 @@ from springpot.host.bench.measure import (
     Point,
     default_sweep,
     measure_point,
-    measure_sizes,
     target_compiler,
 )
 from springpot.host.native.compiler import machine_metadata
@@ -63,24 +62,18 @@ def run_bench(bench: Bench, folder: Path, command: str) -> JsonObject:
     begin = time.perf_counter()
     memory = Memory(folder / "measured", verbose=0)
     key = key_of(
-        [code_hash(), machine_metadata(), bench.target],
+        [code_hash(), machine_metadata(), target_compiler(bench.target)],
         [[item.name, item.content_hash] for item in bench.training],
         [[item.name, item.content_hash] for item in bench.validation],
     )
     data = BenchRecordings(key, bench.training, bench.validation)
     measured = memory.cache(measure_point, ignore=["data"])
-    jobs = [(candidate, key, data) for candidate in _candidates(bench)]
-    found = list(_in_parallel(measured, jobs, bench.dask, "models"))
+    jobs = [(candidate, bench.target, key, data) for candidate in _candidates(bench)]
+    found = list(_in_parallel(measured, jobs, bench.dask))
     points = _stored([(row, model) for row, model in found if model is not None], folder)
     refused = [row for row, model in found if model is None]
     if not points:
         raise DataError(f"no model can be made of these recordings: {refused[0]['error']}")
-    compiler = target_compiler(bench.target)
-    sizes = memory.cache(measure_sizes, ignore=["model_file"])
-    asked = [(folder / str(p["file"]), p["number"], bench.target, p["hash"], compiler)
-             for p in points]  # fmt: skip
-    for point, size in zip(points, _in_parallel(sizes, asked, None, "sizes"), strict=True):
-        point.update(size)
     alone = memory.cache(measure_alone, ignore=["model_file", "recording"])
     longest = max(bench.validation, key=lambda item: len(item.position_m))
     front = pareto(points)
@@ -89,7 +82,7 @@ def run_bench(bench: Bench, folder: Path, command: str) -> JsonObject:
         if on_front:
             progress_console.print(f"alone on the machine: {sum(front[: number + 1])} "
                                    f"of {sum(front)} on the front")  # fmt: skip
-            its = key_of(key, point["hash"], compiler)
+            its = key_of(key, point["hash"])
             file = folder / str(point["file"])
             point.update(alone(file, point["number"], bench.target, its, longest))
     metadata = machine_metadata()
@@ -147,7 +140,7 @@ def _named(recordings: Sequence[Recording]) -> list[dict[str, str]]:
 
 
 def _in_parallel(
-    work: MemorizedFunc, items: Sequence[tuple[object, ...]], dask: str | None, what: str
+    work: MemorizedFunc, items: Sequence[tuple[object, ...]], dask: str | None
 ) -> Iterator[Any]:
     """Yield results in order, with progress. dask: address of a scheduler.
 
@@ -162,7 +155,7 @@ def _in_parallel(
             results = Parallel(n_jobs=-1, return_as="generator", batch_size=1)(
                 delayed(_in_one_thread)(work, item) for item in items
             )
-        yield from track(results, what, len(items), console=progress_console, disable=quiet)
+        yield from track(results, "models", len(items), console=progress_console, disable=quiet)
 
 
 def _in_one_thread(work: Callable[..., _Result], item: tuple[object, ...]) -> _Result:

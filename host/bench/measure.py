@@ -107,11 +107,11 @@ class BenchRecordings:
 
 
 def measure_point(
-    candidate: Candidate, key: str, data: BenchRecordings
+    candidate: Candidate, target: Target, key: str, data: BenchRecordings
 ) -> tuple[Point, bytes | None]:
     """Return a model's row and its file; of a refused model `error`, and no file.
 
-    key: of all that decides the result besides the candidate: joblib remembers by both.
+    key: of all that decides the result besides candidate and target: joblib remembers by them.
     """
     stated: Point = {
         "model": str(candidate.file or candidate.kind),
@@ -126,6 +126,7 @@ def measure_point(
                 "tick_ns_hot": hot_ns(plan, library, data.validation),
                 "ram_bytes": state_bytes(plan),
                 **small_signal_map(plan, library, 0).as_dict(),
+                **_sizes(model, candidate.number, target),
             }
     except SpringpotError as error:
         return stated | {"error": str(error)}, None
@@ -208,18 +209,13 @@ def target_compiler(target: Target) -> str | None:
     return None if tools is None else compiler_version(tools.compiler)
 
 
-def measure_sizes(
-    model_file: Path, number: Number, target: Target, key: str, compiler: str | None
-) -> Point:
-    """Return bytes of flash and stack of a model's C on its target; null ones with `why`.
-
-    key, compiler: hash of the model, version of the target's compiler: joblib remembers by both.
-    """
+def _sizes(model: Model, number: Number, target: Target) -> Point:
+    """Return bytes of flash and stack of a model's C on its target; null ones with `why`."""
     unknown: Point = {"flash_bytes": None, "stack_bytes": None}
     tools = toolchain(target)
     if tools is None:
         return unknown | {"why": missing_tools(target)}
-    plan = make_plan(read_model(model_file), bench_scene(number, target), accept_unsafe=True)
+    plan = make_plan(model, bench_scene(number, target), accept_unsafe=True)
     try:
         with written(plan) as folder:
             size = measure_footprint(folder, f"{plan.scene.runtime.prefix}.c", tools)

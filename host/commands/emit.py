@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from springpot.codegen.errors import UsageError
 from springpot.host.emission.boards import BOARDS, board_of
-from springpot.host.options import PATH
+from springpot.host.options import PATH, scene_options
 from springpot.host.output import json_option, print_result, progress_bar, say
 
 if TYPE_CHECKING:
@@ -18,10 +17,7 @@ if TYPE_CHECKING:
 
 
 @click.command(name="emit")
-@click.option(
-    "--scene", "scene_file", type=PATH, help="Scene file; default: every key has its default."
-)
-@click.option("--model", "model_file", type=PATH, help="Model file; default: the scene's.")
+@scene_options
 @click.option("--out", type=PATH, required=True, help="Folder to write.")
 @click.option(
     "--accept-unsafe",
@@ -48,20 +44,13 @@ def emit_(
     as_json: bool,
 ) -> None:
     """Emit a scene as one C source and one header; from a scene file or a model."""
-    from springpot.codegen.model.model_file import read_model
     from springpot.host.emission.budget_fit import emit_fitting
-    from springpot.host.emission.scene_file import default_scene, model_path, read_scene
+    from springpot.host.emission.scene_file import scene_and_model_file
 
-    scene = None if scene_file is None else read_scene(scene_file)
-    if scene is not None and scene_file is not None:
-        model_file = model_file or model_path(scene, scene_file)
-    elif model_file is not None:
-        scene = default_scene(read_model(model_file))
-    else:
-        raise UsageError("nothing to emit: give --model or --scene")
-    measured = _recordings(recordings, model_file) if recordings else []
+    scene, file = scene_and_model_file(scene_file, model_file)
+    measured = _recordings(recordings, file) if recordings else []
     with progress_bar("emit"):
-        emission = emit_fitting(scene, model_file, out, accept_unsafe, measured, fit)
+        emission = emit_fitting(scene, file, out, accept_unsafe, measured, fit)
     for notice in emission.notices:
         say(notice)
     print_result(emission.as_dict(), as_json, emission_rows(emission))

@@ -14,7 +14,7 @@ from pydantic import TypeAdapter, ValidationError
 from springpot.codegen.atomic_write import write_file
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.model import Model
-from springpot.codegen.model.model_file import MODEL_SUFFIX
+from springpot.codegen.model.model_file import MODEL_SUFFIX, read_model
 from springpot.codegen.regular_file import read_bounded
 from springpot.codegen.scene import Scene
 
@@ -140,6 +140,19 @@ def model_path(scene: Scene, scene_file: Path) -> Path:
     if not file.exists():
         raise DataError(f"{file}: cannot be read (no such file): `model` of {scene_file} names it")
     return file
+
+
+def scene_and_model_file(scene_file: Path | None, model_file: Path | None) -> tuple[Scene, Path]:
+    """A scene and its model's file, each from the other where it is not given.
+
+    Raises UsageError for neither.
+    """
+    if scene_file is not None:
+        scene = read_scene(scene_file)
+        return scene, model_file or model_path(scene, scene_file)
+    if model_file is None:
+        raise UsageError("neither scene nor model: give --model, --scene, or both")
+    return default_scene(read_model(model_file)), model_file
 
 
 def default_scene(model: Model) -> Scene:

@@ -121,10 +121,6 @@ class SessionRunner:
         if self._drain_thread is not None:
             self._drain_thread.join(seconds)
 
-    def ask_stop(self) -> None:
-        """End with zero force; returns at once, from any thread."""
-        self._loop.ask_stop()
-
     def stop(self) -> None:
         """End with zero force, and wait for that."""
         if self._stopped:
