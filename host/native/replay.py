@@ -79,7 +79,7 @@ class Replay:
     ) -> tuple[Reals, Reals]:
         """Make the calls of a session's log again, from a fresh state: forces (N) and notes, (n,).
 
-        calls: the channels of the log, see `session/log.py`. Rows without a call stay 0.
+        calls: the channels of the log, see `session/session.py`. Rows without a call stay 0.
         """
         made = np.ascontiguousarray(calls["call"], dtype=np.int32)
         force = np.zeros(len(made), dtype=self._library.dtype)

@@ -9,16 +9,18 @@ from dataclasses import asdict
 from os import PathLike
 from typing import Any, Self
 
+import numpy as np
+
+from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DeviceError
 from springpot.codegen.regular_file import given_path
 from springpot.codegen.types import JsonObject
 from springpot.host.devices.device import RECONNECT_S, requirements_of
 from springpot.host.emission.emission import read_emission
-from springpot.host.native.c_library import Stop
+from springpot.host.native.c_library import COLUMN, COLUMNS, INPUT, LoopRows, Stop
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.session.c_loop import scene_step_functions
 from springpot.host.session.live_warnings import Alarm, LiveWarnings
-from springpot.host.session.log import SessionLog
 from springpot.host.session.outcome import (
     BY_USER,
     LoopSettings,
@@ -27,13 +29,44 @@ from springpot.host.session.outcome import (
     steal_ms,
 )
 from springpot.host.session.runner import SessionRunner, TakeRows
-from springpot.trainer.recordings.journal import MIN_SAMPLES
+from springpot.trainer.recordings.journal import MIN_SAMPLES, JournalWriter
 from springpot.trainer.recordings.notices import caution, notice
 from springpot.trainer.recordings.recording import Zero
 
 # Results of `run --json` that the loop and its links count.
 _OF_LOOP = ("ticks", "late", "ring_dropped", "watchdog_trips", "disconnects", "resets")
 _OF_LINKS = ("samples", "sequence_gaps", "crc_errors", "unsent", "saturated")
+
+
+# Channels of a log beside position and force, which are what the tool did and what was sent: every
+# call in order, bit for bit, so that `springpot validate` can make each again.
+_CHANNELS = tuple(name for name in COLUMNS if name not in ("position_m", "sent_n"))
+
+
+class SessionLog(JournalWriter):
+    """The log of a session: a recording with a row for each tick. rows: so many."""
+
+    rows = 0
+    _last: tuple[float, float] = (0.0, 0.0)
+
+    def take(self, rows: LoopRows) -> None:
+        """Take the next rows of the loop. Raises DeviceError where the disk is full."""
+        if len(rows):
+            given_m = rows[:, COLUMN["position_m"]]  # as the scene got it, which may be no number
+            position_m = _finite(given_m, self._last[0])
+            sent_n = _finite(rows[:, COLUMN["sent_n"]], self._last[1])
+            others = rows[:, [COLUMN[name] for name in _CHANNELS]]
+            self.append(position_m, sent_n, np.column_stack((given_m, others)))
+            self._last = position_m[-1], sent_n[-1]
+            self.rows += len(rows)
+
+
+def _finite(values: Samples, before: float) -> Samples:
+    """Hold the last finite value where there is none: a recording has no holes."""
+    held = np.append(before, values)
+    good = np.maximum.accumulate(np.where(np.isfinite(held), np.arange(len(held)), 0))
+    found: Samples = held[good][1:]
+    return found
 
 
 class Session(SessionRunner):
@@ -104,10 +137,10 @@ class Session(SessionRunner):
             details = {"session": {"scene": self._scene.manifest["scene"], "device": self.url,
                                    "hash": self._hash, "edited": self._edited}}  # fmt: skip
             self._log = SessionLog(
-                self._file, self.settings.period_s, self.url, details, zero=self._zero,
-                place_m=self._place_m,
+                self._file, self._file.stem, self.settings.period_s, self.url, details,
+                zero=self._zero, channels=(INPUT, *_CHANNELS), place_m=self._place_m,
             )  # fmt: skip
-            self._takers.insert(0, self._log.append)
+            self._takers.insert(0, self._log.take)
         try:
             self.open()
         except BaseException:
@@ -155,13 +188,11 @@ class Session(SessionRunner):
             return
         with self._log as log:
             if log.rows < MIN_SAMPLES:
-                log.discard()
-                self._file = None
-                return
-            if log.has_space:
+                self._file = None  # the journal leaves nothing
+            elif not log.full:
                 metadata = {"stopped": self.line, "state": asdict(self.state),
-                         "counts": asdict(self.counts), "scheduler": self.scheduler(),
-                         "warnings": self._warned}  # fmt: skip
+                            "counts": asdict(self.counts), "scheduler": self.scheduler(),
+                            "warnings": self._warned}  # fmt: skip
                 log.finish({"end": metadata})
 
 
