@@ -45,7 +45,7 @@ def bench(
     """Measure kinds and sizes of model on your recordings: error, run time, bytes; the front."""
     from springpot import read_recordings
     from springpot.host.bench.bench import Bench, holdout, run_bench
-    from springpot.host.pages.bench_page import label, write_bench_page
+    from springpot.host.pages.reports import label, write_bench_page
     from springpot.host.quality import report_quality
     from springpot.host.validation.seen import seen_line
 

@@ -26,7 +26,7 @@ def demo(out: Path, object_name: str, as_json: bool) -> None:
     """Do the whole job on a simulated object: record, train, emit, build, validate, report."""
     from springpot import emit, read_scene, record, train, validate, write_model
     from springpot.host.commands.emit import emission_rows
-    from springpot.host.pages.scene_page import write_report
+    from springpot.host.pages.reports import write_report
     from springpot.host.validation.store import store_validation, validation_rows
     from springpot.host.validation.validation import fail_on_mismatch
 
@@ -91,8 +91,7 @@ def _step(name: str, seconds: dict[str, float]) -> Iterator[None]:
 @json_option
 def report(folder: Path, as_json: bool) -> None:
     """Write a self-contained HTML page on FOLDER: a benchmark, or an emitted, validated scene."""
-    from springpot.host.pages.bench_page import write_bench_page
-    from springpot.host.pages.scene_page import write_report
+    from springpot.host.pages.reports import write_bench_page, write_report
 
     with progress_bar("report"):
         is_bench = (folder / "bench.json").is_file()

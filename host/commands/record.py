@@ -131,7 +131,7 @@ def record(
 
 
 def _touched_mm(url: str) -> float:
-    from springpot.host.recording.surface import TOUCHES, find_surface
+    from springpot.host.recording.session import TOUCHES, find_surface
     from springpot.host.session.terminal import stopping_on_sigterm
 
     def touched(number: int) -> None:

@@ -89,13 +89,6 @@ if TYPE_CHECKING:
     help="rbf-fd: by cross-validation, or on the validation recordings.",
 )
 @click.option(
-    "--centers",
-    type=click.Choice(["farthest", "greedy"]),
-    default="farthest",
-    show_default=True,
-    help="rbf-fd, rbf-pv: how centers are chosen.",
-)
-@click.option(
     "--engine",
     type=click.Choice(["fir", "fir-fast", "recursive"]),
     help="Fractional filters: the paper's taps, the same from a few exponentials, or exponentials "
@@ -121,7 +114,6 @@ def train(
 ) -> None:
     """Fit a model on RECORDINGS (files or folders)."""
     _require_model_file(out)  # before minutes of work
-    from springpot.host.commands.train import errors, training_result, training_rows
     from springpot.host.quality import report_quality
     from springpot.host.validation.seen import seen_line
     from springpot.trainer.models.fit import FitOptions  # scikit-learn, only where it fits

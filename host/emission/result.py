@@ -1,6 +1,5 @@
 """What was emitted: its sizes against the budget, what it leaves of the object's stiffness."""
 
-from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -78,32 +77,21 @@ def over_budget(emission: Emission, budget: Budget) -> str:
         "stack": missing or "this compiler does not report it: use gcc",
         "a tick": "the bound of instructions does not cover this scene: measure it on the board",
     }
-    over = []
-    for what, unit, has, may in budgeted_sizes(emission, budget):
-        if has is None:
-            raise BudgetError(
-                f"{what}: could not be measured for its budget of {may} {unit}: {whys[what]}; or "
-                "remove the budget's key"
-            )
-        if has is not None and has > may:
-            over.append(f"{what}: {has} {unit}, the scene's budget is {may}")
-    return "; ".join(over)
-
-
-def budgeted_sizes(
-    emission: Emission, budget: Budget
-) -> Iterator[tuple[str, str, int | None, int]]:
-    """Of each size that has a budget: name, unit, value (None: not known), limit."""
-    found = emission.footprint
-    bound = instruction_bound(emission.plan)
+    found, bound, over = emission.footprint, instruction_bound(emission.plan), []
     for what, unit, has, may in (
         ("flash", "bytes", found.flash_bytes if found else None, budget.flash_bytes),
         ("RAM", "bytes", emission.ram_bytes, budget.ram_bytes),
         ("stack", "bytes", found.stack_bytes if found else None, budget.stack_bytes),
         ("a tick", "instructions", bound.tick if bound else None, budget.tick_instructions),
     ):
-        if may is not None:
-            yield what, unit, has, may
+        if may is not None and has is None:
+            raise BudgetError(
+                f"{what}: could not be measured for its budget of {may} {unit}: {whys[what]}; or "
+                "remove the budget's key"
+            )
+        if may is not None and has is not None and has > may:
+            over.append(f"{what}: {has} {unit}, the scene's budget is {may}")
+    return "; ".join(over)
 
 
 def felt_notices(plan: Plan) -> list[str]:

@@ -84,12 +84,7 @@ _IDENTIFIER = re.compile(r"[a-z][a-z0-9_]{0,30}")
 
 def read_scene(path: Path) -> Scene:
     """Read a scene file. Raises UsageError that names the key, its value and what it may be."""
-    return _checked(toml_as_json(path, _MAX_BYTES, "scene file"), str(path))
-
-
-def scene_from_json(text: str, where: str) -> Scene:
-    """Read a scene that `scene_to_json` wrote."""
-    return _checked(text, where)
+    return scene_from_json(toml_as_json(path, _MAX_BYTES, "scene file"), str(path))
 
 
 def scene_to_json(scene: Scene) -> str:
@@ -107,7 +102,7 @@ def _plain_number(value: object) -> object:
 def checked_scene(scene: Scene) -> Scene:
     """A scene that was made in Python, checked as its file would be. Raises UsageError as that."""
     try:
-        return _checked(scene_to_json(scene), "scene")
+        return scene_from_json(scene_to_json(scene), "scene")
     except TypeError as error:
         raise UsageError(f"scene: {error}: give numbers, strings and booleans") from None
 
@@ -160,7 +155,8 @@ def default_scene(model: Model) -> Scene:
     return Scene(schema=1, name=model.name, model="model.spm")
 
 
-def _checked(text: str, where: str) -> Scene:
+def scene_from_json(text: str, where: str) -> Scene:
+    """Read a scene that `scene_to_json` wrote. Raises UsageError as `read_scene`."""
     if "energy" in (json.loads(text).get("guard") or {}):
         raise UsageError(
             f"{where}: guard.energy: the account of energy was removed, because it cut the force "

@@ -22,7 +22,6 @@ from springpot.host.native.c_library import (
 )
 
 BY_USER = "stopped by the user"
-_FIRST_SAMPLE_S = 0.2  # no device takes longer for it
 _WORDS = {
     "held": "no sample: the last one was held",
     "resync": "history begins anew here",
@@ -101,8 +100,8 @@ def why_stopped(
 ) -> tuple[str, SpringpotError | None]:
     """One line: why the loop ended and what to do; the error, where it was one.
 
-    row: the newest, shape (columns,). fault: of `fault_at_end`. rate_advice: of the device.
-    asked_by: who ended the loop, where it did not end by itself.
+    row: the newest, shape (columns,). fault: why it ended without its device. rate_advice: of the
+    device. asked_by: who ended the loop, where it did not end by itself.
     """
     match state.reason:
         case Stop.FORCE:
@@ -136,18 +135,6 @@ def why_stopped(
     if not fault and (state.latched or state.tripped):
         fault = "the watchdog had tripped and the force was zero: `reset` takes it back"
     return f"{line}; {fault}" if fault else line, None
-
-
-def fault_at_end(state: LoopState, samples: int) -> str:
-    """Why a loop ended without its device, and what to do; empty where the device was there.
-
-    samples: that came.
-    """
-    if not samples and state.elapsed_s > _FIRST_SAMPLE_S:
-        return "no sample ever came, the force was zero: check cable and power"
-    if not state.connected:
-        return "the device was gone: plug it in and start again"
-    return ""
 
 
 def _stopped(what: str) -> tuple[str, SpringpotError]:

@@ -27,13 +27,13 @@ from springpot.host.session.outcome import (
     LinkCounts,
     LoopSettings,
     LoopState,
-    fault_at_end,
     spread_us,
     why_stopped,
 )
 from springpot.host.session.supervisor import DeviceSupervisor
 
 _DRAIN_S = 0.02
+_FIRST_SAMPLE_S = 0.2  # no device takes longer for it
 
 
 @dataclass(frozen=True)
@@ -197,7 +197,10 @@ class SessionRunner:
 
     def fault(self) -> str:
         """Why it ended without its device, and what to do; empty where the device was there."""
-        return fault_at_end(self.state, self.counts.samples)
+        state = self.state
+        if not self.counts.samples and state.elapsed_s > _FIRST_SAMPLE_S:
+            return "no sample ever came, the force was zero: check cable and power"
+        return "" if state.connected else "the device was gone: plug it in and start again"
 
     def spreads_us(self) -> dict[str, dict[str, float]]:
         """Percentiles and maximum: how late ticks began, and how long the calls took, us."""

@@ -27,7 +27,7 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
     [
         ("codegen/*.py", 7050),
         ("trainer/*.py", 8550),
-        ("host/*.py", 13740),
+        ("host/*.py", 13680),
         ("runtime_c/*.[ch]", 7130),
         ("tests/*.py", 20000),
     ],
@@ -37,7 +37,7 @@ def test_lines(what: str, most: int) -> None:
 
 
 def test_files_of_the_product() -> None:
-    assert len(tracked(*PYTHON)) <= 250
+    assert len(tracked(*PYTHON)) <= 248
 
 
 def test_documents() -> None:

@@ -9,7 +9,7 @@ from support.small import model_file, press, recording, scene, small_model
 
 from springpot.codegen.errors import DataError
 from springpot.host.emission.emission import emit
-from springpot.host.pages.scene_page import write_report
+from springpot.host.pages.reports import write_report
 from springpot.host.validation.store import store_validation
 from springpot.host.validation.validation import Validation, validate
 
