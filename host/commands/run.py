@@ -105,11 +105,11 @@ def _hold(session: Session) -> None:
             raise
 
 
-def _alarm(line: str, begins: bool) -> None:
-    """A live warning, with the terminal's bell where something begins."""
+def _alarm(line: str) -> None:
+    """A live warning, with the terminal's bell; an empty line where another message says it."""
     if line:
         _say_above(line)
-    if begins and progress_console.is_terminal:
+    if progress_console.is_terminal:
         progress_console.bell()
 
 

@@ -1,4 +1,4 @@
-"""A recording session: the surface, a protocol on a device, one recording and its quality a press."""
+"""A recording session: the surface, a protocol on a device, a recording and its quality a press."""
 
 from collections import deque
 from collections.abc import Callable, Sequence

@@ -77,7 +77,7 @@ class Session(SessionRunner):
     them the session ends. Files that are not as emitted are a UserWarning; log and result name
     them. place_m: where an object with a map is pressed, x and y. report: takes lines for
     people, by default a logger. viewers: take every row too, and never wait. alarm: takes the
-    lines of live warnings, and whether something began.
+    lines of live warnings; an empty one only rings.
     Raises DeviceError where the device cannot be used as the scene wants.
 
     >>> with Session("c", "sim://ecoflex-00-30", "felt.h5", seconds=0.1) as session:
@@ -100,7 +100,7 @@ class Session(SessionRunner):
         report: Callable[[str], None] | None = None,
         place_m: tuple[float, float] | None = None,
         viewers: Sequence[TakeRows] = (),
-        alarm: Alarm = lambda _line, _begins: None,
+        alarm: Alarm = lambda _line: None,
     ) -> None:
         emitted = read_emission(given_path(folder))
         plan, self._hash, self._edited = emitted.plan, emitted.hash, list(emitted.edited)
