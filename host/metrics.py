@@ -25,6 +25,13 @@ JND_WORDS = (
     f"{WEBER_FRACTION * SCORED_ABOVE_N:g} N below"
 )
 _BOOTSTRAPS = 2000
+STIFFNESS_JND = 0.15  # just noticeable difference, of the stiffness: about so much
+_TURN = 0.1  # of the range of positions: what turns by less is one way in
+_WINDOWS = (16, 8, 4, 2)  # of a way in: as many as noise allows
+_KNOWN = 0.03  # median standard error of the measured slopes, of the slope
+_UNKNOWN, _FLAT = 0.1, 0.05  # standard error of a slope, and share of the greatest: not counted
+_FEWEST = 8  # samples of a window
+_QUADRATIC = 3  # numbers of a parabola
 
 
 @dataclass(frozen=True)
@@ -155,15 +162,6 @@ def _bootstrap_interval(each: Samples) -> tuple[float, float] | None:
     draws = np.random.default_rng(0).choice(each, size=(_BOOTSTRAPS, len(each)))
     low, high = np.percentile(draws.mean(axis=1), [2.5, 97.5])
     return float(low), float(high)
-
-
-STIFFNESS_JND = 0.15  # just noticeable difference, of the stiffness: about so much
-_TURN = 0.1  # of the range of positions: what turns by less is one way in
-_WINDOWS = (16, 8, 4, 2)  # of a way in: as many as noise allows
-_KNOWN = 0.03  # median standard error of the measured slopes, of the slope
-_UNKNOWN, _FLAT = 0.1, 0.05  # standard error of a slope, and share of the greatest: not counted
-_FEWEST = 8  # samples of a window
-_QUADRATIC = 3  # numbers of a parabola
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,8 @@ from typing import Any
 import click
 
 _Command = Callable[..., Any]
+PATH = click.Path(path_type=Path)
+SEED = click.IntRange(0, 2**32 - 1)
 
 
 class FiniteRange(click.FloatRange):
@@ -28,8 +30,6 @@ class FiniteRange(click.FloatRange):
         return "any" if self.min is None and self.max is None else super()._describe_range()
 
 
-PATH = click.Path(path_type=Path)
-SEED = click.IntRange(0, 2**32 - 1)
 POSITIVE = FiniteRange(0, min_open=True)
 NOT_NEGATIVE = FiniteRange(0)
 

@@ -12,6 +12,28 @@ from springpot.trainer.recordings.quality.report import QualityReport, check_rec
 from springpot.trainer.recordings.recording_file import Recordings
 
 _CALLER = 5  # frames above `warn`: of who called the public function that judges recordings
+# The options that are not the argument with the same name.
+_ARGUMENTS = {
+    **{"map": "columns", "model": "kind", "validate": "validation", "place": "place_m"},
+}
+# Those that are not of a function, but of the settings that it takes.
+_SETTINGS = {
+    "Conditioning": (
+        *("align", "accept_signs", "contact_force", "tare", "mass_kg"),
+        *("position_delay_s", "force_delay_s"),
+    ),
+    "ImportOptions": ("decimal", "place_m"),
+}
+_OWNERS = {argument: owner for owner, its in _SETTINGS.items() for argument in its}
+_FLAGS = ("align", "accept-signs")
+_NUMBER_OR_NAME, _WORD = (
+    r"-?[\d.]+(?:e[+-]?\d+)?\b|[A-Z][A-Z0-9,]*\b",
+    r"(?:auto|comma|first|min|paper|point|recursive)\b",
+)
+_MAP = r"'[^']*'|[a-z]+=\S*[^\s,.;:)]"
+_OPTION = re.compile(
+    rf"--(?P<name>[a-z][a-z-]*)(?:[ =](?:(?P<plain>{_NUMBER_OR_NAME})|(?P<text>{_WORD}|{_MAP})))?"
+)
 
 
 def report_quality(
@@ -44,30 +66,6 @@ def warn_of_quality(recordings: Recordings) -> QualityReport:
 
 def _warn(line: str) -> None:
     warnings.warn(in_python(line.removeprefix("warning: ")), UserWarning, stacklevel=_CALLER)
-
-
-# The options that are not the argument with the same name.
-_ARGUMENTS = {
-    **{"map": "columns", "model": "kind", "validate": "validation", "place": "place_m"},
-}
-# Those that are not of a function, but of the settings that it takes.
-_SETTINGS = {
-    "Conditioning": (
-        *("align", "accept_signs", "contact_force", "tare", "mass_kg"),
-        *("position_delay_s", "force_delay_s"),
-    ),
-    "ImportOptions": ("decimal", "place_m"),
-}
-_OWNERS = {argument: owner for owner, its in _SETTINGS.items() for argument in its}
-_FLAGS = ("align", "accept-signs")
-_NUMBER_OR_NAME, _WORD = (
-    r"-?[\d.]+(?:e[+-]?\d+)?\b|[A-Z][A-Z0-9,]*\b",
-    r"(?:auto|comma|first|min|paper|point|recursive)\b",
-)
-_MAP = r"'[^']*'|[a-z]+=\S*[^\s,.;:)]"
-_OPTION = re.compile(
-    rf"--(?P<name>[a-z][a-z-]*)(?:[ =](?:(?P<plain>{_NUMBER_OR_NAME})|(?P<text>{_WORD}|{_MAP})))?"
-)
 
 
 def in_python(text: str) -> str:

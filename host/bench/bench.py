@@ -40,6 +40,7 @@ from springpot.trainer.models.fit import FitOptions
 RESULT = "bench.json"
 _CONNECT_S = 10
 _Result = TypeVar("_Result")
+_HOLDOUT = 5  # one recording in so many is held out
 
 
 @dataclass(frozen=True, eq=False)
@@ -207,9 +208,6 @@ def code_hash() -> str:
             if file.is_file() and "__pycache__" not in file.parts:
                 digest.update(f"{file.relative_to(root)}\n".encode() + file.read_bytes())
     return digest.hexdigest()
-
-
-_HOLDOUT = 5  # one recording in so many is held out
 
 
 def holdout(recordings: Sequence[Recording], seed: int) -> tuple[list[Recording], list[Recording]]:

@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from springpot.trainer.models.training_set import TrainingSet
 
 _CENTERS = (10, 20, 30, 60, PAPER_CENTERS, 200, 300)
+Point = JsonObject  # of one model: the keys of its row in bench.json
+_HOT_REPEATS = 5
 
 
 @dataclass(frozen=True)
@@ -91,10 +93,6 @@ def _passive(options: FitOptions) -> Iterator[Candidate]:
         yield Candidate("hammerstein", replace(options, poles=poles))
     yield Candidate("hammerstein", options, "float64")
     yield Candidate("springpot", options)
-
-
-Point = JsonObject  # of one model: the keys of its row in bench.json
-_HOT_REPEATS = 5
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,8 @@ from springpot.codegen.errors import DeviceError, UsageError
 from springpot.codegen.short_repr import short_repr
 from springpot.host.devices.device import DeviceRequirements, OpenedDevice
 
+_HERE = "springpot.host.devices"
+
 
 @dataclass(frozen=True)
 class Address:
@@ -127,7 +129,6 @@ def drivers() -> dict[str, Driver]:
     return registered("devices", Driver)
 
 
-_HERE = "springpot.host.devices"
 # Registered in pyproject.toml; each module is loaded when a device of it is opened: a simulated
 # device needs no serial port.
 SIM = Driver(

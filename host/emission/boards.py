@@ -19,6 +19,16 @@ from springpot.host.native.scene_library import port_headers, scene_prefix
 from springpot.host.native.toolchain import Toolchain, missing_tools, toolchain
 from springpot.runtime_c.paths import PORT_MCU, flags
 
+_MPS2 = ("mps2.ld", ("sp_arm.c", "sp_board_mps2.c"), "qemu-system-arm")
+_EMULATOR_PACKAGES = {
+    "qemu-system-arm": "qemu-system-arm",
+    "qemu-system-riscv32": "qemu-system-misc",
+}
+TRANSDUCER = "sp_transducer.c"  # the user's encoder and drive
+_COMMON = ("sp_firmware.c", "sp_port.c", TRANSDUCER)
+_PROGRAM = "firmware.elf"
+_STACK_BYTES = 4096  # of everything else
+
 
 @dataclass(frozen=True)
 class Board:
@@ -37,7 +47,6 @@ class Board:
     __repr__ = short_repr
 
 
-_MPS2 = ("mps2.ld", ("sp_arm.c", "sp_board_mps2.c"), "qemu-system-arm")
 BOARDS = {
     board.name: board
     for board in (
@@ -62,10 +71,6 @@ BOARDS = {
             1e9,
         ),
     )
-}
-_EMULATOR_PACKAGES = {
-    "qemu-system-arm": "qemu-system-arm",
-    "qemu-system-riscv32": "qemu-system-misc",
 }
 
 
@@ -108,12 +113,6 @@ def missing(board: Board) -> str:
     return ""
 
 
-TRANSDUCER = "sp_transducer.c"  # the user's encoder and drive
-_COMMON = ("sp_firmware.c", "sp_port.c", TRANSDUCER)
-_NAME = "firmware.elf"
-_STACK_BYTES = 4096  # of everything else
-
-
 def build_firmware(folder: Path, board: Board, out: Path, strict: bool = False) -> Path:
     """Build the firmware of an emitted folder into `out`, with all its sources beside it.
 
@@ -132,7 +131,7 @@ def build_firmware(folder: Path, board: Board, out: Path, strict: bool = False) 
             shutil.copyfile(out / TRANSDUCER, aside / TRANSDUCER)
         sources = (f"{scene_prefix(folder)}.c", *_COMMON, *board.sources)
         _linked(board, aside, sources, state_bytes(plan), strict)
-    return out / _NAME
+    return out / _PROGRAM
 
 
 def build_batch(folder: Path, board: Board, out: Path) -> Path:
@@ -174,11 +173,11 @@ def _linked(
         "-nostartfiles", f"-L{PORT_MCU}", f"-T{PORT_MCU / board.script}",
         # the self-test keeps a state of its own on the stack
         f"-Wl,--defsym=sp_stack_bytes={-(-(_STACK_BYTES + selftest_bytes) // 8) * 8}",
-        *(str(out / file) for file in sources), "-lm", "-lc", "-lgcc", "-o", str(out / _NAME),
+        *(str(out / file) for file in sources), "-lm", "-lc", "-lgcc", "-o", str(out / _PROGRAM),
     ]  # fmt: skip
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     if result.returncode == 0:
-        return out / _NAME
+        return out / _PROGRAM
     if "overflowed by" in result.stderr:
         over = next(line for line in result.stderr.splitlines() if "overflowed by" in line)
         raise BudgetError(

@@ -20,6 +20,19 @@ from springpot.codegen.scene import Scene
 
 T = TypeVar("T")
 _NO_SUCH_KEY = "unexpected_keyword_argument"
+_ADAPTER = TypeAdapter(Scene)
+_EXAMPLE = Scene(schema=1, name="example", model="model.spm")
+_MAX_BYTES = 1 << 14  # a page or five; the TOML reader takes the square of a dotted key
+_FIRST = ("schema", "name", "model")  # keys without a section, and without a default
+# Words and headers of C: a file or name of ours would hide them.
+_TAKEN = frozenset(
+    """auto break case char const continue default do double else enum extern float for goto if
+    inline int long main register restrict return short signed sizeof static struct switch typedef
+    union unsigned void volatile while assert complex ctype errno fenv inttypes iso646 limits locale
+    math setjmp signal stdalign stdarg stdatomic stdbool stddef stdint stdio stdlib stdnoreturn
+    string tgmath threads time uchar wchar wctype""".split()  # noqa: SIM905
+)
+_IDENTIFIER = re.compile(r"[a-z][a-z0-9_]{0,30}")
 
 
 def toml_as_json(path: Path, max_bytes: int, what: str) -> str:
@@ -65,21 +78,6 @@ def checked_keys(
         else:
             found = f"{first['msg']} (found {first['input']!r})"
         raise UsageError(f"{where}: {'.'.join(map(str, place))}: {found}") from None
-
-
-_ADAPTER = TypeAdapter(Scene)
-_EXAMPLE = Scene(schema=1, name="example", model="model.spm")
-_MAX_BYTES = 1 << 14  # a page or five; the TOML reader takes the square of a dotted key
-_FIRST = ("schema", "name", "model")  # keys without a section, and without a default
-# Words and headers of C: a file or name of ours would hide them.
-_TAKEN = frozenset(
-    """auto break case char const continue default do double else enum extern float for goto if
-    inline int long main register restrict return short signed sizeof static struct switch typedef
-    union unsigned void volatile while assert complex ctype errno fenv inttypes iso646 limits locale
-    math setjmp signal stdalign stdarg stdatomic stdbool stddef stdint stdio stdlib stdnoreturn
-    string tgmath threads time uchar wchar wctype""".split()  # noqa: SIM905
-)
-_IDENTIFIER = re.compile(r"[a-z][a-z0-9_]{0,30}")
 
 
 def read_scene(path: Path) -> Scene:

@@ -21,6 +21,15 @@ _BEGIN, _END = "/* springpot declarations begin */", "/* springpot declarations 
 _ALIGNMENT = 8  # of every state of ours: as for double
 # C types of arrays, by the letter of numpy's type.
 _ARRAYS = {"f": "float[]", "d": "double[]", "i": "int32_t[]", "B": "uint8_t[]"}
+_ROW = (PORT_POSIX / "sp_loop.h").read_text(encoding="utf-8").partition("} sp_row;")[0]
+# Columns of a table of rows: the members of sp_row, in order.
+COLUMNS = tuple(re.findall(r"^    double (\w+);", _ROW.rpartition("typedef struct")[2], re.M))
+_UNBUILT = (CompilerError, OSError, cffi.CDefError, cffi.FFIError)  # the last: declared twice
+COLUMN = {name: k for k, name in enumerate(COLUMNS)}
+INPUT = "input_m"  # of a log: the position as sp_step got it, which may not be finite
+IDLE, RESET, NONE, SILENT, UNSENT = 1, 2, 4, 8, 16  # bits of a row's call
+GOT_FIFO, GOT_LOCKED, GOT_SLACK, GOT_CPU = 1, 2, 4, 8
+LoopRows = NDArray[np.float64]  # shape (n, len(COLUMNS))
 
 
 class CLibrary:
@@ -88,16 +97,6 @@ def load_c(
     return CLibrary(path, declarations(headers, real))
 
 
-_ROW = (PORT_POSIX / "sp_loop.h").read_text(encoding="utf-8").partition("} sp_row;")[0]
-# Columns of a table of rows: the members of sp_row, in order.
-COLUMNS = tuple(re.findall(r"^    double (\w+);", _ROW.rpartition("typedef struct")[2], re.M))
-_UNBUILT = (CompilerError, OSError, cffi.CDefError, cffi.FFIError)  # the last: declared twice
-COLUMN = {name: k for k, name in enumerate(COLUMNS)}
-INPUT = "input_m"  # of a log: the position as sp_step got it, which may not be finite
-IDLE, RESET, NONE, SILENT, UNSENT = 1, 2, 4, 8, 16  # bits of a row's call
-GOT_FIFO, GOT_LOCKED, GOT_SLACK, GOT_CPU = 1, 2, 4, 8
-
-
 class Stop(IntEnum):
     """Why a loop ended: SP_STOP_ of sp_loop.h."""
 
@@ -110,9 +109,6 @@ class Stop(IntEnum):
     MISUSE = 6
     RATE = 7
     BUTTON = 8
-
-
-LoopRows = NDArray[np.float64]  # shape (n, len(COLUMNS))
 
 
 @cache

@@ -11,17 +11,6 @@ from springpot.codegen.short_repr import short_repr
 from springpot.host.native.compiler import CompilerError, find_compiler
 from springpot.runtime_c.paths import flags
 
-
-@dataclass(frozen=True)
-class Toolchain:
-    """A compiler's command, its size tool, and the flags of one target."""
-
-    compiler: tuple[str, ...]
-    size: str
-    flags: tuple[str, ...]
-    __repr__ = short_repr
-
-
 _ARM = ("-mthumb", "-mfloat-abi=hard")
 _CROSS: dict[str, tuple[str, tuple[str, ...]]] = {
     "cortex-m4f": ("arm-none-eabi-", (*_ARM, "-mcpu=cortex-m4", "-mfpu=fpv4-sp-d16")),
@@ -39,6 +28,20 @@ _CROSS: dict[str, tuple[str, tuple[str, ...]]] = {
     ),
 }
 SOFT_DOUBLES = ("cortex-m4f", "rv32imafc")  # doubles run in software
+_FLASH_SIZES = re.compile(r"^\.(?:text|rodata|data)\S*\s+(\d+)", re.M)
+_NODE = re.compile(r'^node: \{ title: "([^"]+)" label: "[^"]*?(?:\\n(\d+) bytes \((\w+)[^"]*)?"')
+_NO_SELFTEST = "-DSP_NO_SELFTEST"  # where it is in the same file
+_EDGE = re.compile(r'^edge: \{ sourcename: "([^"]+)" targetname: "([^"]+)"')
+
+
+@dataclass(frozen=True)
+class Toolchain:
+    """A compiler's command, its size tool, and the flags of one target."""
+
+    compiler: tuple[str, ...]
+    size: str
+    flags: tuple[str, ...]
+    __repr__ = short_repr
 
 
 def toolchain(target: str) -> Toolchain | None:
@@ -71,12 +74,6 @@ def missing_tools(target: str) -> str:
     if target == "host":
         return f"no `size` on PATH: {install}"
     return f"no compiler for {target}: {install}"
-
-
-_FLASH_SIZES = re.compile(r"^\.(?:text|rodata|data)\S*\s+(\d+)", re.M)
-_NODE = re.compile(r'^node: \{ title: "([^"]+)" label: "[^"]*?(?:\\n(\d+) bytes \((\w+)[^"]*)?"')
-_NO_SELFTEST = "-DSP_NO_SELFTEST"  # where it is in the same file
-_EDGE = re.compile(r'^edge: \{ sourcename: "([^"]+)" targetname: "([^"]+)"')
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,8 @@ STYLE: Any = {
 }
 _PLAIN = (1e-4, 1e7)
 SVG_METADATA = dict.fromkeys(("Date", "Creator", "Format", "Type"))
+_SIZE_INCHES = (4.4, 3.4)
+_TOTAL_POINTS = 20_000  # of all recordings in one figure
 
 
 def stride(samples: int, max_points: int = 4000) -> int:
@@ -54,10 +56,6 @@ def svg_text(figure: Figure) -> str:
     figure.savefig(text, format="svg", metadata=SVG_METADATA)
     svg = text.getvalue()
     return svg[svg.index("<svg") :]
-
-
-_SIZE_INCHES = (4.4, 3.4)
-_TOTAL_POINTS = 20_000  # of all recordings in one figure
 
 
 def median_series(series: Sequence[Series]) -> Series:

@@ -22,6 +22,8 @@ from springpot.host.validation.store import Stored, read_validation
 from springpot.trainer.kinds import KINDS, Kind
 
 _REPORT_NAME = "report.html"
+_FILE = Kind("file", "", "", "D", "#6a4c93")  # of a model that was not fitted here
+Row = JsonMapping
 
 
 def write_report(folder: Path) -> Path:
@@ -73,10 +75,6 @@ def _cost_rows(folder: Path, manifest: JsonObject) -> dict[str, str]:
         except CompilerError as error:
             flash = f"not measured: {error}"
     return {"flash": flash, "RAM": f"{manifest['state_bytes']} bytes of state"}
-
-
-_FILE = Kind("file", "", "", "D", "#6a4c93")  # of a model that was not fitted here
-Row = JsonMapping
 
 
 def write_bench_page(folder: Path) -> Path:

@@ -42,6 +42,10 @@ _POLE_RADPS = 600.0  # of the observer: it hears the encoder's steps as little n
 _DAMPING = 0.25  # of the mass per reaction time; a damper so late makes a free tool ring at pi/2
 _RESISTANCE = 10.0  # reaction times: its low-pass takes less than half of the damping
 _MIN_MASS_KG = 0.05
+_MIN_RATE_HZ, _COUNT_S = 400.0, 0.5
+_RECOVERY_S = 3.0  # of the object, after the press that finds the delay
+_ROOM = 2.5  # over its command, for the chirp meets the resonance of tool and object
+_SILENT, _TAIL_S = 50, 0.1  # rows before the sensor must measure; it is no later than that
 
 
 @dataclass(frozen=True)
@@ -119,12 +123,6 @@ def late_gains(delay: Delay) -> Mapping[str, float]:
         "motor_late": round(RATE_HZ * delay.motor_s),
         "sensor_late": round(RATE_HZ * max(0.0, delay.value_s - 2.8 / _POLE_RADPS)),
     }
-
-
-_MIN_RATE_HZ, _COUNT_S = 400.0, 0.5
-_RECOVERY_S = 3.0  # of the object, after the press that finds the delay
-_ROOM = 2.5  # over its command, for the chirp meets the resonance of tool and object
-_SILENT, _TAIL_S = 50, 0.1  # rows before the sensor must measure; it is no later than that
 
 
 @contextmanager

@@ -31,6 +31,12 @@ from springpot.trainer.recordings.recording import (
     safe_recording_name,
 )
 
+TOUCHES = 3
+_RATE_HZ, _WATCHDOG_S, _LONGEST_S, _MEAN_S = 1000.0, 0.02, 600.0, 0.3
+_STILL_M = 0.2e-3  # the tool moves no more than this while it is measured
+_SAME_M = 1.0e-3  # three touches of one surface
+_NO_FORCE_N = 1e-3
+
 
 @dataclass(frozen=True)
 class PressQuality:
@@ -127,13 +133,6 @@ def _quality(file: Path, recording: Recording, profile: Profile) -> PressQuality
         max_command_n=float(profile.command_n.max()),
         tracking_rms_n=rms(error_n),
     )
-
-
-TOUCHES = 3
-_RATE_HZ, _WATCHDOG_S, _LONGEST_S, _MEAN_S = 1000.0, 0.02, 600.0, 0.3
-_STILL_M = 0.2e-3  # the tool moves no more than this while it is measured
-_SAME_M = 1.0e-3  # three touches of one surface
-_NO_FORCE_N = 1e-3
 
 
 def find_surface(url: str, touched: Callable[[int], None]) -> float:

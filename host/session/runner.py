@@ -34,6 +34,7 @@ from springpot.host.session.supervisor import DeviceSupervisor
 
 _DRAIN_S = 0.02
 _FIRST_SAMPLE_S = 0.2  # no device takes longer for it
+TakeRows = Callable[[LoopRows], None]
 
 
 @dataclass(frozen=True)
@@ -47,9 +48,6 @@ class Progress:
     age_s: float
     state: LoopState
     __repr__ = short_repr
-
-
-TakeRows = Callable[[LoopRows], None]
 
 
 class SessionRunner:

@@ -17,6 +17,10 @@ from springpot.host.output import progress_console
 from springpot.host.session.runner import Progress, SessionRunner
 
 _KEYS = "q stop, p pause, r reset"
+# A kill, a closed terminal and Ctrl-\ ask for the same thing; Windows has the first alone.
+_ENDING = tuple(
+    getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGQUIT") if hasattr(signal, name)
+)
 
 
 def watch(runner: SessionRunner) -> None:
@@ -56,12 +60,6 @@ def progress_line(progress: Progress, keys: str = _KEYS) -> str:
     flags = {"paused": state.paused, "FORCE ZERO, reset with r": state.latched or state.tripped,
              "waiting for the device": not state.connected}  # fmt: skip
     return "  ".join([*words, *(name for name, on in flags.items() if on), f"[{keys}]"])
-
-
-# A kill, a closed terminal and Ctrl-\ ask for the same thing; Windows has the first alone.
-_ENDING = tuple(
-    getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGQUIT") if hasattr(signal, name)
-)
 
 
 @contextlib.contextmanager

@@ -23,6 +23,7 @@ from springpot.host.emission.emission import read_emission
 from springpot.host.study.definition import RENDERED, Study, read_study
 
 Row = dict[str, str]
+_DEFINITION, _ORDERS, _PLAN = "study.toml", "orders.csv", "plan.json"
 
 
 @contextmanager
@@ -66,9 +67,6 @@ def read_table(file: Path, columns: Sequence[str]) -> list[Row]:
         if len(row) != len(columns) or (number == 1 and row != list(columns)):
             raise DataError(f"{file}: row {number} is damaged: take the file from your backup")
     return [dict(zip(columns, row, strict=True)) for row in rows[1:]]
-
-
-_DEFINITION, _ORDERS, _PLAN = "study.toml", "orders.csv", "plan.json"
 
 
 class Trial(NamedTuple):
