@@ -10,9 +10,18 @@ from springpot.codegen.reference.notes import LATCHED
 from springpot.codegen.short_repr import short_repr
 from springpot.codegen.types import CData
 from springpot.host.devices.device import OpenedDevice
-from springpot.host.native.c_library import GOT_FIFO, CLibrary, LoopRows, empty_rows, loop_library
+from springpot.host.native.c_library import (
+    GOT_CPU,
+    GOT_FIFO,
+    GOT_LOCKED,
+    GOT_SLACK,
+    CLibrary,
+    LoopRows,
+    empty_rows,
+    loop_library,
+)
 from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.session.outcome import LinkCounts, LoopSettings, LoopState, granted
+from springpot.host.session.outcome import LinkCounts, LoopSettings, LoopState
 
 _RING_S = 16.0  # of rows that wait while Python does something else
 _PRIORITY = 80
@@ -55,8 +64,6 @@ def scene_step_functions(
 
 class CLoop:
     """A thread of C on absolute deadlines; Python only watches."""
-
-    name = "C thread"
 
     def __init__(self, steps: StepFunctions, settings: LoopSettings) -> None:
         self._steps, self._settings = steps, settings
@@ -151,7 +158,11 @@ class CLoop:
 
     def scheduler(self) -> str:
         """Return who keeps the time, and what the system granted for it."""
-        return granted(self.name, self.get_status().got)
+        got = self.get_status().got
+        words = {GOT_LOCKED: "memory locked", GOT_CPU: "own CPU", GOT_SLACK: "1 ns timer slack"}
+        named = [name for bit, name in words.items() if got & bit]
+        policy = "SCHED_FIFO" if got & GOT_FIFO else "SCHED_OTHER"
+        return ", ".join(["C thread", policy, *named])
 
     def refused(self) -> str:
         """Return what the system refused of that, and what to do; empty if nothing."""

@@ -1,5 +1,4 @@
-"""A loop's settings, state and counts, and how a session went in words: why it stopped, what the
-system granted, what the C noted."""
+"""A loop's settings, state and counts; the time it had, and in words what the C noted."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,17 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.errors import DeviceError, SpringpotError
 from springpot.codegen.reference import notes as notes_of
 from springpot.codegen.short_repr import short_repr
-from springpot.host.native.c_library import (
-    COLUMN,
-    GOT_CPU,
-    GOT_FIFO,
-    GOT_LOCKED,
-    GOT_SLACK,
-    Stop,
-)
+from springpot.host.native.c_library import Stop
 
 BY_USER = "stopped by the user"
 _WORDS = {
@@ -88,66 +79,6 @@ class LinkCounts:
     unsent: int = 0
     saturated: int = 0
     device_error: int = 0
-
-
-def why_stopped(
-    state: LoopState,
-    row: Any,
-    settings: LoopSettings,
-    fault: str = "",
-    rate_advice: str = "",
-    asked_by: str = BY_USER,
-) -> tuple[str, SpringpotError | None]:
-    """One line: why the loop ended and what to do; the error, where it was one.
-
-    row: the newest, shape (columns,). fault: why it ended without its device. rate_advice: of the
-    device. asked_by: who ended the loop, where it did not end by itself.
-    """
-    match state.reason:
-        case Stop.FORCE:
-            force_n = np.fmax(abs(row[COLUMN["returned_n"]]), abs(row[COLUMN["measured_n"]]))
-            return _stopped(
-                f"the force reached {force_n:.3g} N, the limit is {settings.max_force_n:g} N: "
-                "raise --max-force-n, or press less"
-            )
-        case Stop.DEPTH:
-            depth_mm = 1e3 * float(row[COLUMN["position_m"]])
-            return _stopped(
-                f"the tool came {depth_mm:.3g} mm deep, the limit is "
-                f"{1e3 * settings.max_depth_m:g} mm: raise --max-depth-mm, or press less"
-            )
-        case Stop.RATE:
-            line = (
-                f"stopped: for a fifth of the last 100 periods of {1e3 * settings.period_s:g} ms "
-                f"no sample came, force zero: {rate_advice}"
-            )
-            return line, DeviceError(line)
-        case Stop.BUTTON:
-            line = "stopped by the device's button"
-        case Stop.MISUSE:
-            return _stopped("the scene refused its arguments: report this")
-        case Stop.TIME:
-            line = f"ran for {settings.seconds:g} s"
-        case Stop.ENDED:
-            line = "the replay has no more samples"
-        case _:
-            line = asked_by
-    if not fault and (state.latched or state.tripped):
-        fault = "the watchdog had tripped and the force was zero: `reset` takes it back"
-    return f"{line}; {fault}" if fault else line, None
-
-
-def _stopped(what: str) -> tuple[str, SpringpotError]:
-    line = f"stopped: {what}"
-    return line, SpringpotError(line)
-
-
-def granted(loop_name: str, got: int) -> str:
-    """What the system granted a C loop; got: SP_GOT_ bits."""
-    words = {GOT_LOCKED: "memory locked", GOT_CPU: "own CPU", GOT_SLACK: "1 ns timer slack"}
-    named = [name for bit, name in words.items() if got & bit]
-    policy = "SCHED_FIFO" if got & GOT_FIFO else "SCHED_OTHER"
-    return ", ".join([loop_name, policy, *named])
 
 
 def expected_ticks(state: LoopState, settings: LoopSettings) -> int:

@@ -18,6 +18,7 @@ from springpot.host.native.c_library import (
     IDLE,
     NONE,
     LoopRows,
+    Stop,
     empty_rows,
 )
 from springpot.host.output import say
@@ -28,7 +29,6 @@ from springpot.host.session.outcome import (
     LoopSettings,
     LoopState,
     spread_us,
-    why_stopped,
 )
 from springpot.host.session.supervisor import DeviceSupervisor
 
@@ -184,14 +184,38 @@ class SessionRunner:
         """
         if self.error is not None:
             return str(self.error), self.error
-        return why_stopped(
-            self.state,
-            self._latest[-1],
-            self.settings,
-            self.fault(),
-            self._supervisor.device.rate_advice,
-            asked_by,
-        )
+        state, settings, row, line = self.state, self.settings, self._latest[-1], ""
+        match state.reason:
+            case Stop.FORCE:
+                force_n = np.fmax(abs(row[COLUMN["returned_n"]]), abs(row[COLUMN["measured_n"]]))
+                line = (
+                    f"the force reached {force_n:.3g} N, the limit is {settings.max_force_n:g} N: "
+                    "raise --max-force-n, or press less"
+                )
+            case Stop.DEPTH:
+                line = (
+                    f"the tool came {1e3 * row[COLUMN['position_m']]:.3g} mm deep, the limit is "
+                    f"{1e3 * settings.max_depth_m:g} mm: raise --max-depth-mm, or press less"
+                )
+            case Stop.RATE:
+                line = (
+                    f"for a fifth of the last 100 periods of {1e3 * settings.period_s:g} ms no "
+                    f"sample came, force zero: {self._supervisor.device.rate_advice}"
+                )
+            case Stop.MISUSE:
+                line = "the scene refused its arguments: report this"
+        if line:
+            kind = DeviceError if state.reason == Stop.RATE else SpringpotError
+            return f"stopped: {line}", kind(f"stopped: {line}")
+        ends = {
+            Stop.BUTTON: "stopped by the device's button",
+            Stop.TIME: f"ran for {settings.seconds:g} s",
+            Stop.ENDED: "the replay has no more samples",
+        }
+        fault = self.fault()
+        if not fault and (state.latched or state.tripped):
+            fault = "the watchdog had tripped and the force was zero: `reset` takes it back"
+        return "; ".join(filter(None, (ends.get(Stop(state.reason), asked_by), fault))), None
 
     def fault(self) -> str:
         """Why it ended without its device, and what to do; empty where the device was there."""
