@@ -1,7 +1,7 @@
 """Devices by URL: addresses taken apart, drivers, those that springpot brings, who opens one."""
 
 import math
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
@@ -50,34 +50,6 @@ class Address:
         for key in self.settings:
             if key not in known:
                 raise UsageError(f"{self.url}: no setting {key!r}: use {', '.join(known)}")
-
-
-def parse_address(
-    url: str,
-    schemes: Mapping[str, str],
-    what: str,
-    on_bus: Collection[str] = (),
-    has_default: Collection[str] = (),
-) -> Address:
-    """Take a URL apart.
-
-    schemes: an example of each. on_bus: schemes whose first part is a bus's interface.
-    has_default: schemes that need no place.
-    Raises DeviceError for any other scheme, UsageError for a URL that is not complete.
-    """
-    parts = urlsplit(url)
-    if parts.scheme not in schemes:
-        raise DeviceError(
-            f"{url}: no driver for {parts.scheme or f'a {what} without a scheme'!r}: use "
-            + "; ".join(schemes.values())
-        )
-    needs_interface = parts.scheme in on_bus
-    interface = parts.netloc if needs_interface else ""
-    place = parts.path.removeprefix("/") if interface else parts.netloc + parts.path
-    if (not place and parts.scheme not in has_default) or (needs_interface and not interface):
-        raise UsageError(f"{url}: not complete: use {schemes[parts.scheme]}")
-    settings = dict(parse_qsl(parts.query, keep_blank_values=True))
-    return Address(url, parts.scheme, interface, unquote(place), settings)
 
 
 @dataclass(frozen=True)
@@ -140,19 +112,26 @@ REPLAY = Driver(
 )
 
 
-def parse_device(url: str) -> Address:
-    """Take a device's URL apart.
+def parse_device(
+    url: str, table: Mapping[str, Driver] | None = None, what: str = "device"
+) -> Address:
+    """Take a URL apart; table: the drivers of what it may be, by default of devices.
 
     Raises DeviceError for a scheme that no driver serves, UsageError for a URL without its place.
     """
-    table = drivers()
-    return parse_address(
-        url,
-        {scheme: driver.example for scheme, driver in table.items()},
-        "device",
-        [scheme for scheme, driver in table.items() if driver.on_bus],
-        [scheme for scheme, driver in table.items() if driver.has_default],
-    )
+    table, parts = drivers() if table is None else table, urlsplit(url)
+    driver = table.get(parts.scheme)
+    if driver is None:
+        raise DeviceError(
+            f"{url}: no driver for {parts.scheme or f'a {what} without a scheme'!r}: use "
+            + "; ".join(known.example for known in table.values())
+        )
+    interface = parts.netloc if driver.on_bus else ""
+    place = parts.path.removeprefix("/") if interface else parts.netloc + parts.path
+    if (not place and not driver.has_default) or (driver.on_bus and not interface):
+        raise UsageError(f"{url}: not complete: use {driver.example}")
+    settings = dict(parse_qsl(parts.query, keep_blank_values=True))
+    return Address(url, parts.scheme, interface, unquote(place), settings)
 
 
 def driver_of(url: str) -> Driver:

@@ -11,7 +11,7 @@ import time
 from array import array
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, contextmanager
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -25,7 +25,7 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DeviceError
 from springpot.codegen.types import JsonMapping, JsonObject
 from springpot.host.devices.device import DeviceRequirements
-from springpot.host.devices.drivers import Address, parse_address
+from springpot.host.devices.drivers import SERIAL, Address, parse_device
 from springpot.host.devices.serial_device import SerialDevice
 from springpot.host.devices.wire import constant
 from springpot.host.output import say
@@ -145,7 +145,8 @@ class ForceSensor:
     error: SpringpotError | None = None
 
     def __init__(self, url: str) -> None:
-        address = parse_address(url, {"serial": "serial:///dev/ttyACM1?baud=921600"}, "sensor")
+        sensor = replace(SERIAL, example="serial:///dev/ttyACM1?baud=921600")
+        address = parse_device(url, {"serial": sensor}, "sensor")
         address.require_known(("baud", "n_per_unit"))
         self.url, self._factor = url, address.number("n_per_unit", 1.0, -1e6, 1e6)
         self.on_force: Callable[[float], None] = lambda _force_n: None
