@@ -26,6 +26,7 @@ _SLCAN_OPEN_S = 0.02  # python-can would wait for 2 s
 def main(bus_arguments: str, descriptor: str) -> None:
     """Carry frames until one of both ends closes; only data frames with short identifiers come."""
     import can
+    from can.interfaces.slcan import slcanBus
 
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the host's, who sends zero force
     with contextlib.suppress(OSError, AttributeError):  # not allowed; not on this system
@@ -34,8 +35,9 @@ def main(bus_arguments: str, descriptor: str) -> None:
     if arguments["interface"] == "slcan":
         arguments["sleep_after_open"] = _SLCAN_OPEN_S
     with socket.socket(fileno=int(descriptor)) as near, can.Bus(**arguments) as bus:
-        if port := getattr(bus, "serialPortOrig", None):
-            port.flush = lambda: None  # each frame would wait until the adapter has it
+        slcan = bus if isinstance(bus, slcanBus) else None
+        if slcan is not None:
+            slcan.serialPortOrig.flush = lambda: None  # each frame would wait for the adapter
         near.send(FRAME.pack(0, 0, b""))
 
         def to_bus() -> None:
@@ -59,20 +61,27 @@ def main(bus_arguments: str, descriptor: str) -> None:
         sending = threading.Thread(target=to_bus)
         sending.start()
         while not over.is_set():
-            with contextlib.suppress(ValueError, IndexError):  # a damaged line of slcan
+            try:
                 message = bus.recv(_RECEIVE_S)
-                if message is None or message.is_extended_id or message.is_fd:
-                    continue
-                if message.is_error_frame or message.is_remote_frame:
-                    continue
-                frame = FRAME.pack(message.arbitration_id, len(message.data), bytes(message.data))
-                with contextlib.suppress(BlockingIOError):  # nobody reads: it is full of samples
-                    near.send(frame, socket.MSG_DONTWAIT)
+            except Exception as error:
+                damaged = isinstance(error.__cause__ or error, ValueError | IndexError)
+                if slcan is None or not damaged:
+                    raise
+                slcan.flush()  # python-can would read a damaged line again and again
+                continue
+            if message is None or message.is_extended_id or message.is_fd:
+                continue
+            if message.is_error_frame or message.is_remote_frame:
+                continue
+            frame = FRAME.pack(message.arbitration_id, len(message.data), bytes(message.data))
+            with contextlib.suppress(BlockingIOError):  # nobody reads: it is full of samples
+                near.send(frame, socket.MSG_DONTWAIT)
 
 
 def fail(error: Exception) -> None:
     """End the process, and so the socket, with the reason as a line."""
-    print(" ".join(str(error).split()).rstrip("."), flush=True)
+    reason = f"{error} ({error.__cause__})" if error.__cause__ else str(error)
+    print(" ".join(reason.split()).rstrip("."), flush=True)
     os._exit(1)
 
 

@@ -9,6 +9,7 @@ import time
 
 import can
 import pytest
+from support.peer import peer
 
 from springpot.codegen.errors import DeviceError
 from springpot.host.devices import can_bus
@@ -97,6 +98,17 @@ def test_a_bus_of_python_can_that_fails_is_gone(monkeypatch, tmp_path):
 def test_a_bus_that_cannot_be_opened_says_why(place, reason):
     with pytest.raises(DeviceError, match=rf"odrive://{place}.*: .*{reason}"):
         CanBus(parse_device(f"odrive://{place}?{TRAIN}"), 1_000_000)
+
+
+def test_damaged_lines_of_an_adapter_are_no_frames():
+    with peer("slcan_odrive", "--damage", 0.3) as drive:
+        bus = CanBus(parse_device(drive.url), 1_000_000)
+        until_s = time.monotonic() + 2
+        frames = [bus.receive(until_s) for _ in range(300)]
+        bus.close()
+    good = [frame for frame in frames if frame and frame[0] == identifier(0, 9)]
+    assert len(good) > 150
+    assert all(len(data) <= 8 for _, data in filter(None, frames))
 
 
 def test_a_raw_can_socket_carries_the_same_frames(monkeypatch):
