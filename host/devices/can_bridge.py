@@ -10,7 +10,6 @@ is one line on standard output, and the end of the socket. A process of its own,
 import contextlib
 import json
 import os
-import signal
 import socket
 import struct
 import sys
@@ -28,7 +27,6 @@ def main(bus_arguments: str, descriptor: str) -> None:
     import can
     from can.interfaces.slcan import slcanBus
 
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the host's, who sends zero force
     with contextlib.suppress(OSError, AttributeError):  # not allowed; not on this system
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(_PRIORITY))
     arguments, over = json.loads(bus_arguments), threading.Event()

@@ -127,5 +127,6 @@ def _bridged(address: Address, bitrate: int) -> tuple[socket.socket, "subprocess
         process = subprocess.Popen(
             [*program, json.dumps(bus), str(its.fileno())],
             pass_fds=[its.fileno()], stdout=subprocess.PIPE, text=True,
+            start_new_session=True,  # Ctrl-C and a closed terminal are ours: we send zero force
         )  # fmt: skip
     return ours, process
