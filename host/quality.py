@@ -4,32 +4,25 @@ import re
 import warnings
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from dataclasses import fields
 
 from springpot.codegen.errors import SpringpotError
 from springpot.host.output import say
+from springpot.trainer.recordings.conditioning import Conditioning
+from springpot.trainer.recordings.formats.importing import ImportOptions
 from springpot.trainer.recordings.notices import notice
 from springpot.trainer.recordings.quality.report import QualityReport, check_recordings
 from springpot.trainer.recordings.recording_file import Recordings
 
 _CALLER = 5  # frames above `warn`: of who called the public function that judges recordings
 # The options that are not the argument with the same name.
-_ARGUMENTS = {
-    **{"map": "columns", "model": "kind", "validate": "validation", "place": "place_m"},
-}
+_ARGUMENTS = {"map": "columns", "model": "kind", "validate": "validation", "place": "place_m"}
 # Those that are not of a function, but of the settings that it takes.
-_SETTINGS = {
-    "Conditioning": (
-        *("align", "accept_signs", "contact_force", "tare", "mass_kg"),
-        *("position_delay_s", "force_delay_s"),
-    ),
-    "ImportOptions": ("decimal", "place_m"),
-}
-_OWNERS = {argument: owner for owner, its in _SETTINGS.items() for argument in its}
+_OWNERS = {item.name: kind.__name__ for kind in (Conditioning, ImportOptions)
+           for item in fields(kind)}  # fmt: skip
 _FLAGS = ("align", "accept-signs")
-_NUMBER_OR_NAME, _WORD = (
-    r"-?[\d.]+(?:e[+-]?\d+)?\b|[A-Z][A-Z0-9,]*\b",
-    r"(?:auto|comma|first|min|paper|point|recursive)\b",
-)
+_NUMBER_OR_NAME = r"-?[\d.]+(?:e[+-]?\d+)?\b|[A-Z][A-Z0-9,]*\b"
+_WORD = r"(?:auto|comma|first|min|paper|point|recursive)\b"
 _MAP = r"'[^']*'|[a-z]+=\S*[^\s,.;:)]"
 _OPTION = re.compile(
     rf"--(?P<name>[a-z][a-z-]*)(?:[ =](?:(?P<plain>{_NUMBER_OR_NAME})|(?P<text>{_WORD}|{_MAP})))?"
