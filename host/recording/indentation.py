@@ -207,10 +207,10 @@ class PressedDevice:
             raise error or SpringpotError(f"{self.url}: the press did not come to its end: {line}")
 
     def _watch(self, runner: SessionRunner, rows: PressRows, press: CData) -> None:
-        with reading_keys() as keys:
+        with reading_keys() as pressed:
             for progress in runner.watch(0.05):
                 self._on_progress(progress)
-                if set(keys.pressed()) & set("q \x1b"):
+                if set(pressed()) & set("q \x1b"):
                     raise KeyboardInterrupt
                 if rows.unmeasured:
                     raise self.unmeasured()
@@ -244,10 +244,10 @@ class PressedDevice:
 def rest(seconds: float) -> None:
     """Wait between two presses; q and escape leave, as in a press."""
     until_s = time.monotonic() + seconds
-    with reading_keys() as keys:
+    with reading_keys() as pressed:
         while (left_s := until_s - time.monotonic()) > 0:
             time.sleep(min(left_s, 0.05))
-            if set(keys.pressed()) & set("q \x1b"):
+            if set(pressed()) & set("q \x1b"):
                 raise KeyboardInterrupt
 
 

@@ -6,9 +6,8 @@ import os
 import select
 import signal
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from types import FrameType
-from typing import TextIO
 
 from rich.live import Live
 from rich.text import Text
@@ -25,9 +24,9 @@ _ENDING = tuple(
 
 def watch(runner: SessionRunner) -> None:
     """Show progress and obey keys until the loop ends."""
-    with reading_keys() as keys, Live(console=progress_console, transient=True) as live:
+    with reading_keys() as pressed, Live(console=progress_console, transient=True) as live:
         for progress in runner.watch():
-            for key in keys.pressed():
+            for key in pressed():
                 obey(runner, key)
             live.update(Text(progress_line(progress)))
 
@@ -100,40 +99,31 @@ def _write_nowhere(streams: list[int]) -> None:
     os.close(nowhere)
 
 
-class Keys:
-    """Keys pressed since the last look."""
-
-    def __init__(self, terminal: TextIO | None) -> None:
-        self._terminal = terminal
-
-    def pressed(self) -> str:
-        found = ""
-        while self._terminal is not None and select.select([self._terminal], [], [], 0)[0]:
-            try:
-                keys = os.read(self._terminal.fileno(), 64).decode(errors="replace")
-            except OSError:  # a terminal that was closed gives none
-                keys = ""
-            if not keys:
-                break
-            found += keys
-        return found
-
-
 @contextlib.contextmanager
-def reading_keys() -> Iterator[Keys]:
-    """Read keys one by one while this lasts."""
+def reading_keys() -> Iterator[Callable[[], str]]:
+    """Yield what returns the keys pressed since its last call; none without a terminal."""
     try:
         import termios
         import tty
     except ModuleNotFoundError:  # Windows
         termios = None  # type: ignore[assignment]
     if termios is None or not sys.stdin.isatty():
-        yield Keys(None)
+        yield str
         return
     before = termios.tcgetattr(sys.stdin)
     tty.setcbreak(sys.stdin)
     try:
-        yield Keys(sys.stdin)
+        yield _pressed
     finally:
         with contextlib.suppress(termios.error):  # the terminal was closed
             termios.tcsetattr(sys.stdin, termios.TCSADRAIN, before)
+
+
+def _pressed() -> str:
+    found = b""
+    with contextlib.suppress(OSError):  # a terminal that was closed gives none
+        while select.select([sys.stdin], [], [], 0)[0] and (
+            keys := os.read(sys.stdin.fileno(), 64)
+        ):
+            found += keys
+    return found.decode(errors="replace")
