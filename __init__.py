@@ -24,53 +24,53 @@ if TYPE_CHECKING:
     from springpot.codegen.scene import (
         Scene as Scene,
     )
-    from springpot.host.api.files import (
-        import_recordings as import_recordings,
-    )
-    from springpot.host.api.files import (
-        read_model as read_model,
-    )
-    from springpot.host.api.files import (
-        read_recordings as read_recordings,
-    )
-    from springpot.host.api.files import (
-        read_scene as read_scene,
-    )
-    from springpot.host.api.files import (
-        write_model as write_model,
-    )
-    from springpot.host.api.files import (
-        write_recordings as write_recordings,
-    )
-    from springpot.host.api.loaded import (
-        load as load,
-    )
-    from springpot.host.api.steps import (
-        bench as bench,
-    )
-    from springpot.host.api.steps import (
-        emit as emit,
-    )
-    from springpot.host.api.steps import (
-        predict as predict,
-    )
-    from springpot.host.api.steps import (
-        record as record,
-    )
-    from springpot.host.api.steps import (
-        stability as stability,
-    )
-    from springpot.host.api.steps import (
-        train as train,
-    )
-    from springpot.host.api.steps import (
-        validate as validate,
-    )
     from springpot.host.ensemble import (
         from_ensemble as from_ensemble,
     )
+    from springpot.host.files import (
+        import_recordings as import_recordings,
+    )
+    from springpot.host.files import (
+        read_model as read_model,
+    )
+    from springpot.host.files import (
+        read_recordings as read_recordings,
+    )
+    from springpot.host.files import (
+        read_scene as read_scene,
+    )
+    from springpot.host.files import (
+        write_model as write_model,
+    )
+    from springpot.host.files import (
+        write_recordings as write_recordings,
+    )
+    from springpot.host.loaded import (
+        load as load,
+    )
     from springpot.host.session.session import (
         Session as Session,
+    )
+    from springpot.host.steps import (
+        bench as bench,
+    )
+    from springpot.host.steps import (
+        emit as emit,
+    )
+    from springpot.host.steps import (
+        predict as predict,
+    )
+    from springpot.host.steps import (
+        record as record,
+    )
+    from springpot.host.steps import (
+        stability as stability,
+    )
+    from springpot.host.steps import (
+        train as train,
+    )
+    from springpot.host.steps import (
+        validate as validate,
     )
     from springpot.trainer.models.fit import (
         Fit as Fit,
@@ -82,8 +82,8 @@ if TYPE_CHECKING:
         Recording as Recording,
     )
 
-_STEPS = "host.api.steps"
-_FILES = "host.api.files"
+_STEPS = "host.steps"
+_FILES = "host.files"
 _MODULES = {
     "Recording": "trainer.recordings.recording",
     "import_recordings": _FILES,
@@ -102,7 +102,7 @@ _MODULES = {
     "Scene": "codegen.scene",
     "read_scene": _FILES,
     "emit": _STEPS,
-    "load": "host.api.loaded",
+    "load": "host.loaded",
     "validate": _STEPS,
     "stability": _STEPS,
     "bench": _STEPS,

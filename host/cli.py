@@ -9,8 +9,8 @@ import click
 
 from springpot.codegen import errors
 from springpot.host.commands import COMMANDS
-from springpot.host.console.command_group import CommandGroup
-from springpot.host.console.output import notices_said, say
+from springpot.host.options import CommandGroup
+from springpot.host.output import notices_said, say
 
 _EXIT_STATUS: dict[type[Exception], int] = {
     errors.UsageError: 2,

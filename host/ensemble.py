@@ -1,14 +1,15 @@
 """Tree ensembles of one's own on springpot's features, as models that can be emitted."""
 
 from collections.abc import Sequence
-from typing import Any, Literal, overload
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 from sklearn.base import clone
 from sklearn.metrics import r2_score
 
 from springpot import Model
-from springpot.codegen.arrays import Indices, Samples, given_numbers
+from springpot.codegen.arrays import Samples, given_numbers
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.features import Features
 from springpot.trainer.models.fit import FitOptions, assemble
@@ -32,29 +33,6 @@ _CHECKED_ROWS = 5000
 _TIMES, _MORE = 2.0, 0.005
 
 
-@overload
-def ensemble_data(
-    recordings: Recordings,
-    features: GivenFeatures = ...,
-    fraction: float | None = ...,
-    smooth_s: float = ...,
-    seed: int = ...,
-    return_groups: Literal[False] = ...,
-) -> tuple[Samples, Samples]: ...
-
-
-@overload
-def ensemble_data(
-    recordings: Recordings,
-    features: GivenFeatures = ...,
-    fraction: float | None = ...,
-    smooth_s: float = ...,
-    seed: int = ...,
-    *,
-    return_groups: Literal[True],
-) -> tuple[Samples, Samples, Indices]: ...
-
-
 def ensemble_data(
     recordings: Recordings,
     features: GivenFeatures = None,
@@ -62,7 +40,7 @@ def ensemble_data(
     smooth_s: float = FitOptions.smooth_s,
     seed: int = 0,
     return_groups: bool = False,
-) -> tuple[Samples, Samples] | tuple[Samples, Samples, Indices]:
+) -> tuple[NDArray[Any], ...]:
     """Features (rows, features) to fit an ensemble on, and forces (rows,), N.
 
     features: default the paper's ten orders; also a list of orders, each 0 to 1. They are scaled by

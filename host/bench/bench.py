@@ -6,12 +6,13 @@ import signal
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import resources
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any, TypeVar
 
+import numpy as np
 from joblib import Memory, Parallel, delayed, parallel_config
 from joblib.memory import MemorizedFunc
 from rich.progress import track
@@ -21,17 +22,17 @@ from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.files import write_file
 from springpot.codegen.scene import Target
 from springpot.codegen.types import JsonObject
-from springpot.host.bench.candidates import Candidate, default_sweep
 from springpot.host.bench.front import ALONE, measure_alone, pareto
 from springpot.host.bench.measure import (
     BenchRecordings,
+    Candidate,
     Point,
+    default_sweep,
     measure_point,
-    measure_sizes,
     target_compiler,
 )
-from springpot.host.console.output import progress_console
-from springpot.host.native.machine import machine_metadata
+from springpot.host.native.compiler import machine_metadata
+from springpot.host.output import progress_console
 from springpot.host.validation.seen import known_among
 from springpot.trainer.kinds import KINDS
 from springpot.trainer.models.fit import FitOptions
@@ -39,6 +40,7 @@ from springpot.trainer.models.fit import FitOptions
 RESULT = "bench.json"
 _CONNECT_S = 10
 _Result = TypeVar("_Result")
+_HOLDOUT = 5  # one recording in so many is held out
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,24 +63,18 @@ def run_bench(bench: Bench, folder: Path, command: str) -> JsonObject:
     begin = time.perf_counter()
     memory = Memory(folder / "measured", verbose=0)
     key = key_of(
-        [code_hash(), machine_metadata(), bench.target],
+        [code_hash(), machine_metadata(), target_compiler(bench.target)],
         [[item.name, item.content_hash] for item in bench.training],
         [[item.name, item.content_hash] for item in bench.validation],
     )
     data = BenchRecordings(key, bench.training, bench.validation)
     measured = memory.cache(measure_point, ignore=["data"])
-    jobs = [(candidate, key, data) for candidate in _candidates(bench)]
-    found = list(_in_parallel(measured, jobs, bench.dask, "models"))
+    jobs = [(candidate, bench.target, key, data) for candidate in _candidates(bench)]
+    found = list(_in_parallel(measured, jobs, bench.dask))
     points = _stored([(row, model) for row, model in found if model is not None], folder)
     refused = [row for row, model in found if model is None]
     if not points:
         raise DataError(f"no model can be made of these recordings: {refused[0]['error']}")
-    compiler = target_compiler(bench.target)
-    sizes = memory.cache(measure_sizes, ignore=["model_file"])
-    asked = [(folder / str(p["file"]), p["number"], bench.target, p["hash"], compiler)
-             for p in points]  # fmt: skip
-    for point, size in zip(points, _in_parallel(sizes, asked, None, "sizes"), strict=True):
-        point.update(size)
     alone = memory.cache(measure_alone, ignore=["model_file", "recording"])
     longest = max(bench.validation, key=lambda item: len(item.position_m))
     front = pareto(points)
@@ -87,7 +83,7 @@ def run_bench(bench: Bench, folder: Path, command: str) -> JsonObject:
         if on_front:
             progress_console.print(f"alone on the machine: {sum(front[: number + 1])} "
                                    f"of {sum(front)} on the front")  # fmt: skip
-            its = key_of(key, point["hash"], compiler)
+            its = key_of(key, point["hash"])
             file = folder / str(point["file"])
             point.update(alone(file, point["number"], bench.target, its, longest))
     metadata = machine_metadata()
@@ -145,7 +141,7 @@ def _named(recordings: Sequence[Recording]) -> list[dict[str, str]]:
 
 
 def _in_parallel(
-    work: MemorizedFunc, items: Sequence[tuple[object, ...]], dask: str | None, what: str
+    work: MemorizedFunc, items: Sequence[tuple[object, ...]], dask: str | None
 ) -> Iterator[Any]:
     """Yield results in order, with progress. dask: address of a scheduler.
 
@@ -160,7 +156,7 @@ def _in_parallel(
             results = Parallel(n_jobs=-1, return_as="generator", batch_size=1)(
                 delayed(_in_one_thread)(work, item) for item in items
             )
-        yield from track(results, what, len(items), console=progress_console, disable=quiet)
+        yield from track(results, "models", len(items), console=progress_console, disable=quiet)
 
 
 def _in_one_thread(work: Callable[..., _Result], item: tuple[object, ...]) -> _Result:
@@ -212,3 +208,33 @@ def code_hash() -> str:
             if file.is_file() and "__pycache__" not in file.parts:
                 digest.update(f"{file.relative_to(root)}\n".encode() + file.read_bytes())
     return digest.hexdigest()
+
+
+def holdout(recordings: Sequence[Recording], seed: int) -> tuple[list[Recording], list[Recording]]:
+    """Split into training and validation: a fifth of the recordings, or the end of a single one.
+
+    The recording with the maximum force stays: without it, validation measures extrapolation.
+    """
+    if len(recordings) == 1:
+        cut = 1.0 - 1.0 / _HOLDOUT
+        return [part_of(recordings[0], 0.0, cut)], [part_of(recordings[0], cut, 1.0)]
+    strongest = int(np.argmax([recording.force_n.max() for recording in recordings]))
+    others = [i for i in range(len(recordings)) if i != strongest]
+    count = max(1, len(recordings) // _HOLDOUT)
+    chosen = set(np.random.default_rng(seed).choice(others, size=count, replace=False).tolist())
+    training = [recording for i, recording in enumerate(recordings) if i not in chosen]
+    return training, [recording for i, recording in enumerate(recordings) if i in chosen]
+
+
+def part_of(recording: Recording, begin: float, end: float) -> Recording:
+    """Return the samples between two shares of a recording's length."""
+    n = len(recording.force_n)
+    rows = slice(round(begin * n), round(end * n))
+    return replace(
+        recording,
+        name=f"{recording.name}, {100 * begin:.0f} to {100 * end:.0f} %",
+        position_m=recording.position_m[rows],
+        force_n=recording.force_n[rows],
+        channels={},
+        session="",  # what is left of a session has gaps
+    )

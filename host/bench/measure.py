@@ -1,7 +1,7 @@
-"""One model measured: fitted, built, and run on recordings that it has not seen."""
+"""What the benchmark measures, and one model measured on recordings that it has not seen."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, field, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -13,22 +13,85 @@ from springpot.codegen.model.model_file import model_bytes, model_hash
 from springpot.codegen.plan import Plan, state_bytes
 from springpot.codegen.scene import Coupling, Number, Runtime, Target
 from springpot.codegen.types import JsonObject
-from springpot.host.bench.candidates import Candidate
-from springpot.host.metrics import accuracy
+from springpot.host.metrics import accuracy, slope_errors, slope_keys
 from springpot.host.native.compiler import CompilerError, compiler_version
-from springpot.host.native.footprint import measure_footprint
 from springpot.host.native.replay import Replay, replayed
-from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.native.toolchain import missing_tools, toolchain
-from springpot.host.native.trial_build import built, written
+from springpot.host.native.scene_library import SceneLibrary, built, written
+from springpot.host.native.toolchain import measure_footprint, missing_tools, toolchain
 from springpot.host.stability.small_signal import small_signal_map
-from springpot.host.stiffness import slope_errors, slope_keys
+from springpot.trainer.kinds import KINDS
+from springpot.trainer.models.fit import PAPER_CENTERS, FitOptions
+from springpot.trainer.models.rf_fd import PAPER_TAPS
 
 if TYPE_CHECKING:
     from springpot.trainer.models.training_set import TrainingSet
 
+_CENTERS = (10, 20, 30, 60, PAPER_CENTERS, 200, 300)
 Point = JsonObject  # of one model: the keys of its row in bench.json
 _HOT_REPEATS = 5
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """One model: its kind and options to fit it with, or its file; the number type of its C."""
+
+    kind: str
+    options: FitOptions
+    number: Number = "float32"
+    file: Path | None = None
+
+    def named_options(self) -> dict[str, object]:
+        """Return options that differ from the defaults."""
+        plain = asdict(FitOptions())
+        named: dict[str, object] = {
+            name: value for name, value in asdict(self.options).items() if value != plain[name]
+        }
+        return named | ({"number": self.number} if self.number != "float32" else {})
+
+
+def default_sweep(dt_s: float, options: FitOptions, kinds: Sequence[str] = ()) -> list[Candidate]:
+    """List every candidate of `kinds` (all by default); windows are in samples of dt_s.
+
+    The paper's three models are among them: rf-fd, rbf-fd and rbf-pv with nothing named.
+    """
+    found = [*_forests(dt_s, options), *_functions(options), *_passive(options)]
+    swept = {candidate.kind for candidate in found}
+    found += [Candidate(kind, options) for kind in KINDS if kind not in swept]
+    return [candidate for candidate in found if not kinds or candidate.kind in kinds]
+
+
+def _forests(dt_s: float, options: FitOptions) -> Iterator[Candidate]:
+    for leaf, counts in ((5, (5, 10, 20, 50, 100, 200, 300)), (20, (5, 10, 20, 50, 100))):
+        for trees in counts:
+            yield Candidate("rf-fd", replace(options, trees=trees, leaf=leaf))
+    fast = replace(options, engine="fir-fast", round_features=True)
+    for leaf in (5, 20):
+        for trees in (5, 10, 30, 100):
+            yield Candidate("rf-fd", replace(fast, trees=trees, leaf=leaf))
+    small = replace(fast, trees=30, leaf=20)
+    for length in (PAPER_TAPS // 4, 2 * PAPER_TAPS, 4 * PAPER_TAPS):
+        yield Candidate("rf-fd", replace(small, window_s=length * dt_s))
+    for window_s in (20 * PAPER_TAPS * dt_s, None):
+        yield Candidate("rf-fd", replace(small, engine="recursive", window_s=window_s))
+    yield Candidate("rf-fd", options, "float64")
+    yield Candidate("rf-fd", replace(options, trees=30, leaf=20, past_positions=True))
+
+
+def _functions(options: FitOptions) -> Iterator[Candidate]:
+    for n_centers in _CENTERS:
+        yield Candidate("rbf-fd", replace(options, n_centers=n_centers))
+        yield Candidate("rbf-pv", replace(options, n_centers=n_centers))
+    for engine in ("fir-fast", "recursive"):
+        for n_centers in (30, PAPER_CENTERS):
+            yield Candidate("rbf-fd", replace(options, n_centers=n_centers, engine=engine))
+    yield Candidate("rbf-fd", options, "float64")
+
+
+def _passive(options: FitOptions) -> Iterator[Candidate]:
+    for poles in (2, 4, 6, 8, 12, 16):
+        yield Candidate("hammerstein", replace(options, poles=poles))
+    yield Candidate("hammerstein", options, "float64")
+    yield Candidate("springpot", options)
 
 
 @dataclass(frozen=True)
@@ -41,11 +104,11 @@ class BenchRecordings:
 
 
 def measure_point(
-    candidate: Candidate, key: str, data: BenchRecordings
+    candidate: Candidate, target: Target, key: str, data: BenchRecordings
 ) -> tuple[Point, bytes | None]:
     """Return a model's row and its file; of a refused model `error`, and no file.
 
-    key: of all that decides the result besides the candidate: joblib remembers by both.
+    key: of all that decides the result besides candidate and target: joblib remembers by them.
     """
     stated: Point = {
         "model": str(candidate.file or candidate.kind),
@@ -60,6 +123,7 @@ def measure_point(
                 "tick_ns_hot": hot_ns(plan, library, data.validation),
                 "ram_bytes": state_bytes(plan),
                 **small_signal_map(plan, library, 0).as_dict(),
+                **_sizes(model, candidate.number, target),
             }
     except SpringpotError as error:
         return stated | {"error": str(error)}, None
@@ -142,18 +206,13 @@ def target_compiler(target: Target) -> str | None:
     return None if tools is None else compiler_version(tools.compiler)
 
 
-def measure_sizes(
-    model_file: Path, number: Number, target: Target, key: str, compiler: str | None
-) -> Point:
-    """Return bytes of flash and stack of a model's C on its target; null ones with `why`.
-
-    key, compiler: hash of the model, version of the target's compiler: joblib remembers by both.
-    """
+def _sizes(model: Model, number: Number, target: Target) -> Point:
+    """Return bytes of flash and stack of a model's C on its target; null ones with `why`."""
     unknown: Point = {"flash_bytes": None, "stack_bytes": None}
     tools = toolchain(target)
     if tools is None:
         return unknown | {"why": missing_tools(target)}
-    plan = make_plan(read_model(model_file), bench_scene(number, target), accept_unsafe=True)
+    plan = make_plan(model, bench_scene(number, target), accept_unsafe=True)
     try:
         with written(plan) as folder:
             size = measure_footprint(folder, f"{plan.scene.runtime.prefix}.c", tools)

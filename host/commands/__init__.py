@@ -1,21 +1,21 @@
 """The command line: one file a command; this table is in the order of a job."""
 
-_HERE = "springpot.host"
+_HERE = "springpot.host.commands"
 COMMANDS = {
-    "doctor": f"{_HERE}.commands.doctor:doctor",
-    "demo": f"{_HERE}.report.commands:demo",
-    "record": f"{_HERE}.commands.record:record",
-    "import": f"{_HERE}.commands.import_:import_",
-    "check": f"{_HERE}.commands.check:check_",
-    "train": f"{_HERE}.commands.train:train",
-    "emit": f"{_HERE}.commands.emit:emit_",
-    "build": f"{_HERE}.commands.emit:build",
-    "firmware": f"{_HERE}.boards.command:firmware",
-    "stability": f"{_HERE}.commands.stability:stability_",
-    "validate": f"{_HERE}.commands.validate:validate_",
-    "run": f"{_HERE}.commands.run:run",
-    "bench": f"{_HERE}.bench.command:bench",
-    "report": f"{_HERE}.report.commands:report",
-    "page": f"{_HERE}.page.command:page",
-    "study": f"{_HERE}.study.commands:study",
+    "doctor": f"{_HERE}.doctor:doctor",
+    "demo": f"{_HERE}.demo:demo",
+    "record": f"{_HERE}.record:record",
+    "import": f"{_HERE}.import_:import_",
+    "check": f"{_HERE}.check:check_",
+    "train": f"{_HERE}.train:train",
+    "emit": f"{_HERE}.emit:emit_",
+    "build": f"{_HERE}.emit:build",
+    "firmware": f"{_HERE}.emit:firmware",
+    "stability": f"{_HERE}.stability:stability_",
+    "validate": f"{_HERE}.validate:validate_",
+    "run": f"{_HERE}.run:run",
+    "bench": f"{_HERE}.bench:bench",
+    "report": f"{_HERE}.demo:report",
+    "page": f"{_HERE}.page:page",
+    "study": f"{_HERE}.study:study",
 }

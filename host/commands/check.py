@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.host.console.output import (
-    TextTable,
+from springpot.host.output import (
     json_option,
     paths_argument,
     print_json,
@@ -34,41 +32,37 @@ def check_(recordings: tuple[str, ...], as_json: bool) -> None:
     if as_json:
         print_json(report.as_dict())
     else:
-        for part in check_parts(report):
-            if isinstance(part, str):
-                click.echo(part)
-            else:
-                print_table(*part, width=140)
+        _show(report)
     report.refuse()
 
 
-def check_parts(report: QualityReport) -> Iterator[str | TextTable]:
-    """A person's view of a report: lines, and two tables."""
+def _show(report: QualityReport) -> None:
+    """Print a person's view of a report."""
     columns = ["recording", "Hz", "s", "mm", "N", "cycles Hz", "N/mm", "loss rad"]
     rows = [_row(figures) for figures in report.recordings]
     if any("place_m" in figures for figures in report.recordings):
         columns.insert(1, "place mm")
         for row, figures in zip(rows, report.recordings, strict=True):
             row.insert(1, _place(figures))
-    yield columns, rows
-    yield report.figures["signs"]
+    print_table(columns, rows, width=140)
+    click.echo(report.figures["signs"])
     known_n = (report.figures["noise_floor_n"], report.figures["sensor_noise_n"])
     known = next((f"{floor_n:.3g} N" for floor_n in known_n if floor_n is not None), "not known")
-    yield f"noise floor: {known}, {report.figures['noise_floor']}"
+    click.echo(f"noise floor: {known}, {report.figures['noise_floor']}")
     skew_s, doubt_s = report.figures["skew_s"], report.figures["skew_uncertainty_s"]
     if skew_s is None:
-        yield (
+        click.echo(
             "delay of force behind position: not measured, for these cycles do not separate it "
             "from loss: record one amplitude at five frequencies or more, the highest four times "
             "the lowest; loss not quoted"
         )
     else:
-        yield (
+        click.echo(
             f"delay of force behind position: {skew_s * 1e3:.2g} +- {doubt_s * 1e3:.2g} ms, if the "
             "loss angle goes with the logarithm of frequency"
         )
     for finding in report.findings:
-        yield finding.line
+        click.echo(finding.line)
 
 
 def _place(figures: dict[str, Any]) -> str:

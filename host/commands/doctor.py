@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 import click
 
-from springpot.host.console.output import json_option, print_json, print_table
 from springpot.host.native.compiler import (
     CompilerError,
     cache_folder,
@@ -18,6 +17,7 @@ from springpot.host.native.compiler import (
     compiler_version,
     find_compiler,
 )
+from springpot.host.output import json_option, print_json, print_table
 
 _PROGRAMS = (
     ("arm-none-eabi-gcc", "gcc-arm-none-eabi", "C for Cortex-M boards"),

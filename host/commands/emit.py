@@ -1,4 +1,4 @@
-"""`springpot emit` and `springpot build`: C source, and the library made of it."""
+"""`springpot emit`, `build`, `firmware`: C source, and what is made of it."""
 
 from __future__ import annotations
 
@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from springpot.codegen.errors import UsageError
-from springpot.host.console.options import PATH
-from springpot.host.console.output import json_option, print_result, progress_bar, say
+from springpot.host.emission.boards import BOARDS, board_of
+from springpot.host.options import PATH, scene_options
+from springpot.host.output import json_option, print_result, progress_bar, say
 
 if TYPE_CHECKING:
     from springpot.host.emission.result import Emission
@@ -17,10 +17,7 @@ if TYPE_CHECKING:
 
 
 @click.command(name="emit")
-@click.option(
-    "--scene", "scene_file", type=PATH, help="Scene file; default: every key has its default."
-)
-@click.option("--model", "model_file", type=PATH, help="Model file; default: the scene's.")
+@scene_options
 @click.option("--out", type=PATH, required=True, help="Folder to write.")
 @click.option(
     "--accept-unsafe",
@@ -47,20 +44,13 @@ def emit_(
     as_json: bool,
 ) -> None:
     """Emit a scene as one C source and one header; from a scene file or a model."""
-    from springpot.codegen.model.model_file import read_model
     from springpot.host.emission.budget_fit import emit_fitting
-    from springpot.host.emission.scene_file import default_scene, model_path, read_scene
+    from springpot.host.emission.scene_file import scene_and_model_file
 
-    scene = None if scene_file is None else read_scene(scene_file)
-    if scene is not None and scene_file is not None:
-        model_file = model_file or model_path(scene, scene_file)
-    elif model_file is not None:
-        scene = default_scene(read_model(model_file))
-    else:
-        raise UsageError("nothing to emit: give --model or --scene")
-    measured = _recordings(recordings, model_file) if recordings else []
+    scene, file = scene_and_model_file(scene_file, model_file)
+    measured = _recordings(recordings, file) if recordings else []
     with progress_bar("emit"):
-        emission = emit_fitting(scene, model_file, out, accept_unsafe, measured, fit)
+        emission = emit_fitting(scene, file, out, accept_unsafe, measured, fit)
     for notice in emission.notices:
         say(notice)
     print_result(emission.as_dict(), as_json, emission_rows(emission))
@@ -132,3 +122,31 @@ def build(folder: Path, as_json: bool) -> None:
         print_result({"library": str(library), "edited": list(edited)}, True, {})
     else:
         click.echo(library)
+
+
+@click.command()
+@click.option(
+    "--scene",
+    type=PATH,
+    required=True,
+    help="Scene file, or a folder that `springpot emit` wrote.",
+)
+@click.option("--board", "name", required=True, help=f"One of {', '.join(BOARDS)}.")
+@click.option("--out", type=PATH, required=True, help="Folder to write.")
+@json_option
+def firmware(scene: Path, name: str, out: Path, as_json: bool) -> None:
+    """Build a board's firmware; all its sources lie beside it."""
+    from springpot.host.emission.boards import TRANSDUCER, build_firmware
+    from springpot.host.emission.checksums import is_edited
+    from springpot.host.emission.emission import emitted_folder
+
+    board = board_of(name)
+    if is_edited(out, TRANSDUCER):
+        say(f"{out / TRANSDUCER}: built as you changed it")
+    with progress_bar("firmware"), emitted_folder(scene) as folder:
+        program = build_firmware(folder, board, out)
+    print_result(
+        {"firmware": str(program), "board": board.name, "target": board.target},
+        as_json,
+        {"firmware": str(program)},
+    )

@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from springpot.codegen.errors import UsageError
-from springpot.host.console.options import NOT_NEGATIVE, PATH, FiniteRange
-from springpot.host.console.output import json_option, print_json, progress_bar, say
+from springpot.host.options import NOT_NEGATIVE, PATH, FiniteRange
+from springpot.host.output import json_option, print_json, progress_bar, say
 from springpot.trainer.recordings.formats.column_map import MAP_EXAMPLE, DecimalMark, parse_map
 
 if TYPE_CHECKING:
@@ -19,24 +20,18 @@ if TYPE_CHECKING:
     from springpot.trainer.recordings.recording import Recording, Zero
 
 
-class _AutoOrNumber(click.ParamType[Any]):
-    name = "auto|N"
-
-    def convert(
-        self, value: Any, param: click.Parameter | None, ctx: click.Context | None
-    ) -> float | str:
-        if value == "auto":
-            return "auto"
-        try:
-            number = float(value)
-        except ValueError:
-            number = math.nan
-        if not math.isfinite(number):
-            self.fail(f"{value!r} is neither auto nor a force in N", param, ctx)
-        return number
+def _auto_or_number(
+    ctx: click.Context, param: click.Parameter, value: str | None
+) -> float | str | None:
+    """Take auto, or a force in N."""
+    if value in (None, "auto"):
+        return value
+    with suppress(ValueError):
+        if math.isfinite(number := float(value)):
+            return number
+    raise click.BadParameter(f"{value!r} is neither auto nor a force in N")
 
 
-AUTO_OR_N = _AutoOrNumber()
 _OF_REPORT = ("name", "samples", "rate_hz", "position_m", "force_n", "signs")  # of a recording
 
 
@@ -60,10 +55,10 @@ _OF_REPORT = ("name", "samples", "rate_hz", "position_m", "force_n", "signs")  #
 @click.option(
     "--mass-kg", type=NOT_NEGATIVE, default=0.0, help="Beyond the load cell: inertia is removed."
 )
-@click.option("--tare", type=AUTO_OR_N, metavar="auto|N", help="Force without contact.")
+@click.option("--tare", callback=_auto_or_number, metavar="auto|N", help="Force without contact.")
 @click.option(
     "--contact-force",
-    type=AUTO_OR_N,
+    callback=_auto_or_number,
     metavar="auto|N",
     help="Put position 0 where force passes this; auto: just above the noise.",
 )
@@ -97,7 +92,7 @@ def import_(
     One HDF5 file each. Headers such as time_s,position_m,force_N need no --map. Where one file is
     refused, nothing is written.
     """
-    from springpot.host.console.quality import report_quality
+    from springpot.host.quality import report_quality
     from springpot.trainer.recordings.conditioning import Conditioning
     from springpot.trainer.recordings.formats.importing import (
         ImportOptions,

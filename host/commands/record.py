@@ -13,8 +13,8 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from springpot.codegen.errors import UsageError
 from springpot.codegen.messages import number_of
-from springpot.host.console.options import PATH, POSITIVE
-from springpot.host.console.output import (
+from springpot.host.options import PATH, POSITIVE
+from springpot.host.output import (
     json_option,
     print_json,
     print_table,
@@ -131,7 +131,7 @@ def record(
 
 
 def _touched_mm(url: str) -> float:
-    from springpot.host.recording.surface import TOUCHES, find_surface
+    from springpot.host.recording.session import TOUCHES, find_surface
     from springpot.host.session.terminal import stopping_on_sigterm
 
     def touched(number: int) -> None:

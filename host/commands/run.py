@@ -9,9 +9,9 @@ import click
 
 from springpot.codegen.errors import UsageError
 from springpot.codegen.types import JsonObject
-from springpot.host.console.options import PATH, POSITIVE
-from springpot.host.console.output import json_option, print_result, progress_console
 from springpot.host.devices.device import RECONNECT_S
+from springpot.host.options import PATH, POSITIVE
+from springpot.host.output import json_option, print_result, progress_console
 
 if TYPE_CHECKING:
     from springpot.host.session.session import Session
@@ -105,11 +105,11 @@ def _hold(session: Session) -> None:
             raise
 
 
-def _alarm(line: str, begins: bool) -> None:
-    """A live warning, with the terminal's bell where something begins."""
+def _alarm(line: str) -> None:
+    """A live warning, with the terminal's bell; an empty line where another message says it."""
     if line:
         _say_above(line)
-    if begins and progress_console.is_terminal:
+    if progress_console.is_terminal:
         progress_console.bell()
 
 

@@ -7,9 +7,8 @@ from typing import TYPE_CHECKING
 
 import click
 
-from springpot.codegen.errors import UsageError
-from springpot.host.console.options import PATH
-from springpot.host.console.output import json_option, print_result, progress_bar
+from springpot.host.options import scene_options
+from springpot.host.output import json_option, print_result, progress_bar
 
 if TYPE_CHECKING:
     from springpot.host.stability.check import Stability
@@ -18,27 +17,17 @@ if TYPE_CHECKING:
 
 
 @click.command(name="stability")
-@click.option(
-    "--scene", "scene_file", type=PATH, help="Scene file; default: every key has its default."
-)
-@click.option("--model", "model_file", type=PATH, help="Model file; default: the scene's.")
+@scene_options
 @json_option
 def stability_(scene_file: Path | None, model_file: Path | None, as_json: bool) -> None:
     """Spectral radius, small-signal maps, and a closed loop with three hands."""
     from springpot.codegen.make_plan import make_plan
     from springpot.codegen.model.model_file import read_model
-    from springpot.host.emission.scene_file import default_scene, model_path, read_scene
+    from springpot.host.emission.scene_file import scene_and_model_file
     from springpot.host.stability.check import stability
 
-    if scene_file is not None:
-        scene = read_scene(scene_file)
-        model = read_model(model_file or model_path(scene, scene_file))
-    elif model_file is not None:
-        model = read_model(model_file)
-        scene = default_scene(model)
-    else:
-        raise UsageError("nothing to check: give --model, --scene, or both")
-    plan = make_plan(model, scene, accept_unsafe=True)
+    scene, file = scene_and_model_file(scene_file, model_file)
+    plan = make_plan(read_model(file), scene, accept_unsafe=True)
     with progress_bar("all cases, three hands, two delays"):
         found = stability(plan)
     print_result(found.as_dict(), as_json, stability_rows(found))

@@ -5,6 +5,7 @@ needed to build or to install springpot.
 """
 
 import os
+import re
 from collections.abc import Mapping
 from enum import IntEnum
 from pathlib import Path
@@ -25,7 +26,6 @@ int dhdOpen(void);
 int dhdOpenID(signed char id);
 int dhdClose(signed char id);
 int dhdGetDeviceID(void);
-const char *dhdGetSystemName(signed char id);
 int dhdGetStatus(int status[], signed char id);
 int dhdGetButton(int index, signed char id);
 int dhdGetPosition(double *x, double *y, double *z, signed char id);
@@ -41,6 +41,8 @@ int dhdSetWatchdog(unsigned char duration, signed char id);
 int dhdErrorGetLast(void);
 const char *dhdErrorGetStr(int error);
 """
+# A session can do without the first; without the others it has no watchdog, and says so.
+_OPTIONAL = ("dhdSetMaxForce", "dhdSetWatchdog", "dhdEnableExpertMode", "dhdDisableExpertMode")
 DHD_ON, DHD_OFF = 1, 0
 _STATUS = 32  # more than any version of the SDK fills
 _FORCE_OFF = (
@@ -80,21 +82,18 @@ class DhdLibrary:
         for name in (named,) if named else _NAMES:
             try:
                 self.c: CData = self.ffi.dlopen(name)
-                return
+                break
             except OSError as error:
                 failures.append(str(error).partition(".  Additionally")[0])
-        raise DeviceError(
-            f"{url}: Force Dimension's SDK is not found ({failures[0]}): install it from its maker "
-            f"and name its libdhd.so by ?library=, by {LIBRARY_VARIABLE}, or in the loader's path"
-        )
-
-    def require(self, *names: str) -> None:
-        """Raise DeviceError where a function that no session can do without is missing."""
-        for name in names:
-            if not self.has(name):
-                raise DeviceError(
-                    f"{self._url}: this SDK has no {name}: install version 3.3.2 or newer"
-                )
+        else:
+            raise DeviceError(
+                f"{url}: Force Dimension's SDK is not found ({failures[0]}): install it from its "
+                f"maker and name its libdhd.so by ?library=, by {LIBRARY_VARIABLE}, or in the "
+                "loader's path"
+            )
+        for name in re.findall(r"dhd\w+", _DECLARATIONS):
+            if name not in _OPTIONAL and not self.has(name):
+                raise DeviceError(f"{url}: this SDK has no {name}: install version 3.3.2 or newer")
 
     def has(self, name: str) -> bool:
         try:

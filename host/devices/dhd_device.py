@@ -14,16 +14,12 @@ from springpot.host.devices.device import (
     require_sample_rate,
 )
 from springpot.host.devices.dhd import DHD_OFF, DHD_ON, DhdLibrary, DhdStatus, force_off_words
-from springpot.host.devices.url import Address
+from springpot.host.devices.drivers import Address
 from springpot.host.native.c_library import CLibrary
 
 _KEYS = ("library", "axis", "surface_mm", "walls_npm", "watchdog", "effector_mass_kg", "weight_n")
 _AXES = {f"{sign}{name}": (axis, -1.0 if sign else 1.0)
          for axis, name in enumerate("xyz") for sign in ("", "-")}  # fmt: skip
-_NEEDED = ("dhdGetDeviceCount", "dhdOpen", "dhdOpenID", "dhdClose", "dhdGetDeviceID",
-           "dhdGetStatus", "dhdGetButton", "dhdGetPosition", "dhdGetLinearVelocity", "dhdSetForce",
-           "dhdEnableForce", "dhdSetEffectorMass", "dhdSetGravityCompensation",
-           "dhdErrorGetLast", "dhdErrorGetStr")  # fmt: skip
 _LINKED = {
     "get_position": "dhdGetPosition",
     "get_linear_velocity": "dhdGetLinearVelocity",
@@ -64,7 +60,6 @@ class DhdDevice(OpenedDevice):
             )
         number = None if address.place == "" else _number(address)
         self._sdk = DhdLibrary(address.url, address.settings.get("library"))
-        self._sdk.require(*_NEEDED)
         self._link: CData = None
         self._kept: list[CData] = []
         self.id = self._sdk.open(number)

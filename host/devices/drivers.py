@@ -1,16 +1,55 @@
-"""Drivers: what each says of its addresses, those that springpot brings, and who opens a device."""
+"""Devices by URL: addresses taken apart, drivers, those that springpot brings, who opens one."""
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from pathlib import Path
+from urllib.parse import parse_qsl, unquote, urlsplit
 
 from springpot.codegen.entry_points import blaming, registered
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.codegen.messages import short_repr
 from springpot.host.devices.device import DeviceRequirements, OpenedDevice
-from springpot.host.devices.url import Address, parse_address
+
+_HERE = "springpot.host.devices"
+
+
+@dataclass(frozen=True)
+class Address:
+    """A device URL, taken apart.
+
+    place: what follows the scheme; on a bus without the interface. settings: the query.
+    """
+
+    url: str
+    scheme: str
+    interface: str
+    place: str
+    settings: dict[str, str]
+    __repr__ = short_repr
+
+    def number(self, key: str, default: float, minimum: float, maximum: float) -> float:
+        """Return a setting as a number. Raises UsageError outside minimum .. maximum."""
+        text = self.settings.get(key)
+        if text is None:
+            return default
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not minimum <= value <= maximum:
+            raise UsageError(
+                f"{self.url}: {key}={text}: give a number between {minimum:g} and {maximum:g}"
+            )
+        return value
+
+    def require_known(self, known: tuple[str, ...]) -> None:
+        """Raise UsageError for a setting that is not among the known ones."""
+        for key in self.settings:
+            if key not in known:
+                raise UsageError(f"{self.url}: no setting {key!r}: use {', '.join(known)}")
 
 
 @dataclass(frozen=True)
@@ -62,7 +101,6 @@ def drivers() -> dict[str, Driver]:
     return registered("devices", Driver)
 
 
-_HERE = "springpot.host.devices"
 # Registered in pyproject.toml; each module is loaded when a device of it is opened: a simulated
 # device needs no serial port.
 SIM = Driver(
@@ -74,19 +112,26 @@ REPLAY = Driver(
 )
 
 
-def parse_device(url: str) -> Address:
-    """Take a device's URL apart.
+def parse_device(
+    url: str, table: Mapping[str, Driver] | None = None, what: str = "device"
+) -> Address:
+    """Take a URL apart; table: the drivers of what it may be, by default of devices.
 
     Raises DeviceError for a scheme that no driver serves, UsageError for a URL without its place.
     """
-    table = drivers()
-    return parse_address(
-        url,
-        {scheme: driver.example for scheme, driver in table.items()},
-        "device",
-        [scheme for scheme, driver in table.items() if driver.on_bus],
-        [scheme for scheme, driver in table.items() if driver.has_default],
-    )
+    table, parts = drivers() if table is None else table, urlsplit(url)
+    driver = table.get(parts.scheme)
+    if driver is None:
+        raise DeviceError(
+            f"{url}: no driver for {parts.scheme or f'a {what} without a scheme'!r}: use "
+            + "; ".join(known.example for known in table.values())
+        )
+    interface = parts.netloc if driver.on_bus else ""
+    place = parts.path.removeprefix("/") if interface else parts.netloc + parts.path
+    if (not place and not driver.has_default) or (driver.on_bus and not interface):
+        raise UsageError(f"{url}: not complete: use {driver.example}")
+    settings = dict(parse_qsl(parts.query, keep_blank_values=True))
+    return Address(url, parts.scheme, interface, unquote(place), settings)
 
 
 def driver_of(url: str) -> Driver:
@@ -116,3 +161,16 @@ def open_device(url: str, requirements: DeviceRequirements) -> OpenedDevice:
                 f"{type(opened).__name__} inherits neither OpenedDevice nor VirtualDevice"
             )
         return opened
+
+
+SERIAL = Driver("serial:///dev/ttyACM0?baud=921600", f"{_HERE}.serial_device:SerialDevice", place=2)
+ODRIVE = Driver(
+    "odrive://slcan//dev/ttyACM0?node=0, odrive://socketcan/can0?node=0, or "
+    "odrive://INTERFACE/CHANNEL?node=0 for another interface of python-can",
+    f"{_HERE}.odrive_device:OdriveDevice", on_bus=True, echoes=True, place=3,
+)  # fmt: skip
+DHD = Driver(
+    "dhd://, the first Force Dimension device, or dhd://1, the second",
+    f"{_HERE}.dhd_device:DhdDevice",
+    has_default=True, holds_weight=True, own_frame=True, place=4,
+)  # fmt: skip

@@ -6,7 +6,7 @@ import time
 from dataclasses import dataclass
 
 from springpot.codegen.errors import DeviceError
-from springpot.host.devices.can_bus import SlcanBus, SocketBus
+from springpot.host.devices.can_bus import CanBus
 from springpot.host.devices.device import ZERO_S
 
 VERSION, HEARTBEAT, AXIS_STATE, ENCODER, CONTROLLER_MODE = 0x00, 0x01, 0x07, 0x09, 0x0B
@@ -55,7 +55,7 @@ class DriveLimits:
 class Drive:
     """One axis on a bus, before the loop takes over."""
 
-    def __init__(self, bus: SlcanBus | SocketBus, node: int, url: str, limits: DriveLimits) -> None:
+    def __init__(self, bus: CanBus, node: int, url: str, limits: DriveLimits) -> None:
         self.bus, self.node, self.url, self.limits = bus, node, url, limits
         self.family = ""
         self._fed_s = 0.0  # the last command went out
@@ -117,7 +117,7 @@ class Drive:
             if frame[0] == identifier(self.node, HEARTBEAT):
                 return
         others = f"heard nodes {sorted(heard)}: use ?node=" if heard else "the bus is silent: "
-        others += "" if heard else "check power, wiring, termination and ?bitrate="
+        others += "" if heard else "check power, wiring, termination, ?bitrate= and the adapter"
         raise DeviceError(f"{self.url}: no heartbeat of node {self.node}: {others}")
 
     def _firmware(self) -> str:

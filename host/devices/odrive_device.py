@@ -1,4 +1,4 @@
-"""ODrive motor drives behind slcan, the kernel's CAN, or an interface of python-can."""
+"""ODrive motor drives on the kernel's CAN, or on an interface of python-can such as slcan."""
 
 import contextlib
 import math
@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.codegen.types import CData
-from springpot.host.devices.can_bus import STUFFED_BITS, open_bus
+from springpot.host.devices.can_bus import STUFFED_BITS, CanBus
 from springpot.host.devices.device import (
     FORCE_ZERO,
     DeviceRequirements,
@@ -16,9 +16,9 @@ from springpot.host.devices.device import (
     require_sample_rate,
     too_weak,
 )
+from springpot.host.devices.drivers import Address
 from springpot.host.devices.odrive import ENCODER, Drive, DriveLimits, identifier
-from springpot.host.devices.serial_port import require_fast_adapter
-from springpot.host.devices.url import Address
+from springpot.host.devices.serial_port import require_fast_adapter, require_port
 from springpot.host.native.c_library import CLibrary
 
 BITRATE = 1_000_000
@@ -73,8 +73,9 @@ class OdriveDevice(OpenedDevice):
         self.transmission = _transmission(address, requirements)
         require_fast_bus(address.url, bitrate, requirements.rate_hz)
         if address.interface == "slcan":
+            require_port(address.place)
             require_fast_adapter(address.place, requirements.rate_hz)
-        self.bus = open_bus(address, bitrate)
+        self.bus = CanBus(address, bitrate)
         self.drive = Drive(self.bus, self.node, address.url, self.transmission.limits)
         self._rate_hz = requirements.rate_hz
         self._kept: CData = None
@@ -107,7 +108,6 @@ class OdriveDevice(OpenedDevice):
             "sp_odrive *",
             {
                 "node": self.node,
-                "slcan": int(self.address.interface == "slcan"),
                 "with_torque": int(self.drive.family == "0.6"),
                 **{name: value for name, value in vars(train).items() if name != "nm_per_a"},
                 "max_turns_per_s": train.limits.turns_per_s,

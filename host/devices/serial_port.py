@@ -11,8 +11,8 @@ USB_SERIAL = Path("/sys/bus/usb-serial/devices")
 BITS_A_BYTE = 10  # with start and stop bit
 
 
-def open_port(place: str, baud: int) -> serial.Serial:
-    """Open a port that nobody else uses; reads return at once. Raises DeviceError."""
+def require_port(place: str) -> None:
+    """Raise DeviceError for a port that is not there, or not ours to open."""
     if not Path(place).exists():
         raise DeviceError(
             f"{place}: no such port: plug the device in; `springpot doctor` lists all"
@@ -24,6 +24,11 @@ def open_port(place: str, baud: int) -> serial.Serial:
         )
     if user := used_by(place):
         raise DeviceError(f"{place}: in use by {user}: end that program first")
+
+
+def open_port(place: str, baud: int) -> serial.Serial:
+    """Open a port that nobody else uses; reads return at once. Raises DeviceError."""
+    require_port(place)
     try:
         port = serial.Serial(place, baud, timeout=0, write_timeout=1, exclusive=True)
     except (OSError, serial.SerialException, ValueError) as error:

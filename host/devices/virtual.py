@@ -9,7 +9,7 @@ from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.types import CData
 from springpot.host.devices.device import DeviceRequirements, VirtualDevice
-from springpot.host.devices.url import Address
+from springpot.host.devices.drivers import Address
 from springpot.host.native.c_library import CLibrary
 from springpot.host.simulation.bench import SimulatedHand
 from springpot.host.simulation.objects import PressSettings, parse_url

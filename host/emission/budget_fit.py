@@ -21,12 +21,12 @@ from springpot.codegen.model.model_file import read_model, write_model
 from springpot.codegen.model.regressors import Forest
 from springpot.codegen.plan import instruction_bound, state_bytes
 from springpot.codegen.scene import Budget, Scene
-from springpot.host.console.output import say
 from springpot.host.emission.emission import emit
 from springpot.host.emission.result import Emission
 from springpot.host.native.replay import Replay, replayed_accuracy
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.native.toolchain import toolchain
+from springpot.host.output import say
 from springpot.trainer.recordings.recording import Recording
 
 _TREES = (1.0, 0.8, 0.6, 0.4, 0.3, 0.2, 0.1, 0.05)  # shares of the trees

@@ -6,7 +6,7 @@ import tempfile
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
 from springpot.codegen.emit.files import emit_files
@@ -19,15 +19,13 @@ from springpot.codegen.model.model_file import MODEL_SUFFIX, read_model
 from springpot.codegen.plan import Plan, state_bytes
 from springpot.codegen.scene import Scene
 from springpot.codegen.types import JsonObject
-from springpot.host.console.output import say
 from springpot.host.emission.checksums import (
     edited_files,
     edited_hash,
     require_replaceable,
     write_checksums,
 )
-from springpot.host.emission.felt import felt_notices, rate_notices
-from springpot.host.emission.result import Emission, over_budget
+from springpot.host.emission.result import Emission, felt_notices, over_budget, rate_notices
 from springpot.host.emission.scene_file import (
     model_path,
     read_scene,
@@ -35,9 +33,15 @@ from springpot.host.emission.scene_file import (
     scene_to_json,
 )
 from springpot.host.native.compiler import NoCompilerError
-from springpot.host.native.footprint import measure_footprint
 from springpot.host.native.scene_library import SceneLibrary, scene_prefix
-from springpot.host.native.toolchain import SOFT_DOUBLES, missing_tools, toolchain
+from springpot.host.native.toolchain import (
+    SOFT_DOUBLES,
+    Footprint,
+    measure_footprint,
+    missing_tools,
+    toolchain,
+)
+from springpot.host.output import say
 from springpot.host.stability.check import Check, check
 from springpot.host.stability.linear import require_stable
 
@@ -67,8 +71,7 @@ def emit(
         begin = time.perf_counter()
         write_emission(plan, plan.scene, model_file, aside)
         write_s = time.perf_counter() - begin
-        emission = _built(plan, aside, folder, write_s)
-        return replace(emission, notices=(*rate_notices(plan), *emission.notices))
+        return _built(plan, aside, folder, write_s)
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,7 +137,7 @@ def write_emission(plan: Plan, scene: Scene, model_file: Path, folder: Path) -> 
 
 
 def _built(plan: Plan, aside: Path, folder: Path, write_s: float) -> Emission:
-    notices = [*felt_notices(plan), *_unchecked(plan)]
+    notices = [*rate_notices(plan), *felt_notices(plan), *_unchecked(plan)]
     footprint = compile_s = checked = None
     unmeasured = ""
     try:
@@ -154,6 +157,7 @@ def _built(plan: Plan, aside: Path, folder: Path, write_s: float) -> Emission:
             tools = toolchain(plan.scene.runtime.target)
             assert tools is not None, "nothing of it is missing"
             footprint = measure_footprint(aside, f"{scene_prefix(aside)}.c", tools)
+            notices += _selftest_stack(plan, footprint)
         checked = check(plan, library)
         notices += _activity(checked)
     except NoCompilerError as error:
@@ -173,18 +177,17 @@ def _built(plan: Plan, aside: Path, folder: Path, write_s: float) -> Emission:
         check=checked,
         notices=tuple(notices),
     )
-    budget = plan.scene.budget
-    if over := over_budget(emission, budget):
+    if over := over_budget(emission, plan.scene.budget):
         raise BudgetError(over)
-    return replace(emission, notices=(*notices, *_selftest_stack(emission)))
+    return emission
 
 
-def _selftest_stack(emission: Emission) -> list[str]:
+def _selftest_stack(plan: Plan, found: Footprint) -> list[str]:
     """What the self-test takes of the stack, where its state does not fit in the budget."""
-    may, found = emission.plan.scene.budget.stack_bytes, emission.footprint
-    if may is None or found is None or found.stack_bytes is None:
+    may = plan.scene.budget.stack_bytes
+    if may is None or found.stack_bytes is None:
         return []
-    takes = found.stack_bytes + emission.ram_bytes
+    takes = found.stack_bytes + state_bytes(plan)
     if takes <= may:
         return []
     return [

@@ -1,20 +1,24 @@
-"""Scene files: TOML, checked key by key."""
+"""Scene files, and other TOML files of users, checked key by key against a dataclass."""
 
 import dataclasses
 import json
 import re
+import tomllib
+from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
-from pydantic import TypeAdapter
+from pydantic import TypeAdapter, ValidationError
 
 from springpot.codegen.errors import DataError, UsageError
-from springpot.codegen.files import write_file
+from springpot.codegen.files import read_bounded, write_file
 from springpot.codegen.model.model import Model
+from springpot.codegen.model.model_file import MODEL_SUFFIX, read_model
 from springpot.codegen.scene import Scene
-from springpot.host.console.toml_file import checked_keys, toml_as_json
 
+T = TypeVar("T")
+_NO_SUCH_KEY = "unexpected_keyword_argument"
 _ADAPTER = TypeAdapter(Scene)
 _EXAMPLE = Scene(schema=1, name="example", model="model.spm")
 _MAX_BYTES = 1 << 14  # a page or five; the TOML reader takes the square of a dotted key
@@ -30,14 +34,54 @@ _TAKEN = frozenset(
 _IDENTIFIER = re.compile(r"[a-z][a-z0-9_]{0,30}")
 
 
+def toml_as_json(path: Path, max_bytes: int, what: str) -> str:
+    """The file's content as JSON. Raises UsageError for what is none; what: "scene file"."""
+    try:
+        return json.dumps(tomllib.loads(read_bounded(path, max_bytes, what).decode()))
+    except OSError as error:
+        raise UsageError(f"{path}: cannot be read ({error.strerror}): give a {what}") from None
+    except DataError as error:
+        raise UsageError(f"{error}, which is text: {_meant(path, 'give its TOML')}") from None
+    except UnicodeDecodeError:
+        meant = _meant(path, "save it as UTF-8")
+        raise UsageError(f"{path}: not a {what}, which is text: {meant}") from None
+    except (ValueError, TypeError, RecursionError) as error:
+        raise UsageError(f"{path}: not a {what}: {str(error).splitlines()[0]}") from None
+
+
+def _meant(path: Path, else_do: str) -> str:
+    """What to do with a file that is no text."""
+    model = "it is a model, give --model or write a scene that names it"
+    return model if path.suffix == MODEL_SUFFIX else else_do
+
+
+def checked_keys(
+    adapter: TypeAdapter[T], text: str, where: str, known: Callable[[tuple[Any, ...]], list[str]]
+) -> T:
+    """Make the dataclass of JSON. Raises UsageError that names the key, and what it may be.
+
+    known: names of the keys of the section that a place in the file lies in, () of the whole file.
+    """
+    try:
+        return adapter.validate_json(text)
+    except ValidationError as error:
+        first = error.errors()[0]
+        place = first["loc"]
+        if first["type"] == "missing":
+            found = "missing: add this key"
+        elif first["type"] == _NO_SUCH_KEY:
+            here = known(place[:-1])
+            of = [f"[{name}]" for name in known(()) if place[-1] in known((name,))]
+            elsewhere = f"it is one of {' and of '.join(of)}; " if of else ""
+            found = f"no such key: {elsewhere}known here are {', '.join(here)}"
+        else:
+            found = f"{first['msg']} (found {first['input']!r})"
+        raise UsageError(f"{where}: {'.'.join(map(str, place))}: {found}") from None
+
+
 def read_scene(path: Path) -> Scene:
     """Read a scene file. Raises UsageError that names the key, its value and what it may be."""
-    return _checked(toml_as_json(path, _MAX_BYTES, "scene file"), str(path))
-
-
-def scene_from_json(text: str, where: str) -> Scene:
-    """Read a scene that `scene_to_json` wrote."""
-    return _checked(text, where)
+    return scene_from_json(toml_as_json(path, _MAX_BYTES, "scene file"), str(path))
 
 
 def scene_to_json(scene: Scene) -> str:
@@ -55,7 +99,7 @@ def _plain_number(value: object) -> object:
 def checked_scene(scene: Scene) -> Scene:
     """A scene that was made in Python, checked as its file would be. Raises UsageError as that."""
     try:
-        return _checked(scene_to_json(scene), "scene")
+        return scene_from_json(scene_to_json(scene), "scene")
     except TypeError as error:
         raise UsageError(f"scene: {error}: give numbers, strings and booleans") from None
 
@@ -90,12 +134,26 @@ def model_path(scene: Scene, scene_file: Path) -> Path:
     return file
 
 
+def scene_and_model_file(scene_file: Path | None, model_file: Path | None) -> tuple[Scene, Path]:
+    """A scene and its model's file, each from the other where it is not given.
+
+    Raises UsageError for neither.
+    """
+    if scene_file is not None:
+        scene = read_scene(scene_file)
+        return scene, model_file or model_path(scene, scene_file)
+    if model_file is None:
+        raise UsageError("neither scene nor model: give --model, --scene, or both")
+    return default_scene(read_model(model_file)), model_file
+
+
 def default_scene(model: Model) -> Scene:
     """The scene of a model alone: every key has its default."""
     return Scene(schema=1, name=model.name, model="model.spm")
 
 
-def _checked(text: str, where: str) -> Scene:
+def scene_from_json(text: str, where: str) -> Scene:
+    """Read a scene that `scene_to_json` wrote. Raises UsageError as `read_scene`."""
     if "energy" in (json.loads(text).get("guard") or {}):
         raise UsageError(
             f"{where}: guard.energy: the account of energy was removed, because it cut the force "

@@ -1,20 +1,35 @@
-"""C in this process: declarations out of headers, built through the cache, loaded, given memory."""
+"""C in this process: built through the cache, loaded, given memory; and the loop's."""
 
+import re
+import sys
 from collections.abc import Sequence
+from enum import IntEnum
+from functools import cache
 from pathlib import Path
 
 import cffi
 import numpy as np
+from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Reals
+from springpot.codegen.entry_points import registered
 from springpot.codegen.types import CData
 from springpot.host.native.compiler import CompilerError, shared_library
-from springpot.runtime_c.paths import INCLUDE
+from springpot.runtime_c.paths import INCLUDE, PORT_POSIX, PORT_WIRE, SIM
 
 _BEGIN, _END = "/* springpot declarations begin */", "/* springpot declarations end */"
 _ALIGNMENT = 8  # of every state of ours: as for double
 # C types of arrays, by the letter of numpy's type.
 _ARRAYS = {"f": "float[]", "d": "double[]", "i": "int32_t[]", "B": "uint8_t[]"}
+_ROW = (PORT_POSIX / "sp_loop.h").read_text(encoding="utf-8").partition("} sp_row;")[0]
+# Columns of a table of rows: the members of sp_row, in order.
+COLUMNS = tuple(re.findall(r"^    double (\w+);", _ROW.rpartition("typedef struct")[2], re.M))
+_UNBUILT = (CompilerError, OSError, cffi.CDefError, cffi.FFIError)  # the last: declared twice
+COLUMN = {name: k for k, name in enumerate(COLUMNS)}
+INPUT = "input_m"  # of a log: the position as sp_step got it, which may not be finite
+IDLE, RESET, NONE, SILENT, UNSENT = 1, 2, 4, 8, 16  # bits of a row's call
+GOT_FIFO, GOT_LOCKED, GOT_SLACK, GOT_CPU = 1, 2, 4, 8
+LoopRows = NDArray[np.float64]  # shape (n, len(COLUMNS))
 
 
 class CLibrary:
@@ -80,3 +95,65 @@ def load_c(
     include += [INCLUDE, INCLUDE / real] if real else []
     path = shared_library(sources, include, extra_flags)
     return CLibrary(path, declarations(headers, real))
+
+
+class Stop(IntEnum):
+    """Why a loop ended: SP_STOP_ of sp_loop.h."""
+
+    NONE = 0
+    ASKED = 1
+    TIME = 2
+    FORCE = 3
+    DEPTH = 4
+    ENDED = 5
+    MISUSE = 6
+    RATE = 7
+    BUTTON = 8
+
+
+@cache
+def loop_library(real: str) -> CLibrary:
+    """Load the posix port for one number type, with the links of every device that is registered.
+
+    real: "float" or "double". A link is one C file that declares what its driver calls between the
+    lines "springpot declarations begin" and "end", as those of sp_link_*.c do. Links of other
+    packages that cannot be built are left out, and a line on standard error says so: no other
+    device needs them.
+    """
+    others = [Path(link) for driver in registered("devices", object).values()
+              for link in getattr(driver, "links", ())]  # fmt: skip
+    try:
+        library = _built(real, others)
+    except _UNBUILT:
+        if not others:
+            raise
+        library = _built_without_faulty(real, others)
+    assert library.ffi.sizeof("sp_row") == 8 * len(COLUMNS)
+    assert all(getattr(library.c, f"SP_STOP_{reason.name}") == reason for reason in Stop)
+    return library
+
+
+def _built_without_faulty(real: str, others: Sequence[Path]) -> CLibrary:
+    """Build the port with each link that goes with those before it; say which are left out."""
+    library, kept = _built(real, []), list[Path]()
+    for link in others:
+        try:
+            library = _built(real, [*kept, link])
+            kept.append(link)
+        except _UNBUILT as error:
+            print(f"springpot: left out: {link}: {error}: correct or uninstall it", file=sys.stderr)
+    return library
+
+
+def _built(real: str, others: Sequence[Path]) -> CLibrary:
+    """Build the port with the links of other packages."""
+    names = ("sp_link.h", "sp_loop.h", "sp_press.h")
+    links = [*sorted(PORT_POSIX.glob("sp_link_*.c")), *others]
+    headers = [*(PORT_POSIX / name for name in names), *links]
+    sources = [*sorted(PORT_POSIX.glob("*.c")), *others, PORT_WIRE / "sp_wire.c"]
+    return load_c(headers, [*sources, *sorted(SIM.glob("*.c"))], real, ["-pthread"])
+
+
+def empty_rows(count: int = 0) -> LoopRows:
+    """Return a table of `count` rows, zero."""
+    return np.zeros((count, len(COLUMNS)))

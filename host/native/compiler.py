@@ -1,4 +1,4 @@
-"""Find a C compiler and build shared libraries on first use, into a cache keyed by content."""
+"""C compilers of this machine, libraries built on first use into a cache, and what it runs on."""
 
 import hashlib
 import importlib.util
@@ -11,6 +11,7 @@ import subprocess
 import sys
 from collections.abc import Sequence
 from functools import cache
+from importlib.metadata import version
 from pathlib import Path
 
 from springpot.codegen.errors import SpringpotError
@@ -183,3 +184,35 @@ def _key(sources: Sequence[Path], include: Sequence[Path], build_flags: Sequence
     ]
     digest.update("\0".join(metadata).encode())
     return digest.hexdigest()[:32]
+
+
+def machine_metadata() -> dict[str, str]:
+    """Processor, system, compiler, flags, versions: name -> text."""
+    try:
+        compiler = compiler_version(find_compiler())
+    except CompilerError:
+        compiler = "none"
+    return {
+        "processor": f"{_processor()}, {os.cpu_count()} cores",
+        "system": f"{platform.system()} {platform.release()} {platform.machine()}",
+        "compiler": compiler,
+        "flags": " ".join(flags("SP_CFLAGS")),
+        "Python": platform.python_version(),
+        "springpot": version("springpot"),
+        "numpy": version("numpy"),
+    }
+
+
+def cpu_s() -> float:
+    """Processor time of this process and of the programs it has waited for, s."""
+    times = os.times()
+    return times.user + times.system + times.children_user + times.children_system
+
+
+def _processor() -> str:
+    try:
+        lines = Path("/proc/cpuinfo").read_text().splitlines()
+    except OSError:
+        return platform.processor() or platform.machine()
+    names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return names[0] if names else platform.machine()

@@ -13,8 +13,7 @@ from springpot.codegen.errors import SpringpotError
 from springpot.codegen.plan import Plan
 from springpot.codegen.types import RealType
 from springpot.host.metrics import Accuracy, accuracy, start_up_ramp
-from springpot.host.native.c_library import CLibrary, load_c
-from springpot.host.native.loop_library import INPUT
+from springpot.host.native.c_library import INPUT, CLibrary, load_c
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.runtime_c.paths import PORT_TESTBENCH
 from springpot.trainer.models.depths import DepthMotion, in_ticks, motions
@@ -80,7 +79,7 @@ class Replay:
     ) -> tuple[Reals, Reals]:
         """Make the calls of a session's log again, from a fresh state: forces (N) and notes, (n,).
 
-        calls: the channels of the log, see `session/log.py`. Rows without a call stay 0.
+        calls: the channels of the log, see `session/session.py`. Rows without a call stay 0.
         """
         made = np.ascontiguousarray(calls["call"], dtype=np.int32)
         force = np.zeros(len(made), dtype=self._library.dtype)

@@ -1,14 +1,21 @@
-"""An emitted scene as a loaded library: the C API from Python, number for number."""
+"""An emitted scene as a loaded library, also one that is built for a look at it only."""
 
 import json
+import tempfile
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 
 from springpot.codegen.arrays import Reals
+from springpot.codegen.emit.files import emit_files
 from springpot.codegen.emit.source import ABI_VERSION
 from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.make_plan import make_plan
 from springpot.codegen.messages import number_of
+from springpot.codegen.plan import Plan
 from springpot.codegen.types import CData, JsonObject, RealType
 from springpot.host.native.c_library import CLibrary, declarations
 from springpot.host.native.compiler import shared_library
@@ -148,3 +155,34 @@ def _taken(notes: int, dt_s: float) -> int:
     if notes < 0:
         raise UsageError(f"dt_s = {dt_s}: give a positive time step in s")
     return notes
+
+
+@contextmanager
+def built(plan: Plan) -> Iterator[SceneLibrary]:
+    """The plan's C, built and loaded."""
+    with written(plan) as folder:
+        yield SceneLibrary(folder)
+
+
+@contextmanager
+def written(plan: Plan) -> Iterator[Path]:
+    """The folder of the plan's C."""
+    with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
+        for name, text in emit_files(plan).items():
+            (Path(scratch) / name).write_text(text)
+        yield Path(scratch)
+
+
+def uncoupled(plan: Plan) -> Plan:
+    """The model by itself: coupling and smoothing off, all else as in the scene."""
+    if plan.couple is None and plan.smooth_alpha is None:
+        return plan
+    scene = plan.scene
+    return make_plan(
+        plan.model,
+        replace(
+            scene,
+            coupling=replace(scene.coupling, mode="off"),
+            smoothing=replace(scene.smoothing, time_constant_s=0.0),
+        ),
+    )

@@ -13,16 +13,15 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DeviceError, SpringpotError, UsageError
 from springpot.codegen.notes import LATCHED
 from springpot.codegen.types import CData, JsonObject
-from springpot.host.console.keys import reading_keys
-from springpot.host.console.output import say
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.drivers import driver_of
-from springpot.host.native.loop_library import loop_library
-from springpot.host.recording.press_rows import PressRows
+from springpot.host.native.c_library import COLUMN, NONE, LoopRows, empty_rows, loop_library
+from springpot.host.output import say
 from springpot.host.recording.protocols import RATE_HZ
 from springpot.host.session.c_loop import StepFunctions
-from springpot.host.session.loop import LoopSettings, LoopState
+from springpot.host.session.outcome import LoopSettings, LoopState
 from springpot.host.session.runner import Progress, SessionRunner
+from springpot.host.session.terminal import reading_keys
 
 _WATCHDOG_S = 0.02
 _HEADROOM = 1.2  # of the motor over the command, for the controller
@@ -55,6 +54,44 @@ class Limits:
     max_force_n: float | None = None
     max_depth_m: float = 0.03
     max_speed_mps: float | None = None
+
+
+class PressRows:
+    """Rows of one press of n commands; the force is the device's own.
+
+    table: (rows, columns). unmeasured: a row has no force, but for the first `silent` ones.
+    unlocated: a position is no number.
+    """
+
+    def __init__(
+        self, n: int, on_samples: Callable[[Samples, Samples], None], silent: int = 0
+    ) -> None:
+        self._n, self._on_samples, self._silent = n, on_samples, silent
+        self.table = empty_rows()
+        self.unmeasured = self.unlocated = False
+
+    @property
+    def full(self) -> bool:
+        return len(self.table) == self._n
+
+    def column(self, name: str) -> Samples:
+        """A column of the loop's rows, (rows,)."""
+        return np.asarray(self.table[:, COLUMN[name]])
+
+    def append(self, rows: LoopRows) -> None:
+        """Take the loop's next rows."""
+        rows = rows[(rows[:, COLUMN["call"]].astype(int) & NONE) == 0]
+        rows = rows[: self._n - len(self.table)]
+        position_m, force_n = rows[:, COLUMN["position_m"]], rows[:, COLUMN["measured_n"]]
+        measured_n = force_n[max(0, self._silent - len(self.table)) :]
+        self.unmeasured |= bool(np.isnan(measured_n).any())
+        self.unlocated |= not np.isfinite(position_m).all()
+        # An infinite force is beyond the limit: the loop has stopped.
+        if self.unlocated or not np.isfinite(measured_n).all():
+            return
+        if len(rows):
+            self.table = np.concatenate((self.table, rows))
+            self._on_samples(position_m, force_n)
 
 
 class PressedDevice:
@@ -170,10 +207,10 @@ class PressedDevice:
             raise error or SpringpotError(f"{self.url}: the press did not come to its end: {line}")
 
     def _watch(self, runner: SessionRunner, rows: PressRows, press: CData) -> None:
-        with reading_keys() as keys:
+        with reading_keys() as pressed:
             for progress in runner.watch(0.05):
                 self._on_progress(progress)
-                if set(keys.pressed()) & set("q \x1b"):
+                if set(pressed()) & set("q \x1b"):
                     raise KeyboardInterrupt
                 if rows.unmeasured:
                     raise self.unmeasured()
@@ -207,10 +244,10 @@ class PressedDevice:
 def rest(seconds: float) -> None:
     """Wait between two presses; q and escape leave, as in a press."""
     until_s = time.monotonic() + seconds
-    with reading_keys() as keys:
+    with reading_keys() as pressed:
         while (left_s := until_s - time.monotonic()) > 0:
             time.sleep(min(left_s, 0.05))
-            if set(keys.pressed()) & set("q \x1b"):
+            if set(pressed()) & set("q \x1b"):
                 raise KeyboardInterrupt
 
 

@@ -22,6 +22,8 @@ _FREQUENCIES_HZ = (1 / 5, 1 / 4, 1 / 3, 1 / 2, 1.0, 2.0, 3.0, 4.0, 5.0)
 _VALIDATION_SIGNALS, _VALIDATION_S = 10, 15.0
 _MULTISINE_S, _MULTISINE_HZ, _MULTISINE_TONES = 15.0, (0.1, 10.0), 12
 _HOLD_N, _HOLD_S, _RISE_S = 8.0, 20.0, 0.5
+_Metre = Annotated[float, Field(ge=-1, le=1)]
+_Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
 
 @dataclass(frozen=True, eq=False)
@@ -147,10 +149,6 @@ def load_protocol(protocol: str, seed: int) -> list[Profile]:
             f"protocol {protocol!r}: give paper, validation, extended, or a file ending in .toml"
         )
     return from_file(Path(protocol), seed)
-
-
-_Metre = Annotated[float, Field(ge=-1, le=1)]
-_Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
 
 class _ProfileTable(BaseModel):

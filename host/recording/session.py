@@ -1,15 +1,26 @@
-"""A recording session: drive a device through a protocol, one recording and its quality a press."""
+"""A recording session: the surface, a protocol on a device, a recording and its quality a press."""
 
+from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+import numpy as np
+
 from springpot.codegen.arrays import rms
-from springpot.codegen.errors import UsageError
-from springpot.host.devices.drivers import parse_device
-from springpot.host.recording.indentation import Limits, PressedDevice
+from springpot.codegen.errors import SpringpotError, UsageError
+from springpot.host.devices.device import DeviceRequirements
+from springpot.host.devices.drivers import driver_of, parse_device
+from springpot.host.native.c_library import COLUMN, IDLE, LoopRows
+from springpot.host.recording.indentation import (
+    OPEN_LOOP,
+    Limits,
+    PressedDevice,
+    press_step_functions,
+)
 from springpot.host.recording.protocols import RATE_HZ, Profile
-from springpot.host.session.runner import Progress
+from springpot.host.session.outcome import LoopSettings
+from springpot.host.session.runner import Progress, SessionRunner
 from springpot.host.simulation.bench import SimulatedBench
 from springpot.host.simulation.objects import parse_url
 from springpot.trainer.recordings.journal import JournalWriter
@@ -20,6 +31,12 @@ from springpot.trainer.recordings.recording import (
     safe_recording_name,
 )
 from springpot.trainer.recordings.recording_file import journal_of, require_no_journal
+
+TOUCHES = 3
+_RATE_HZ, _WATCHDOG_S, _LONGEST_S, _MEAN_S = 1000.0, 0.02, 600.0, 0.3
+_STILL_M = 0.2e-3  # the tool moves no more than this while it is measured
+_SAME_M = 1.0e-3  # three touches of one surface
+_NO_FORCE_N = 1e-3
 
 
 @dataclass(frozen=True)
@@ -117,3 +134,57 @@ def _quality(file: Path, recording: Recording, profile: Profile) -> PressQuality
         max_command_n=float(profile.command_n.max()),
         tracking_rms_n=rms(error_n),
     )
+
+
+def find_surface(url: str, touched: Callable[[int], None]) -> float:
+    """Let a person touch the surface with the tool, three times; return where it is, mm.
+
+    touched: called with the number of each touch, from 1; returns when the tool is there. The
+    device gives no force. Raises UsageError for a device or a URL that has its surface already,
+    SpringpotError where the device fails, the tool moves, or the touches differ.
+    """
+    if driver_of(url).virtual:
+        raise UsageError(f"{url}: its surface is at 0: leave --find-surface out")
+    if "surface_mm" in parse_device(url).settings:
+        raise UsageError(f"{url}: leave surface_mm out of the URL, or --find-surface")
+    steps = press_step_functions(np.zeros(1), _NO_FORCE_N, OPEN_LOOP)
+    settings = LoopSettings(1 / _RATE_HZ, _LONGEST_S, _NO_FORCE_N)
+    required = DeviceRequirements(_RATE_HZ, _WATCHDOG_S, _NO_FORCE_N, examined=True)
+    newest, places_m = deque[LoopRows](maxlen=20), list[float]()
+    runner = SessionRunner(steps, url, required, settings, [newest.append], reconnect_s=0.0)
+    runner.open()
+    try:
+        runner.start()
+        for number in range(1, TOUCHES + 1):
+            touched(number)
+            runner.wait(1.5 * _MEAN_S)
+            if runner.over:
+                break
+            places_m.append(_place_m(tuple(newest), url))
+    finally:
+        runner.close()
+    line, error = runner.why()
+    if error is not None or len(places_m) < TOUCHES:
+        raise error or SpringpotError(f"{url}: {line}")
+    if max(places_m) - min(places_m) > _SAME_M:
+        found = ", ".join(f"{1e3 * place_m:.2f}" for place_m in places_m)
+        raise SpringpotError(
+            f"{url}: the touches are at {found} mm, more than {1e3 * _SAME_M:g} mm from each "
+            "other: touch the same place, lightly"
+        )
+    return round(1e3 * float(np.median(places_m)), 3)
+
+
+def _place_m(tables: Sequence[LoopRows], url: str) -> float:
+    """Return where the tool is held still; tables: the last rows of the loop."""
+    rows = np.concatenate([np.empty((0, len(COLUMN))), *tables])
+    sampled = (rows[:, COLUMN["call"]].astype(int) & IDLE) == 0
+    position_m = rows[sampled, COLUMN["position_m"]][-round(_MEAN_S * _RATE_HZ) :]
+    if not len(position_m) or not np.isfinite(position_m).all():
+        raise SpringpotError(f"{url}: no positions come: check its power and cable")
+    if np.ptp(position_m) > _STILL_M:
+        raise SpringpotError(
+            f"{url}: the tool moved by {1e3 * np.ptp(position_m):.2f} mm while it was "
+            "measured: keep it still on the surface until the next line"
+        )
+    return float(position_m.mean())

@@ -10,11 +10,18 @@ from springpot.codegen.messages import short_repr
 from springpot.codegen.notes import LATCHED
 from springpot.codegen.types import CData
 from springpot.host.devices.device import OpenedDevice
-from springpot.host.native.c_library import CLibrary
-from springpot.host.native.loop_library import GOT_FIFO, LoopRows, empty_rows, loop_library
+from springpot.host.native.c_library import (
+    GOT_CPU,
+    GOT_FIFO,
+    GOT_LOCKED,
+    GOT_SLACK,
+    CLibrary,
+    LoopRows,
+    empty_rows,
+    loop_library,
+)
 from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.session.loop import LinkCounts, LoopSettings, LoopState
-from springpot.host.session.outcome import granted
+from springpot.host.session.outcome import LinkCounts, LoopSettings, LoopState
 
 _RING_S = 16.0  # of rows that wait while Python does something else
 _PRIORITY = 80
@@ -57,8 +64,6 @@ def scene_step_functions(
 
 class CLoop:
     """A thread of C on absolute deadlines; Python only watches."""
-
-    name = "C thread"
 
     def __init__(self, steps: StepFunctions, settings: LoopSettings) -> None:
         self._steps, self._settings = steps, settings
@@ -145,13 +150,6 @@ class CLoop:
         count = self._c.sp_loop_drain(self._loop, self._rows(self._chunk), len(self._chunk))
         return self._chunk[:count].copy()
 
-    def flight(self, seconds: float) -> LoopRows:
-        """The last rows again, after the end."""
-        newest = self.get_status().newest_row
-        count = min(newest, len(self._ring), int(seconds / self._settings.period_s) + 1)
-        places = [(newest - count + k) % len(self._ring) for k in range(count)]
-        return self._ring[places]
-
     def join(self) -> None:
         """Wait for the end of the thread: at most a period and what the device takes."""
         if self._ticking:
@@ -160,7 +158,11 @@ class CLoop:
 
     def scheduler(self) -> str:
         """Return who keeps the time, and what the system granted for it."""
-        return granted(self.name, self.get_status().got)
+        got = self.get_status().got
+        words = {GOT_LOCKED: "memory locked", GOT_CPU: "own CPU", GOT_SLACK: "1 ns timer slack"}
+        named = [name for bit, name in words.items() if got & bit]
+        policy = "SCHED_FIFO" if got & GOT_FIFO else "SCHED_OTHER"
+        return ", ".join(["C thread", policy, *named])
 
     def refused(self) -> str:
         """Return what the system refused of that, and what to do; empty if nothing."""

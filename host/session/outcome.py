@@ -1,6 +1,7 @@
-"""How a session went, in words: why it stopped, what the system granted, what the C noted."""
+"""A loop's settings, state and counts; the time it had, and in words what the C noted."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -8,19 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen import notes as notes_of
-from springpot.codegen.errors import DeviceError, SpringpotError
-from springpot.host.native.loop_library import (
-    COLUMN,
-    GOT_CPU,
-    GOT_FIFO,
-    GOT_LOCKED,
-    GOT_SLACK,
-    Stop,
-)
-from springpot.host.session.loop import LoopSettings, LoopState
+from springpot.codegen.messages import short_repr
+from springpot.host.native.c_library import Stop
 
 BY_USER = "stopped by the user"
-_FIRST_SAMPLE_S = 0.2  # no device takes longer for it
 _WORDS = {
     "held": "no sample: the last one was held",
     "resync": "history begins anew here",
@@ -35,76 +27,58 @@ NOTE_WORDS = {bit: _WORDS[name] for bit, name in NOTE_NAMES.items()}
 UPPER, LOWER = "force kept at its upper limit", "force kept at its lower limit"
 
 
-def why_stopped(
-    state: LoopState,
-    row: Any,
-    settings: LoopSettings,
-    fault: str = "",
-    rate_advice: str = "",
-    asked_by: str = BY_USER,
-) -> tuple[str, SpringpotError | None]:
-    """One line: why the loop ended and what to do; the error, where it was one.
+@dataclass(frozen=True)
+class LoopSettings:
+    """period_s: of a tick. seconds: 0, until it is stopped. Beyond the limits the loop ends.
 
-    row: the newest, shape (columns,). fault: of `fault_at_end`. rate_advice: of the device.
-    asked_by: who ended the loop, where it did not end by itself.
+    reversed: the device pulls for a positive force. sensed: a sensor beside the device measures.
     """
-    match state.reason:
-        case Stop.FORCE:
-            force_n = np.fmax(abs(row[COLUMN["returned_n"]]), abs(row[COLUMN["measured_n"]]))
-            return _stopped(
-                f"the force reached {force_n:.3g} N, the limit is {settings.max_force_n:g} N: "
-                "raise --max-force-n, or press less"
-            )
-        case Stop.DEPTH:
-            depth_mm = 1e3 * float(row[COLUMN["position_m"]])
-            return _stopped(
-                f"the tool came {depth_mm:.3g} mm deep, the limit is "
-                f"{1e3 * settings.max_depth_m:g} mm: raise --max-depth-mm, or press less"
-            )
-        case Stop.RATE:
-            line = (
-                f"stopped: for a fifth of the last 100 periods of {1e3 * settings.period_s:g} ms "
-                f"no sample came, force zero: {rate_advice}"
-            )
-            return line, DeviceError(line)
-        case Stop.BUTTON:
-            line = "stopped by the device's button"
-        case Stop.MISUSE:
-            return _stopped("the scene refused its arguments: report this")
-        case Stop.TIME:
-            line = f"ran for {settings.seconds:g} s"
-        case Stop.ENDED:
-            line = "the replay has no more samples"
-        case _:
-            line = asked_by
-    if not fault and (state.latched or state.tripped):
-        fault = "the watchdog had tripped and the force was zero: `reset` takes it back"
-    return f"{line}; {fault}" if fault else line, None
+
+    period_s: float
+    seconds: float = 0.0
+    max_force_n: float = float("inf")
+    max_depth_m: float = float("inf")
+    reversed: bool = False
+    sensed: bool = False
+    real_time: bool = True
 
 
-def fault_at_end(state: LoopState, samples: int) -> str:
-    """Why a loop ended without its device, and what to do; empty where the device was there.
+@dataclass(frozen=True)
+class LoopState:
+    """What sp_loop_get_status returns; counts since the start, flags, link counters."""
 
-    samples: that came.
-    """
-    if not samples and state.elapsed_s > _FIRST_SAMPLE_S:
-        return "no sample ever came, the force was zero: check cable and power"
-    if not state.connected:
-        return "the device was gone: plug it in and start again"
-    return ""
+    ticks: int = 0
+    late: int = 0
+    stale: int = 0
+    unused: int = 0
+    ring_dropped: int = 0
+    watchdog_trips: int = 0
+    disconnects: int = 0
+    resets: int = 0
+    start_ns: int = 0
+    newest_row: int = 0
+    elapsed_s: float = 0.0
+    latched: int = 0
+    tripped: int = 0
+    tripped_before_disconnect: int = 0
+    connected: int = 1
+    paused: int = 0
+    reason: int = 0
+    over: int = 0
+    got: int = 0
+    __repr__ = short_repr
 
 
-def _stopped(what: str) -> tuple[str, SpringpotError]:
-    line = f"stopped: {what}"
-    return line, SpringpotError(line)
+@dataclass(frozen=True)
+class LinkCounts:
+    """What came over all links of a session."""
 
-
-def granted(loop_name: str, got: int) -> str:
-    """What the system granted a C loop; got: SP_GOT_ bits."""
-    words = {GOT_LOCKED: "memory locked", GOT_CPU: "own CPU", GOT_SLACK: "1 ns timer slack"}
-    named = [name for bit, name in words.items() if got & bit]
-    policy = "SCHED_FIFO" if got & GOT_FIFO else "SCHED_OTHER"
-    return ", ".join([loop_name, policy, *named])
+    samples: int = 0
+    crc_errors: int = 0
+    sequence_gaps: int = 0
+    unsent: int = 0
+    saturated: int = 0
+    device_error: int = 0
 
 
 def expected_ticks(state: LoopState, settings: LoopSettings) -> int:

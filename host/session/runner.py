@@ -11,23 +11,30 @@ import numpy as np
 from springpot.codegen.entry_points import blaming
 from springpot.codegen.errors import DeviceError, SpringpotError, UsageError
 from springpot.codegen.messages import short_repr
-from springpot.host.console.output import say
 from springpot.host.devices.device import RECONNECT_S, DeviceRequirements
 from springpot.host.devices.drivers import open_device
-from springpot.host.native.loop_library import (
+from springpot.host.native.c_library import (
     COLUMN,
     IDLE,
     NONE,
     LoopRows,
+    Stop,
     empty_rows,
 )
+from springpot.host.output import say
 from springpot.host.session.c_loop import CLoop, StepFunctions
-from springpot.host.session.log import FLIGHT_S
-from springpot.host.session.loop import LinkCounts, LoopSettings, LoopState
-from springpot.host.session.outcome import BY_USER, fault_at_end, spread_us, why_stopped
+from springpot.host.session.outcome import (
+    BY_USER,
+    LinkCounts,
+    LoopSettings,
+    LoopState,
+    spread_us,
+)
 from springpot.host.session.supervisor import DeviceSupervisor
 
 _DRAIN_S = 0.02
+_FIRST_SAMPLE_S = 0.2  # no device takes longer for it
+TakeRows = Callable[[LoopRows], None]
 
 
 @dataclass(frozen=True)
@@ -41,9 +48,6 @@ class Progress:
     age_s: float
     state: LoopState
     __repr__ = short_repr
-
-
-TakeRows = Callable[[LoopRows], None]
 
 
 class SessionRunner:
@@ -115,10 +119,6 @@ class SessionRunner:
         if self._drain_thread is not None:
             self._drain_thread.join(seconds)
 
-    def ask_stop(self) -> None:
-        """End with zero force; returns at once, from any thread."""
-        self._loop.ask_stop()
-
     def stop(self) -> None:
         """End with zero force, and wait for that."""
         if self._stopped:
@@ -184,22 +184,45 @@ class SessionRunner:
         """
         if self.error is not None:
             return str(self.error), self.error
-        return why_stopped(
-            self.state,
-            self._latest[-1],
-            self.settings,
-            self.fault(),
-            self._supervisor.device.rate_advice,
-            asked_by,
-        )
+        state, settings, row, line = self.state, self.settings, self._latest[-1], ""
+        match state.reason:
+            case Stop.FORCE:
+                force_n = np.fmax(abs(row[COLUMN["returned_n"]]), abs(row[COLUMN["measured_n"]]))
+                line = (
+                    f"the force reached {force_n:.3g} N, the limit is {settings.max_force_n:g} N: "
+                    "raise --max-force-n, or press less"
+                )
+            case Stop.DEPTH:
+                line = (
+                    f"the tool came {1e3 * row[COLUMN['position_m']]:.3g} mm deep, the limit is "
+                    f"{1e3 * settings.max_depth_m:g} mm: raise --max-depth-mm, or press less"
+                )
+            case Stop.RATE:
+                line = (
+                    f"for a fifth of the last 100 periods of {1e3 * settings.period_s:g} ms no "
+                    f"sample came, force zero: {self._supervisor.device.rate_advice}"
+                )
+            case Stop.MISUSE:
+                line = "the scene refused its arguments: report this"
+        if line:
+            kind = DeviceError if state.reason == Stop.RATE else SpringpotError
+            return f"stopped: {line}", kind(f"stopped: {line}")
+        ends = {
+            Stop.BUTTON: "stopped by the device's button",
+            Stop.TIME: f"ran for {settings.seconds:g} s",
+            Stop.ENDED: "the replay has no more samples",
+        }
+        fault = self.fault()
+        if not fault and (state.latched or state.tripped):
+            fault = "the watchdog had tripped and the force was zero: `reset` takes it back"
+        return "; ".join(filter(None, (ends.get(Stop(state.reason), asked_by), fault))), None
 
     def fault(self) -> str:
         """Why it ended without its device, and what to do; empty where the device was there."""
-        return fault_at_end(self.state, self.counts.samples)
-
-    def flight(self) -> LoopRows:
-        """The last seconds of rows, after the end."""
-        return self._loop.flight(FLIGHT_S)
+        state = self.state
+        if not self.counts.samples and state.elapsed_s > _FIRST_SAMPLE_S:
+            return "no sample ever came, the force was zero: check cable and power"
+        return "" if state.connected else "the device was gone: plug it in and start again"
 
     def spreads_us(self) -> dict[str, dict[str, float]]:
         """Percentiles and maximum: how late ticks began, and how long the calls took, us."""

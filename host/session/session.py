@@ -7,23 +7,30 @@ brings back a device that was unplugged. However the session is left, the force 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from os import PathLike
-from pathlib import Path
 from typing import Any, Self
 
+import numpy as np
+
+from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DeviceError
 from springpot.codegen.files import given_path
 from springpot.codegen.messages import caution, notice
 from springpot.codegen.types import JsonObject
 from springpot.host.devices.device import RECONNECT_S, requirements_of
 from springpot.host.emission.emission import read_emission
-from springpot.host.native.loop_library import Stop
+from springpot.host.native.c_library import COLUMN, COLUMNS, INPUT, LoopRows, Stop
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.session.c_loop import scene_step_functions
 from springpot.host.session.live_warnings import Alarm, LiveWarnings
-from springpot.host.session.log import SessionLog, write_flight
-from springpot.host.session.loop import LoopSettings, LoopState
-from springpot.host.session.outcome import BY_USER, expected_ticks, steal_ms
+from springpot.host.session.outcome import (
+    BY_USER,
+    LoopSettings,
+    LoopState,
+    expected_ticks,
+    steal_ms,
+)
 from springpot.host.session.runner import SessionRunner, TakeRows
+from springpot.trainer.recordings.journal import JournalWriter
 from springpot.trainer.recordings.recording import Zero
 from springpot.trainer.recordings.recording_file import MIN_SAMPLES
 
@@ -32,15 +39,46 @@ _OF_LOOP = ("ticks", "late", "ring_dropped", "watchdog_trips", "disconnects", "r
 _OF_LINKS = ("samples", "sequence_gaps", "crc_errors", "unsent", "saturated")
 
 
+# Channels of a log beside position and force, which are what the tool did and what was sent: every
+# call in order, bit for bit, so that `springpot validate` can make each again.
+_CHANNELS = tuple(name for name in COLUMNS if name not in ("position_m", "sent_n"))
+
+
+class SessionLog(JournalWriter):
+    """The log of a session: a recording with a row for each tick. rows: so many."""
+
+    rows = 0
+    _last: tuple[float, float] = (0.0, 0.0)
+
+    def take(self, rows: LoopRows) -> None:
+        """Take the next rows of the loop. Raises DeviceError where the disk is full."""
+        if len(rows):
+            given_m = rows[:, COLUMN["position_m"]]  # as the scene got it, which may be no number
+            position_m = _finite(given_m, self._last[0])
+            sent_n = _finite(rows[:, COLUMN["sent_n"]], self._last[1])
+            others = rows[:, [COLUMN[name] for name in _CHANNELS]]
+            self.append(position_m, sent_n, np.column_stack((given_m, others)))
+            self._last = position_m[-1], sent_n[-1]
+            self.rows += len(rows)
+
+
+def _finite(values: Samples, before: float) -> Samples:
+    """Hold the last finite value where there is none: a recording has no holes."""
+    held = np.append(before, values)
+    good = np.maximum.accumulate(np.where(np.isfinite(held), np.arange(len(held)), 0))
+    found: Samples = held[good][1:]
+    return found
+
+
 class Session(SessionRunner):
     """Render an emitted scene on a device.
 
     folder: of `springpot emit`. url: of the device. log: file to write, a recording with every
-    call; beside it the flight recorder. seconds: 0, until `stop`. max_force_n, max_depth_m: beyond
+    call. seconds: 0, until `stop`. max_force_n, max_depth_m: beyond
     them the session ends. Files that are not as emitted are a UserWarning; log and result name
     them. place_m: where an object with a map is pressed, x and y. report: takes lines for
     people, by default a logger. viewers: take every row too, and never wait. alarm: takes the
-    lines of live warnings, and whether something began.
+    lines of live warnings; an empty one only rings.
     Raises DeviceError where the device cannot be used as the scene wants.
 
     >>> with Session("c", "sim://ecoflex-00-30", "felt.h5", seconds=0.1) as session:
@@ -63,7 +101,7 @@ class Session(SessionRunner):
         report: Callable[[str], None] | None = None,
         place_m: tuple[float, float] | None = None,
         viewers: Sequence[TakeRows] = (),
-        alarm: Alarm = lambda _line, _begins: None,
+        alarm: Alarm = lambda _line: None,
     ) -> None:
         emitted = read_emission(given_path(folder))
         plan, self._hash, self._edited = emitted.plan, emitted.hash, list(emitted.edited)
@@ -94,17 +132,16 @@ class Session(SessionRunner):
         )  # fmt: skip
         self._steal_ms = steal_ms()
         self.line = ""
-        self.flight_file: Path | None = None
 
     def __enter__(self) -> Self:
         if self._file is not None:
             details = {"session": {"scene": self._scene.manifest["scene"], "device": self.url,
                                    "hash": self._hash, "edited": self._edited}}  # fmt: skip
             self._log = SessionLog(
-                self._file, self.settings.period_s, self.url, details, zero=self._zero,
-                place_m=self._place_m,
+                self._file, self._file.stem, self.settings.period_s, self.url, details,
+                zero=self._zero, channels=(INPUT, *_CHANNELS), place_m=self._place_m,
             )  # fmt: skip
-            self._takers.insert(0, self._log.append)
+            self._takers.insert(0, self._log.take)
         try:
             self.open()
         except BaseException:
@@ -140,7 +177,6 @@ class Session(SessionRunner):
             "unused_samples": state.unused,
             "latched": bool(state.latched or state.tripped),
             "log": str(self._file) if self._file is not None else None,
-            "flight": str(self.flight_file) if self.flight_file is not None else None,
             "scheduler": self.scheduler(),
             "warnings": self._warned,
             "stopped": self.line,
@@ -153,17 +189,11 @@ class Session(SessionRunner):
             return
         with self._log as log:
             if log.rows < MIN_SAMPLES:
-                log.discard()
-                self._file = None
-                return
-            try:
-                self.flight_file = write_flight(self._file, self.flight(), self.line)
-            except OSError as error:
-                self._report(f"{self._file.parent}: no flight recorder written ({error.strerror})")
-            if log.has_space:
+                self._file = None  # the journal leaves nothing
+            elif not log.full:
                 metadata = {"stopped": self.line, "state": asdict(self.state),
-                         "counts": asdict(self.counts), "scheduler": self.scheduler(),
-                         "warnings": self._warned}  # fmt: skip
+                            "counts": asdict(self.counts), "scheduler": self.scheduler(),
+                            "warnings": self._warned}  # fmt: skip
                 log.finish({"end": metadata})
 
 

@@ -8,7 +8,7 @@ from springpot.codegen.errors import DeviceError, SpringpotError
 from springpot.host.devices.device import DeviceRequirements, OpenedDevice
 from springpot.host.devices.drivers import open_device
 from springpot.host.session.c_loop import CLoop
-from springpot.host.session.loop import LoopState
+from springpot.host.session.outcome import LoopState
 
 _RETRY_S = 0.05
 

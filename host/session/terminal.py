@@ -3,25 +3,30 @@
 import contextlib
 import math
 import os
+import select
 import signal
-from collections.abc import Iterator
+import sys
+from collections.abc import Callable, Iterator
 from types import FrameType
 
 from rich.live import Live
 from rich.text import Text
 
-from springpot.host.console.keys import reading_keys
-from springpot.host.console.output import progress_console
+from springpot.host.output import progress_console
 from springpot.host.session.runner import Progress, SessionRunner
 
 _KEYS = "q stop, p pause, r reset"
+# A kill, a closed terminal and Ctrl-\ ask for the same thing; Windows has the first alone.
+_ENDING = tuple(
+    getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGQUIT") if hasattr(signal, name)
+)
 
 
 def watch(runner: SessionRunner) -> None:
     """Show progress and obey keys until the loop ends."""
-    with reading_keys() as keys, Live(console=progress_console, transient=True) as live:
+    with reading_keys() as pressed, Live(console=progress_console, transient=True) as live:
         for progress in runner.watch():
-            for key in keys.pressed():
+            for key in pressed():
                 obey(runner, key)
             live.update(Text(progress_line(progress)))
 
@@ -54,12 +59,6 @@ def progress_line(progress: Progress, keys: str = _KEYS) -> str:
     flags = {"paused": state.paused, "FORCE ZERO, reset with r": state.latched or state.tripped,
              "waiting for the device": not state.connected}  # fmt: skip
     return "  ".join([*words, *(name for name, on in flags.items() if on), f"[{keys}]"])
-
-
-# A kill, a closed terminal and Ctrl-\ ask for the same thing; Windows has the first alone.
-_ENDING = tuple(
-    getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGQUIT") if hasattr(signal, name)
-)
 
 
 @contextlib.contextmanager
@@ -98,3 +97,33 @@ def _write_nowhere(streams: list[int]) -> None:
     for stream in streams:
         os.dup2(nowhere, stream)
     os.close(nowhere)
+
+
+@contextlib.contextmanager
+def reading_keys() -> Iterator[Callable[[], str]]:
+    """Yield what returns the keys pressed since its last call; none without a terminal."""
+    try:
+        import termios
+        import tty
+    except ModuleNotFoundError:  # Windows
+        termios = None  # type: ignore[assignment]
+    if termios is None or not sys.stdin.isatty():
+        yield str
+        return
+    before = termios.tcgetattr(sys.stdin)
+    tty.setcbreak(sys.stdin)
+    try:
+        yield _pressed
+    finally:
+        with contextlib.suppress(termios.error):  # the terminal was closed
+            termios.tcsetattr(sys.stdin, termios.TCSADRAIN, before)
+
+
+def _pressed() -> str:
+    found = b""
+    with contextlib.suppress(OSError):  # a terminal that was closed gives none
+        while select.select([sys.stdin], [], [], 0)[0] and (
+            keys := os.read(sys.stdin.fileno(), 64)
+        ):
+            found += keys
+    return found.decode(errors="replace")

@@ -10,8 +10,7 @@ from springpot.codegen.errors import UnsafeError
 from springpot.codegen.messages import short_repr
 from springpot.codegen.plan import Plan
 from springpot.codegen.types import JsonObject
-from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.native.trial_build import built, uncoupled
+from springpot.host.native.scene_library import SceneLibrary, built, uncoupled
 from springpot.host.simulation.hand_loop import HandLoop
 from springpot.host.stability.closed_loop import Outcome, Rendered, run_closed_loop, stiff_plan
 from springpot.host.stability.linear import (

@@ -8,7 +8,7 @@ from annotated_types import Gt, Interval
 from pydantic import TypeAdapter
 
 from springpot.codegen.errors import UsageError
-from springpot.host.console.toml_file import checked_keys, toml_as_json
+from springpot.host.emission.scene_file import checked_keys, toml_as_json
 
 UPPER_BOUND, LOWER_BOUND, RENDERED = "REAL", "lower bound", "rendered"
 _MAX_BYTES = 1_000_000

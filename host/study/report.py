@@ -11,7 +11,7 @@ from statsmodels.stats.multicomp import tukeyhsd
 from springpot.codegen.arrays import Samples
 from springpot.codegen.types import JsonObject
 from springpot.host.study.definition import RENDERED, Study
-from springpot.host.study.plan import StudyPlan
+from springpot.host.study.plan import Row, StudyPlan, read_table
 from springpot.host.study.session import (
     ANSWER_COLUMNS,
     ANSWERS,
@@ -19,7 +19,6 @@ from springpot.host.study.session import (
     RESPONSES,
     planned_trials,
 )
-from springpot.host.study.table import Row, read_table
 
 _MIN_PEOPLE = 3
 _NO_SCATTER = 1e-9  # of an error, points^2: what rounding leaves

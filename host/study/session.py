@@ -11,13 +11,12 @@ import numpy as np
 from springpot import Session
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.types import JsonObject
-from springpot.host.console.output import progress_console, say
 from springpot.host.emission.emission import read_emission
-from springpot.host.native.loop_library import COLUMN, LoopRows
+from springpot.host.native.c_library import COLUMN, LoopRows
+from springpot.host.output import progress_console, say
 from springpot.host.session.terminal import stopping_on_sigterm
 from springpot.host.study.definition import RENDERED
-from springpot.host.study.plan import StudyPlan, Trial
-from springpot.host.study.table import Row, growing_table
+from springpot.host.study.plan import Row, StudyPlan, Trial, growing_table
 
 RESPONSES, ANSWERS = "responses.csv", "answers.csv"
 RESPONSE_COLUMNS = (*Trial._fields, "rating", "seconds", "warnings", "log")
@@ -124,8 +123,6 @@ def _rated_trial(plan: StudyPlan, trial: Trial, url: str) -> tuple[object, ...]:
         rating = _ask(trial, session)
     if rating is None:
         raise session.error or KeyboardInterrupt
-    if session.flight_file is not None:
-        session.flight_file.unlink()  # its rows are in the log too
     seconds, log = f"{time.monotonic() - begin_s:.1f}", session.result()["log"]
     return f"{rating:g}", seconds, watch.warnings, Path(log).name if log else ""
 

@@ -1,7 +1,7 @@
-"""Recordings through the C of a scene, and the ticks in which its reference has other bits."""
+"""Recordings through the C of a scene: at its ticks, against its reference, by place."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,13 +11,45 @@ from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.messages import caution, counted
 from springpot.codegen.plan import Plan, member_offset
 from springpot.codegen.reference import run_reference
-from springpot.host.metrics import start_up_ramp
-from springpot.host.native.loop_library import NONE, SILENT, UNSENT
+from springpot.host.metrics import accuracy, start_up_ramp
+from springpot.host.native.c_library import NONE, SILENT, UNSENT
 from springpot.host.native.replay import Replay, motions_of
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.session.outcome import NOTE_NAMES, clamped_low
-from springpot.host.validation.ticks import at_samples, samples_of
-from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.models.folds import geometric_mean
+from springpot.trainer.recordings.recording import Recording, site_words, sites_of
+
+_SAME_RATE = 1e-3  # apart, relatively: one rate, as `require_compatible` has it
+
+
+def at_ticks(recording: Recording, dt_s: float) -> Recording:
+    """A recording at a scene's time step; itself, if that is its own."""
+    if abs(recording.dt_s / dt_s - 1.0) <= _SAME_RATE:
+        return recording
+    own_s = np.arange(len(recording.position_m)) * recording.dt_s
+    tick_s = np.arange(int(own_s[-1] / dt_s + 1e-6) + 1) * dt_s
+    return replace(
+        recording,
+        position_m=np.interp(tick_s, own_s, recording.position_m),
+        force_n=np.interp(tick_s, own_s, recording.force_n),
+        dt_s=dt_s,
+    )
+
+
+def at_samples(
+    force_n: NDArray[np.float64], recording: Recording, dt_s: float
+) -> NDArray[np.float64]:
+    """Forces of a scene's ticks, (ticks,), N, at the recording's samples, (samples,)."""
+    if len(force_n) == len(recording.position_m):
+        return force_n
+    own_s = np.arange(len(recording.position_m)) * recording.dt_s
+    found_n: NDArray[np.float64] = np.interp(own_s, np.arange(len(force_n)) * dt_s, force_n)
+    return found_n
+
+
+def samples_of(ticks: int, recording: Recording, dt_s: float) -> int:
+    """How many of the recording's samples lie in its first `ticks` ticks."""
+    return -(-ticks * round(1e6 * dt_s) // round(1e6 * recording.dt_s))
 
 
 @dataclass(frozen=True, eq=False)
@@ -156,3 +188,43 @@ def bits_differ(one: Reals, other: Reals) -> NDArray[np.bool_]:
     bits = np.uint32 if one.dtype == np.float32 else np.uint64
     result: NDArray[np.bool_] = one.view(bits) != other.view(bits)
     return result
+
+
+@dataclass(frozen=True)
+class PlaceError:
+    """Error of the C on the recordings of one place."""
+
+    place_m: tuple[float, float]
+    recordings: int
+    rmse_n: float
+    rmse_percent_of_peak: float
+
+
+def place_errors(
+    recordings: Sequence[Recording], predicted_n: Sequence[Samples], ramped: Sequence[int]
+) -> tuple[PlaceError, ...]:
+    """Error of each place in the order of recording; none for recordings without places.
+
+    predicted_n: forces of the C along each, (n,), N; ramped: samples of each in the start-up ramp.
+    """
+    found = []
+    for place_m, numbers in sites_of(recordings).items():
+        its = accuracy(
+            [recordings[k].force_n for k in numbers],
+            [predicted_n[k] for k in numbers],
+            [ramped[k] for k in numbers],
+        )
+        found.append(PlaceError(place_m, len(numbers), its.rmse_n, its.rmse_percent_of_peak))
+    return tuple(found)
+
+
+def place_line(errors: Sequence[PlaceError]) -> str:
+    """Geometric mean and the worst place, for people; empty for fewer than two places."""
+    if len(errors) < 2:
+        return ""
+    percents = [error.rmse_percent_of_peak for error in errors]
+    worst = max(errors, key=lambda error: error.rmse_percent_of_peak)
+    return (
+        f"{len(errors)} places: {geometric_mean(percents):.3g} % of peak in geometric mean, worst "
+        f"{worst.rmse_percent_of_peak:.3g} % at {site_words(worst.place_m)}"
+    )

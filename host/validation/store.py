@@ -1,4 +1,4 @@
-"""The last validation of an emitted folder, kept beside its C for the report."""
+"""A validation for people, and the last one of an emitted folder beside its C, for the report."""
 
 import json
 from dataclasses import dataclass
@@ -11,7 +11,11 @@ from springpot.codegen.errors import DataError
 from springpot.codegen.files import write_file, written_aside
 from springpot.codegen.messages import short_repr
 from springpot.codegen.types import JsonObject
-from springpot.host.native.machine import machine_metadata
+from springpot.host.metrics import error_ratios, ratio_rows, slope_keys, slope_words
+from springpot.host.native.compiler import machine_metadata
+from springpot.host.session.outcome import notes_in_words
+from springpot.host.validation.compared import place_line
+from springpot.host.validation.seen import accepted_words, seen_line
 from springpot.host.validation.validation import Validation
 
 _FOLDER = "validation"
@@ -34,17 +38,11 @@ class Series:
 
 @dataclass(frozen=True, eq=False)
 class Stored:
-    """What the report reads: metadata (result, machine, recordings), and samples."""
+    """What the report reads: metadata (result, rows, machine, recordings), and samples."""
 
     metadata: JsonObject
     series: tuple[Series, ...]
     __repr__ = short_repr
-
-
-def series_of(validation: Validation) -> list[Series]:
-    """Return each recording beside the forces of the C."""
-    pairs = zip(validation.recordings, validation.predicted_n, strict=True)
-    return [Series(r.name, r.dt_s, r.position_m, r.force_n, force_n) for r, force_n in pairs]
 
 
 def store_validation(folder: Path, validation: Validation) -> None:
@@ -53,6 +51,7 @@ def store_validation(folder: Path, validation: Validation) -> None:
     target.mkdir(exist_ok=True)
     metadata = {
         "result": validation.as_dict(),
+        "rows": validation_rows(validation),
         "machine": machine_metadata(),
         "recordings": [
             {"name": rec.name, "dt_s": rec.dt_s, "source": rec.source, "hash": rec.content_hash}
@@ -60,8 +59,10 @@ def store_validation(folder: Path, validation: Validation) -> None:
         ],
     }
     arrays: dict[str, NDArray[np.float64]] = {}
-    for i, series in enumerate(series_of(validation)):
-        arrays |= {f"{name}_{i}": getattr(series, name) for name in _ARRAYS}
+    pairs = zip(validation.recordings, validation.predicted_n, strict=True)
+    for i, (recording, force_n) in enumerate(pairs):
+        its = (recording.position_m, recording.force_n, force_n)
+        arrays |= {f"{name}_{i}": values for name, values in zip(_ARRAYS, its, strict=True)}
     with written_aside(target / _SERIES) as aside, aside.open("wb") as file:
         np.savez_compressed(file, allow_pickle=False, **arrays)
     write_file(target / _METADATA, (json.dumps(metadata, indent=2) + "\n").encode())
@@ -72,7 +73,7 @@ def read_validation(folder: Path) -> Stored:
     target = folder / _FOLDER
     try:
         metadata = json.loads((target / _METADATA).read_text())
-        metadata["result"]["clamped_low"]  # which an older validation lacks
+        metadata["rows"]  # which an older validation lacks
         with np.load(target / _SERIES, allow_pickle=False) as stored:
             series = tuple(
                 Series(rec["name"], rec["dt_s"], *(stored[f"{name}_{i}"] for name in _ARRAYS))
@@ -83,3 +84,92 @@ def read_validation(folder: Path) -> Stored:
         raise DataError(
             f"{folder}: no validation to report: run `springpot validate {folder} --recording ...`"
         ) from None
+
+
+def _between_samples(validation: Validation) -> str:
+    """What the C was given between the samples of recordings that are slower than the scene."""
+    tick_s = validation.manifest["dt_s"]
+    slower = [item for item in validation.recordings if item.dt_s > 1.001 * tick_s]
+    if not slower:
+        return ""
+    return (
+        f"; between those at {slower[0].rate_hz:g} Hz the C was given positions on a straight "
+        f"line, at its {1.0 / tick_s:g} Hz"
+    )
+
+
+def _parts(validation: Validation) -> str:
+    """The model's own error, and what coupling, guard and limits make of it.
+
+    Neither is a part of the scene's error: the two may make up for each other.
+    """
+    alone_n, added_n = validation.model_rmse_n, validation.rendering_n
+    if alone_n is None or added_n is None:
+        return "not known"
+    words = f"{alone_n:.4g} N; coupling, guard and limits change its force by {added_n:.4g} N (RMS)"
+    if validation.felt:
+        words += ", logs of sessions left out"
+    coupling = validation.manifest.get("coupling", {})
+    if added_n > alone_n and coupling.get("mode", "off") != "off":
+        felt = 1e-3 * coupling["felt_stiffness_npm"]
+        words += f": the hand feels {felt:.3g} N/mm through the coupling, see `springpot emit`"
+    return words
+
+
+def _deepest(validation: Validation) -> str:
+    """How far ticks outside went: by noise above what the model was trained on, or another press.
+
+    The trained depth is that of smoothed positions: a training press has such ticks too.
+    """
+    deepest_m = max(float(item.position_m.max()) for item in validation.recordings)
+    trained_m = float(validation.manifest["trained"]["depth_m"][1])
+    if not validation.notes.get("outside") or deepest_m <= trained_m:
+        return ""
+    return f"; deepest: {1e3 * deepest_m:.4g} of {1e3 * trained_m:.4g} mm"
+
+
+def validation_rows(validation: Validation) -> dict[str, str]:
+    """A person's view of a validation."""
+    found, ticks, felt = validation.accuracy, validation.ticks, validation.felt
+    told = seen_line(validation.seen, len(validation.predicted_n))
+    interval = found.interval_n
+    spread = f", 95 % in {interval[0]:.4g} .. {interval[1]:.4g}" if interval else ""
+    below = found.ape_below_jnd
+    rows = {
+        "compared": f"{', '.join(felt)}: the calls of the session made again; the force sent is "
+        "compared with that of the C, not with a measured object",
+        "training data": told,
+        "signs": accepted_words(validation.manifest),
+        "edited C": ", ".join(validation.edited),
+        "samples": str(found.samples)
+        + (f", {found.ramped} of them in the start-up ramp: not counted" if found.ramped else "")
+        + _between_samples(validation),
+    }
+    rows = {name: text for name, text in rows.items() if text and (felt or name != "compared")}
+    differ = f"{validation.mismatches} ticks differ"
+    by_place = place_line(validation.places)
+    if len(felt) < len(validation.predicted_n):
+        rows |= {
+            "RMSE": f"{found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak",
+            "RMSE, the model alone": _parts(validation),
+            **ratio_rows(error_ratios(found, validation.floor)),
+            "slope error": slope_words(slope_keys(validation.slopes)),
+            **({"by place": by_place} if by_place else {}),
+            "RMSE, mean of recordings": f"{found.mean_recording_rmse_n:.4g} N{spread}",
+            "mean error": f"{found.mean_error_n:+.4g} N (the C less the measured force)",
+            "maximum error": f"{found.max_abs_error_n:.4g} N; 99 %: {found.p99_abs_error_n:.4g} N",
+            "below the JND above 2 N": "no such sample"
+            if below is None
+            else f"{100 * below:.1f} %",
+        }
+    else:
+        felt_too = ", and so does what was felt"
+        means = felt_too if validation.mismatches else ": what was felt is what the model says"
+        differ = f"{validation.mismatches} of {found.samples} ticks differ{means}"
+    told_notes = notes_in_words(validation.notes, validation.clamped_low, validation.min_n)
+    return rows | {
+        "C against reference": differ,
+        "ticks with notes": told_notes + _deepest(validation),
+        "tick, hot": f"{ticks.hot_median / 1e3:.3g} us",
+        "tick, paced, cold": f"{ticks.p50 / 1e3:.3g} us, 99 % below {ticks.p99 / 1e3:.3g} us",
+    }

@@ -16,16 +16,28 @@ from springpot.codegen.messages import caution
 from springpot.codegen.model.model import Model
 from springpot.codegen.plan import Plan
 from springpot.codegen.types import JsonObject
-from springpot.host.console.output import shown_fields
 from springpot.host.emission.emission import read_emission
-from springpot.host.metrics import Accuracy, accuracy, error_ratios
+from springpot.host.metrics import (
+    Accuracy,
+    SlopeErrors,
+    accuracy,
+    error_ratios,
+    slope_errors,
+    slope_keys,
+)
 from springpot.host.native.replay import Replay, TickTimes
 from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.stiffness import SlopeErrors, slope_errors, slope_keys
-from springpot.host.validation.compared import compared_all, is_log_of
-from springpot.host.validation.parts import PlaceError, place_errors
+from springpot.host.output import shown_fields
+from springpot.host.validation.compared import (
+    Compared,
+    PlaceError,
+    at_samples,
+    at_ticks,
+    compared_all,
+    is_log_of,
+    place_errors,
+)
 from springpot.host.validation.seen import seen_by
-from springpot.host.validation.ticks import at_samples, at_ticks
 from springpot.trainer.models.predict import limited_each_n, require_compatible
 from springpot.trainer.recordings.quality.repeats import NoiseFloor, find_noise_floor
 from springpot.trainer.recordings.quality.signs import sign_doubts
@@ -63,15 +75,15 @@ class Validation:
     manifest: JsonObject
     floor: NoiseFloor
     recordings: tuple[Recording, ...]
-    slopes: SlopeErrors | None = None
-    model_rmse_n: float | None = None
-    rendering_n: float | None = None
-    edited: tuple[str, ...] = ()
-    seen: int | None = None
-    places: tuple[PlaceError, ...] = ()
-    ramped: tuple[int, ...] = ()
-    clamped_low: int = 0
-    min_n: float = 0.0
+    slopes: SlopeErrors | None
+    model_rmse_n: float | None
+    rendering_n: float | None
+    edited: tuple[str, ...]
+    seen: int | None
+    places: tuple[PlaceError, ...]
+    ramped: tuple[int, ...]
+    clamped_low: int
+    min_n: float
 
     def __repr__(self) -> str:
         found = self.accuracy
@@ -146,35 +158,56 @@ def validate(
     # What the C carries is a part of it; the hash is of what was built, edits and all.
     stored = json.loads((folder / "manifest.json").read_text())
     library.manifest = {**stored, **library.manifest, "hash": emitted.hash}
-    found = _validated(plan, library, recordings, paced_s)
-    return replace(
-        _with_parts(found, model, plan, recordings),
+    ticked = [at_ticks(recording, plan.dt_s) for recording in recordings]
+    found = compared_all(plan, library, recordings, ticked)
+    measured_n = [recording.force_n for recording in recordings]
+    longest = max(ticked, key=lambda recording: len(recording.position_m))
+    position = longest.position_m.astype(plan.dtype)
+    velocity = backward_velocity(position, plan.dt_s)
+    model_rmse_n, rendering_n = _parts(found, model, plan, recordings, ticked)
+    return Validation(
+        accuracy=accuracy(measured_n, found.force_n, found.ramped),
+        mismatches=found.mismatches,
+        notes=found.notes,
+        ticks=Replay(library).tick_times(position, velocity, plan.dt_s, paced_s),
+        predicted_n=found.force_n,
+        manifest=library.manifest,
+        floor=find_noise_floor(judged),
+        recordings=tuple(recordings),
+        slopes=slope_errors(recordings, found.force_n, found.ramped),
+        model_rmse_n=model_rmse_n,
+        rendering_n=rendering_n,
         edited=emitted.edited,
         seen=seen_by(model, recordings),
+        places=place_errors(recordings, found.force_n, found.ramped),
+        ramped=found.ramped,
+        clamped_low=found.clamped_low,
+        min_n=float(plan.output.min_n),
     )
 
 
-def _with_parts(
-    found: Validation, model: Model, plan: Plan, recordings: Sequence[Recording]
-) -> Validation:
-    """The error in its parts: of the model, and of what renders it; logs apart."""
+def _parts(
+    found: Compared,
+    model: Model,
+    plan: Plan,
+    recordings: Sequence[Recording],
+    ticked: Sequence[Recording],
+) -> tuple[float | None, float | None]:
+    """RMS of the model's own error, and of what rendering adds, N; None where all are logs."""
+    objects = [k for k in range(len(recordings)) if k not in found.logs]
     model = replace(model, dt_s=plan.dt_s)  # of a scene with a rate of its own, which is as exact
+    alone = limited_each_n(model, [ticked[k] for k in objects])
     errors, added = [], []
-    three = zip(recordings, found.predicted_n, found.ramped, strict=True)
-    logs = {r for r in recordings if is_log_of(r, found.manifest["hash"])}
-    objects = [of_one for of_one in three if of_one[0] not in logs]
-    alone = limited_each_n(model, [at_ticks(recording, plan.dt_s) for recording, _, _ in objects])
-    for (recording, force_n, ramp), ticks_n in zip(objects, alone, strict=True):
-        alone_n = at_samples(ticks_n, recording, plan.dt_s)
-        errors.append((alone_n - recording.force_n)[ramp:])
-        added.append((force_n - alone_n)[ramp:])
+    for k, ticks_n in zip(objects, alone, strict=True):
+        alone_n, counted = (
+            at_samples(ticks_n, recordings[k], plan.dt_s),
+            slice(found.ramped[k], None),
+        )
+        errors.append((alone_n - recordings[k].force_n)[counted])
+        added.append((found.force_n[k] - alone_n)[counted])
     if not sum(map(len, errors)):
-        return found
-    return replace(
-        found,
-        model_rmse_n=rms(np.concatenate(errors)),
-        rendering_n=rms(np.concatenate(added)),
-    )
+        return None, None
+    return rms(np.concatenate(errors)), rms(np.concatenate(added))
 
 
 def fail_on_mismatch(folder: Path, validation: Validation) -> None:
@@ -184,38 +217,6 @@ def fail_on_mismatch(folder: Path, validation: Validation) -> None:
             f"{folder}: C and its numpy reference differ in {validation.mismatches} of "
             f"{validation.accuracy.samples} ticks: check the compiler (CC, `springpot doctor`)"
         )
-
-
-def _validated(
-    plan: Plan,
-    library: SceneLibrary,
-    recordings: Sequence[Recording],
-    paced_s: float,
-) -> Validation:
-    ticked = [at_ticks(recording, plan.dt_s) for recording in recordings]
-    found = compared_all(plan, library, recordings, ticked)
-    longest = max(ticked, key=lambda recording: len(recording.position_m))
-    position = longest.position_m.astype(plan.dtype)
-    velocity = backward_velocity(position, plan.dt_s)
-    return Validation(
-        accuracy=accuracy([item.force_n for item in recordings], found.force_n, found.ramped),
-        mismatches=found.mismatches,
-        notes=found.notes,
-        ticks=Replay(library).tick_times(position, velocity, plan.dt_s, paced_s),
-        predicted_n=found.force_n,
-        manifest=library.manifest,
-        floor=find_noise_floor([r for k, r in enumerate(recordings) if k not in found.logs]),
-        recordings=tuple(recordings),
-        slopes=slope_errors(recordings, found.force_n, found.ramped),
-        places=place_errors(recordings, found.force_n, found.ramped),
-        ramped=found.ramped,
-        clamped_low=found.clamped_low,
-        min_n=float(plan.output.min_n),
-    )
-
-
-if TYPE_CHECKING:
-    from matplotlib.axes import Axes
 
 
 def draw_forces(

@@ -24,10 +24,10 @@ from support.peer import peer
 from support.small import DEPTH_M, model_file, scene, small_model
 
 from springpot.codegen.model.model import Model
-from springpot.host.console.output import say
 from springpot.host.emission.emission import emit
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.output import say
 from springpot.host.session.session import Session
 from springpot.host.validation.compared import repeat_session
 from springpot.trainer.kinds import fit_model

@@ -29,8 +29,8 @@ from support.files.mach1 import mach1_recordings
 from springpot.codegen.make_plan import make_plan
 from springpot.host.bench.bench import code_hash, key_of
 from springpot.host.bench.measure import bench_scene, hot_ns, prediction_errors
-from springpot.host.native.machine import machine_metadata
-from springpot.host.native.trial_build import built
+from springpot.host.native.compiler import machine_metadata
+from springpot.host.native.scene_library import built
 from springpot.host.simulation.objects import FOREIGN_OBJECTS, OBJECTS
 from springpot.trainer.kinds import AUTO, fit_kind
 from springpot.trainer.models.fit import FitOptions

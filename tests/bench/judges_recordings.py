@@ -8,7 +8,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1]))
 from support.presses.structures import STRUCTURES, TEST, TRAINING, Part
 
-from springpot.host.metrics import rms
+from springpot.codegen.arrays import rms
 from springpot.host.recording.protocols import RATE_HZ, load_protocol
 from springpot.host.simulation.bench import SUBSTEPS, ObjectMotion, SimulatedBench
 from springpot.host.simulation.objects import parse_url

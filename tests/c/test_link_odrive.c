@@ -21,8 +21,8 @@ static uint32_t any(uint32_t below)
 
 int sp_link_put(int fd, const uint8_t *bytes, uint32_t count)
 {
-    const uint32_t whole = fd == 1 ? line.room : line.room >= CAN_FRAME ? CAN_FRAME : 0;
-    const uint32_t put = count < whole ? count : whole;
+    const uint32_t put = line.room >= count ? count : 0;
+    (void)fd;
     CHECK(line.used + put <= WIRE);
     memcpy(line.bytes + line.used, bytes, put);
     line.used += put;
@@ -46,34 +46,24 @@ sp_motion *sp_link_place(sp_motion *motions, uint32_t capacity, int count)
 }
 
 /* The command of the next whole frame on the line and its first byte of data; -1 for none. */
-static int next_command(int slcan, uint32_t *at, int *first)
+static int next_command(uint32_t *at, int *first)
 {
     can_frame frame;
-    if (!slcan) {
-        if (*at + CAN_FRAME > line.used) {
-            return -1;
-        }
-        memcpy(&frame, line.bytes + *at, sizeof frame);
-        *at += CAN_FRAME;
-        *first = frame.data[0];
-        return (int)(frame.id & 31u);
-    }
-    if (*at + 22 > line.used) {
+    if (*at + CAN_FRAME > line.used) {
         return -1;
     }
-    const uint8_t *text = line.bytes + *at;
-    CHECK(text[0] == 't' && text[4] == '8' && text[21] == '\r');
-    *at += 22;
-    *first = nibble((char)text[5]) << 4 | nibble((char)text[6]);
-    return (nibble((char)text[2]) << 4 | nibble((char)text[3])) & 31;
+    memcpy(&frame, line.bytes + *at, sizeof frame);
+    *at += CAN_FRAME;
+    *first = frame.data[0];
+    return (int)(frame.id & 31u);
 }
 
 /* Frames of one reset are a beginning of `arming`, and torques come after the whole of it. */
-static int is_in_order(int slcan, int *armings)
+static int is_in_order(int *armings)
 {
     uint32_t at = 0, next = ARMED;
     int command, first = 0, fine = 1;
-    while ((command = next_command(slcan, &at, &first)) >= 0) {
+    while ((command = next_command(&at, &first)) >= 0) {
         if (command == CLEAR_ERRORS) {
             next = 1; /* also where another reset cut the last one short */
         } else if (command == INPUT_TORQUE) {
@@ -87,18 +77,18 @@ static int is_in_order(int slcan, int *armings)
     return fine;
 }
 
-static sp_link *new_link(odrive *memory, int slcan)
+static sp_link *new_link(odrive *memory)
 {
-    const sp_odrive drive = {.slcan = slcan, .m_per_turn = 0.05, .sign = 1.0, .max_torque_nm = 0.5};
+    const sp_odrive drive = {.m_per_turn = 0.05, .sign = 1.0, .max_torque_nm = 0.5};
     line.used = 0;
-    return sp_link_odrive_init(memory, slcan, &drive);
+    return sp_link_odrive_init(memory, 0, &drive);
 }
 
-static void a_reset_arms_in_order_whatever_is_refused(int slcan)
+TEST(a_reset_arms_in_order_whatever_is_refused)
 {
     odrive memory;
     for (uint32_t round = 0; round < ROUNDS; round++) {
-        sp_link *link = new_link(&memory, slcan);
+        sp_link *link = new_link(&memory);
         int armings = 0, resets = 1;
         line.seed = round;
         const uint32_t most = 1 + any(120);
@@ -116,29 +106,21 @@ static void a_reset_arms_in_order_whatever_is_refused(int slcan)
         (void)link->write(link, (2 + WRITES) * MS, 0.0);
         line.room = 1024;
         CHECK(link->write(link, (2 + WRITES) * MS, 0.0) == 0);
-        CHECK(is_in_order(slcan, &armings) && armings >= 1 && armings <= resets);
+        CHECK(is_in_order(&armings) && armings >= 1 && armings <= resets);
     }
 }
 
-static void a_drive_that_was_given_up_is_not_armed(int slcan)
+TEST(a_drive_that_was_given_up_is_not_armed)
 {
     odrive memory;
     for (uint64_t after_ms = 0; after_ms < 2000; after_ms += 50) {
-        sp_link *link = new_link(&memory, slcan);
+        sp_link *link = new_link(&memory);
         int armings = 0;
         line.room = 0;
         link->reset(link, 5 * MS);
         line.room = 1024;
         CHECK(link->write(link, (5 + after_ms) * MS, 0.0) == 0);
-        (void)is_in_order(slcan, &armings);
+        (void)is_in_order(&armings);
         CHECK(armings == (after_ms <= 1000));
-    }
-}
-
-TEST(either_line_arms_a_drive_in_order)
-{
-    for (int slcan = 0; slcan <= 1; slcan++) {
-        a_reset_arms_in_order_whatever_is_refused(slcan);
-        a_drive_that_was_given_up_is_not_armed(slcan);
     }
 }

@@ -5,8 +5,8 @@ from pathlib import Path
 import pytest
 from support.small import model_file, press, recording, scene, training
 
-from springpot.host.api.files import write_recordings
 from springpot.host.emission.emission import emit
+from springpot.host.files import write_recordings
 from springpot.trainer.recordings.recording_file import write_recording
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from support.small import DT_S, press
 
-from springpot.host.stiffness import slope_errors
+from springpot.host.metrics import slope_errors
 from springpot.trainer.recordings.recording import Recording
 
 DEPTH_M = press(0.5, cycles=3)

@@ -8,11 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from springpot import Scene
-from springpot.host.api.files import write_scene
+from springpot.host.files import write_scene
 from springpot.host.study.definition import RENDERED
-from springpot.host.study.plan import StudyPlan, write_plan
+from springpot.host.study.plan import StudyPlan, growing_table, write_plan
 from springpot.host.study.session import ANSWER_COLUMNS, RESPONSE_COLUMNS
-from springpot.host.study.table import growing_table
 from support.paths import TESTS
 
 SOFT, HARD = "ecoflex-00-30", "dragon-skin-10"

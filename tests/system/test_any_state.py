@@ -11,8 +11,7 @@ from support.small import press
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.plan import Plan, member_offset, state_members
 from springpot.codegen.stages.stage import DOUBLE, REAL, U32, padded
-from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.native.trial_build import built
+from springpot.host.native.scene_library import SceneLibrary, built
 
 STATE = -3
 HOSTILE = (np.nan, np.inf, -np.inf, 3e38, -3e38, 1e30, -1e30, 1e-42, 1.0, -1.0, 0.0)

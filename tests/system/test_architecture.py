@@ -147,5 +147,5 @@ def test_a_wheel_is_whole_and_has_one_name_only(tmp_path: Path) -> None:
                             check=True, env={"PYTHONPATH": str(package.parent)})  # fmt: skip
     assert result.stdout.split() == [
         str(package / "__init__.py"),
-        str(package / "host/api/loaded.py"),
+        str(package / "host/loaded.py"),
     ]

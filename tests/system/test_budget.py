@@ -25,10 +25,10 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
 @pytest.mark.parametrize(
     ("what", "most"),
     [
-        ("codegen/*.py", 6520),
-        ("trainer/*.py", 8170),
-        ("host/*.py", 14250),
-        ("runtime_c/*.[ch]", 7300),
+        ("codegen/*.py", 6620),
+        ("trainer/*.py", 8260),
+        ("host/*.py", 13500),
+        ("runtime_c/*.[ch]", 7130),
         ("tests/*.py", 20000),
     ],
 )
@@ -37,7 +37,7 @@ def test_lines(what: str, most: int) -> None:
 
 
 def test_files_of_the_product() -> None:
-    assert len(tracked(*PYTHON)) <= 231
+    assert len(tracked(*PYTHON)) <= 200
 
 
 def test_documents() -> None:

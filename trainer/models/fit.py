@@ -41,6 +41,7 @@ class FitOptions:
     trees: Annotated[int, Ge(1)] = PAPER_TREES
     leaf: Annotated[int, Ge(1)] = PAPER_LEAF
     n_centers: Annotated[int, Ge(1)] = PAPER_CENTERS
+    select: Literal["cv", "paper"] = "cv"
     engine: Engine | None = None
     round_features: bool = False
     past_positions: bool = False

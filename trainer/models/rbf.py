@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples, rms
+from springpot.codegen.errors import UsageError
 from springpot.codegen.model.features import Features, FractionalBank, PositionVelocity
 from springpot.codegen.model.regressors import Rbf
 from springpot.codegen.types import JsonMapping
@@ -37,8 +38,8 @@ def fit_rbf_fd(
 ) -> Fit:
     """Radial basis functions on two fractional derivatives (equation 12), of all 45 pairs.
 
-    The pair is chosen by cross-validation over recordings. The metadata also says which one the
-    error on the validation recordings, where there are any, would choose, as the paper did.
+    The pair is chosen by cross-validation over recordings; with options.select "paper" by the error
+    on the validation recordings, as the paper did. Raises UsageError if those are missing then.
     """
     begin = time.perf_counter()
     rows = data.rows(options.fraction, options.seed)
@@ -53,8 +54,10 @@ def fit_rbf_fd(
     if validation:
         by_paper = _paper_errors(bank, values, force_n, data, validation)
         pairs["paper"] = min(by_paper, key=lambda pair: by_paper[pair])
+    if options.select not in pairs:
+        raise UsageError("--select paper chooses orders on validation recordings: give --validate")
     search_s += time.perf_counter() - begin
-    chosen = pairs["cv"]
+    chosen = pairs[options.select]
     metadata = {"pairs": {how: [PAPER_ORDERS[i] for i in pair] for how, pair in pairs.items()}}
     features = bank.take(np.array(chosen))
     fit = _fitted("rbf-fd", name, data, options, features, values[:, chosen], force_n, metadata)

@@ -4,12 +4,11 @@
 #include "sp_link.h"
 
 /* springpot declarations begin */
-/* An ODrive: CAN Simple frames through a Lawicel adapter's text (slcan) or a raw CAN socket.
+/* An ODrive: CAN Simple as struct can_frame through a raw CAN socket, or one like it.
  * position = sign * (turns - zero_turns) * m_per_turn - surface_m. with_torque: the firmware sends
  * 0x1C with torques (0.6); 0.5 has something else there. The two limits are the drive's own. */
 typedef struct {
     uint32_t node;
-    int32_t slcan; /* 1: text of an adapter, 0: struct can_frame of a socket */
     int32_t with_torque;
     double m_per_turn;
     double sign;
@@ -35,10 +34,10 @@ enum {
     TORQUES = 0x1c
 };
 enum { CLOSED_LOOP = 8, TORQUE_CONTROL = 1, PASSTHROUGH = 1 };
-enum { LINE = 32, CAPACITY = 4096, BYTES = 8 };
+enum { BYTES = 8 };
 /* A bus that is flooded does not keep a tick: what is more waits for the next. The system keeps
- * less than so many readings of text, or frames. */
-enum { MAX_READINGS = 16, MAX_FRAMES = 512 };
+ * less than so many frames. */
+enum { MAX_FRAMES = 512 };
 /* struct can_frame of Linux, also where another system's bus comes through a bridge. */
 typedef struct {
     uint32_t id; /* and flags above its eleven bits */
@@ -60,11 +59,6 @@ static const double rounding = 2e-6;
 typedef struct {
     sp_link link;
     sp_odrive drive;
-    char line[LINE];
-    uint32_t used;
-    uint8_t rest[LINE]; /* of a line that went out only in part */
-    uint32_t left;
-    int begun;      /* the last frame went out, or its rest will */
     uint32_t armed; /* of `arming`, how many were sent */
     uint64_t reset_ns;
     int tripped;
@@ -133,133 +127,30 @@ static void take_frame(odrive *self, uint32_t id, const uint8_t *data, uint32_t 
     }
 }
 
-static int nibble(char text)
-{
-    if (text >= '0' && text <= '9') {
-        return text - '0';
-    }
-    const char small = (char)(text | 0x20);
-    return small >= 'a' && small <= 'f' ? small - 'a' + 10 : -1;
-}
-
-/* A line of the adapter: t, three digits of identifier, one of length, two a byte, perhaps four of
- * a time stamp. Other lines are its answers. */
-static void take_line(odrive *self)
-{
-    uint8_t data[BYTES] = {0};
-    uint32_t id = 0;
-    if (self->used == 0 || self->line[0] != 't') {
-        return;
-    }
-    for (uint32_t i = 1; i < self->used; i++) {
-        if (nibble(self->line[i]) < 0) {
-            self->link.crc_errors++;
-            return;
-        }
-    }
-    const uint32_t size = self->used > 4 ? (uint32_t)nibble(self->line[4]) : BYTES + 1;
-    if (size > BYTES || (self->used != 5 + 2 * size && self->used != 9 + 2 * size)) {
-        self->link.crc_errors++;
-        return;
-    }
-    for (uint32_t i = 1; i < 4; i++) {
-        id = id << 4 | (uint32_t)nibble(self->line[i]);
-    }
-    for (uint32_t i = 0; i < size; i++) {
-        const uint32_t high = (uint32_t)nibble(self->line[5 + 2 * i]);
-        data[i] = (uint8_t)(high << 4 | (uint32_t)nibble(self->line[6 + 2 * i]));
-    }
-    take_frame(self, id, data, size);
-}
-
-static void take_text(odrive *self, const uint8_t *bytes, int count)
-{
-    enum { BELL = 7, RETURN = 13 };
-    for (int i = 0; i < count; i++) {
-        if (bytes[i] == RETURN) {
-            if (self->used < LINE) {
-                take_line(self);
-            } else {
-                self->link.crc_errors++;
-            }
-            self->used = 0;
-        } else if (bytes[i] == BELL) {
-            self->link.crc_errors++;
-            self->used = 0;
-        } else if (self->used < LINE) {
-            self->line[self->used++] = (char)bytes[i];
-        }
-    }
-}
-
 static int read_odrive(sp_link *link, uint64_t now_ns, sp_motion *motions, uint32_t capacity)
 {
     odrive *self = (odrive *)link;
-    int count = CAPACITY;
+    int count = 1;
     self->now_ns = now_ns;
     self->motions = motions;
     self->capacity = capacity;
     self->fresh = 0;
-    if (self->drive.slcan) {
-        uint8_t bytes[CAPACITY];
-        for (int k = 0; k < MAX_READINGS && count == CAPACITY; k++) {
-            count = sp_link_take(link->fd, bytes, CAPACITY);
-            take_text(self, bytes, count);
-        }
-    } else {
+    for (int k = 0; k < MAX_FRAMES && count > 0; k++) {
         can_frame frame;
-        for (int k = 0; k < MAX_FRAMES && count > 0; k++) {
-            count = sp_link_take(link->fd, (uint8_t *)&frame, sizeof frame);
-            if (count == (int)sizeof frame && frame.id <= standard_id) {
-                take_frame(self, frame.id, frame.data, frame.size);
-            }
+        count = sp_link_take(link->fd, (uint8_t *)&frame, sizeof frame);
+        if (count == (int)sizeof frame && frame.id <= standard_id) {
+            take_frame(self, frame.id, frame.data, frame.size);
         }
     }
     return count < 0 ? SP_LINK_GONE : self->tripped ? SP_LINK_TRIPPED : self->fresh;
 }
 
-static int send_text(odrive *self, uint32_t id, const uint8_t *data, uint32_t size)
-{
-    static const char digits[] = "0123456789ABCDEF";
-    uint8_t text[2 * LINE] = {0};
-    uint32_t used = self->left;
-    /* What was cut off is ended as it began: some adapters take a shorter line for a frame. */
-    memcpy(text, self->rest, used);
-    text[used++] = 't';
-    for (int shift = 8; shift >= 0; shift -= 4) {
-        text[used++] = (uint8_t)digits[id >> shift & 15u];
-    }
-    text[used++] = (uint8_t)digits[size];
-    for (uint32_t i = 0; i < size; i++) {
-        text[used++] = (uint8_t)digits[data[i] >> 4];
-        text[used++] = (uint8_t)digits[data[i] & 15u];
-    }
-    text[used++] = '\r';
-    const int put = sp_link_put(self->link.fd, text, used);
-    if (put < 0) {
-        return SP_LINK_GONE;
-    }
-    const uint32_t sent = (uint32_t)put;
-    /* A line that was not begun is dropped: the next force is newer. */
-    self->begun = sent > self->left;
-    const uint32_t end = self->begun ? used : self->left;
-    self->left = 0;
-    for (uint32_t i = sent; i < end && self->left < LINE; i++) {
-        self->rest[self->left++] = text[i];
-    }
-    return sent < used;
-}
-
 static int send_frame(odrive *self, uint32_t command, const uint8_t *data)
 {
     const uint32_t id = self->drive.node << 5 | command;
-    if (self->drive.slcan) {
-        return send_text(self, id, data, BYTES);
-    }
     can_frame frame = {.id = id, .size = BYTES};
     memcpy(frame.data, data, BYTES);
     const int put = sp_link_put(self->link.fd, (const uint8_t *)&frame, sizeof frame);
-    self->begun = put == (int)sizeof frame;
     return put < 0 ? SP_LINK_GONE : put < (int)sizeof frame;
 }
 
@@ -287,7 +178,7 @@ static int go_on_arming(odrive *self, uint64_t now_ns)
     }
     while (put == 0 && self->armed < ARMED) {
         put = send_arming(self, arming[self->armed]);
-        self->armed += put >= 0 && self->begun;
+        self->armed += put == 0;
     }
     return put;
 }

@@ -20,8 +20,7 @@ from tick_rows import HERE, Row, Stepper, literal_row, scene_rows
 
 from springpot.codegen.model.features import FirBank
 from springpot.codegen.scene import Coupling, Smoothing
-from springpot.host.native.compiler import compiler_version, find_compiler
-from springpot.host.native.machine import machine_metadata
+from springpot.host.native.compiler import compiler_version, find_compiler, machine_metadata
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.rf_fd import depth_scale, random_forest

@@ -9,7 +9,7 @@ from scipy.linalg import expm
 
 from springpot.codegen.coupling.gains import couple_config, require_plausible_damping, transition
 from springpot.codegen.errors import UnsafeError
-from springpot.codegen.reference import Coupled
+from springpot.codegen.proxy_motion import Coupled
 from springpot.codegen.scene import Coupling
 
 PAPER = Coupling(mode="tool")

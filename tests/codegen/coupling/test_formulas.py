@@ -11,7 +11,7 @@ from springpot.codegen.coupling.auto import choose_coupling
 from springpot.codegen.coupling.gains import couple_config
 from springpot.codegen.coupling.linear_loop import DESIGN_HAND, HAND_MODELS, LinearLoop
 from springpot.codegen.coupling.loop_device import LoopDevice
-from springpot.codegen.reference import Coupled
+from springpot.codegen.proxy_motion import Coupled
 from springpot.codegen.scene import Coupling
 
 OFF = Coupling(mode="off")

@@ -8,7 +8,7 @@ import pytest
 from support.c import golden_forces
 from support.c.golden_scenes import SOFT_PAD, soft_pad, soft_pad_files
 
-from springpot.host.native.trial_build import built
+from springpot.host.native.scene_library import built
 
 PROGRAM = [SOFT_PAD / "main.c", SOFT_PAD / "soft_pad.c"]
 

@@ -9,7 +9,7 @@ from support.small import DEPTH_M, press, scene, training
 from springpot import Model
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.scene import Guard
-from springpot.host.native.trial_build import built
+from springpot.host.native.scene_library import built
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 

@@ -11,7 +11,7 @@ from support.small import scene
 
 from springpot.codegen.make_plan import make_plan
 from springpot.host.native.replay import Replay
-from springpot.host.native.trial_build import built
+from springpot.host.native.scene_library import built
 
 ENCODER_M = 10e-6
 PRESS_TICKS = 500

@@ -15,7 +15,7 @@ from springpot.codegen.notes import LATCHED
 from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import shared_library
 from springpot.host.native.replay import Replay
-from springpot.host.native.trial_build import built
+from springpot.host.native.scene_library import built
 from springpot.runtime_c.paths import INCLUDE
 
 CALLS = 100_000_000 if os.environ.get("SPRINGPOT_SOAK") else 1_000_000

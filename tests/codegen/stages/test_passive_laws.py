@@ -20,12 +20,9 @@ from support.small import (
 
 from springpot import Model
 from springpot.codegen.make_plan import make_plan
-from springpot.codegen.model.passive import Memory
 from springpot.codegen.plan import planned_headers
 from springpot.codegen.reference import run_reference
-from springpot.host.native.trial_build import built
-from springpot.trainer.models.depths import DepthMotion
-from springpot.trainer.models.passive.passive_force import with_memory
+from springpot.host.native.scene_library import built
 
 HOUR_S = 4e3  # slow: more than 1e5 ticks
 CURVE_N = np.linspace(0.5, 3.0, 9)
@@ -39,12 +36,6 @@ LAWS: dict[str, dict[str, Any]] = {
         "recovers": True,
     },
 }  # fmt: skip
-LAWS["conditioned"] = LAWS["all"] | {
-    "conditioned": Memory(
-        np.array([-0.1, 0.05, -0.3, -0.2]), np.array([-0.1, -0.2]), np.array([1.0, 0.9, 0.5, 0.6])
-    ),
-    "starts_conditioned": True,
-}
 
 
 @cache
@@ -84,17 +75,6 @@ def test_the_emitted_force_is_the_fitted_one(law: str, slow: bool) -> None:
     wanted_n = passive_force_n(model.hammerstein, position_m, DT_S, surface=True)
     contact = position_m > 0.02 * position_m.max()  # above it the onset fades the force in
     assert np.abs(force_n - wanted_n)[contact].max() < 1e-6 * wanted_n.max()
-
-
-def test_a_conditioned_object_goes_on_where_its_last_press_ended() -> None:
-    """Softer than at rest, and equal to the second of two presses in a row."""
-    at_rest = replace(model_of("hammerstein", "all").hammerstein, recovers=False)
-    motion = DepthMotion(press(1.0), (0,), (0,))
-    pressed = with_memory(at_rest, motion, DT_S, surface=True, starts=True)
-    twice_n = passive_force_n(at_rest, np.concatenate([press(1.0)] * 2), DT_S, surface=True)
-    again_n = passive_force_n(pressed, press(1.0), DT_S, surface=True)
-    np.testing.assert_allclose(again_n, twice_n[len(press(1.0)) :], atol=1e-12)
-    assert again_n.max() < 0.99 * twice_n[: len(press(1.0))].max()
 
 
 @pytest.mark.parametrize(("law", "share"), [("rates", 2e-3), ("inverse", 2e-3), ("all", 5e-3)])

@@ -16,8 +16,7 @@ from springpot.codegen.model.model_file import model_bytes
 from springpot.codegen.model.passive import Hammerstein, Places
 from springpot.codegen.plan import state_bytes
 from springpot.codegen.reference import run_reference
-from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.native.trial_build import built
+from springpot.host.native.scene_library import SceneLibrary, built
 
 SOFT, STIFF = (0.0, -0.01), (0.01, 0.01)
 CURVE_N = np.linspace(0.5, 3.0, 9)

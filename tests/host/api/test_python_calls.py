@@ -20,7 +20,7 @@ from support.small import (
 
 import springpot
 from springpot.codegen.errors import DataError
-from springpot.host.api.files import write_scene
+from springpot.host.files import write_scene
 from springpot.trainer.models.predict import predict_n
 
 

@@ -13,8 +13,8 @@ from support.small import passive_model, training
 import springpot
 from springpot.codegen.errors import DataError
 from springpot.codegen.scene import Guard
-from springpot.host.api.files import write_scene
 from springpot.host.ensemble import ensemble_data
+from springpot.host.files import write_scene
 
 
 def example(file: str) -> str:

@@ -13,11 +13,10 @@ from springpot import write_model
 from springpot.codegen.errors import UsageError
 from springpot.host.bench import bench as bench_module
 from springpot.host.bench import front
-from springpot.host.bench.bench import Bench, run_bench
-from springpot.host.bench.candidates import Candidate, default_sweep
+from springpot.host.bench.bench import Bench, holdout, run_bench
 from springpot.host.bench.front import pareto
-from springpot.host.bench.splits import holdout
-from springpot.host.boards.boards import BOARDS, missing
+from springpot.host.bench.measure import Candidate, default_sweep
+from springpot.host.emission.boards import BOARDS, missing
 from springpot.host.native.toolchain import missing_tools
 from springpot.trainer.models.fit import FitOptions
 

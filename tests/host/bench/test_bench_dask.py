@@ -12,7 +12,7 @@ import pytest
 from support.in_process import spring
 from support.small import training
 
-from springpot.host.api.files import write_recordings
+from springpot.host.files import write_recordings
 
 _WAIT_S = 60.0
 

@@ -10,8 +10,13 @@ from support.c.mcu import need, target_scene
 from support.small import model_file
 
 from springpot.codegen.errors import UsageError
-from springpot.host.boards.boards import BOARDS, compiler_of
-from springpot.host.boards.firmware import TRANSDUCER, build_batch, build_firmware
+from springpot.host.emission.boards import (
+    BOARDS,
+    TRANSDUCER,
+    build_batch,
+    build_firmware,
+    compiler_of,
+)
 from springpot.host.emission.emission import emit
 from springpot.runtime_c.paths import flags
 

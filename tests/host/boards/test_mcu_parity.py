@@ -10,8 +10,9 @@ from support.small import model_file, training
 
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.model.model import Model
-from springpot.host.boards.boards import BOARDS
-from springpot.host.boards.emulator import (
+from springpot.host.emission.boards import BOARDS
+from springpot.host.emission.emission import emit
+from springpot.host.emission.emulator import (
     CALL_IDLE,
     CALL_RESET,
     Batch,
@@ -19,7 +20,6 @@ from springpot.host.boards.emulator import (
     run_batch,
     steps,
 )
-from springpot.host.emission.emission import emit
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.trainer.kinds import fit_model

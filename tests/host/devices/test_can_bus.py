@@ -1,6 +1,7 @@
-"""Frames through a bus of python-can, and through a raw CAN socket."""
+"""Frames through a bus of python-can in a process of its own, and through a raw CAN socket."""
 
 import os
+import signal
 import socket
 import struct
 import threading
@@ -8,28 +9,34 @@ import time
 
 import can
 import pytest
+from support.peer import peer
 
 from springpot.codegen.errors import DeviceError
-from springpot.host.devices.can_bus import SocketBus, open_bus
+from springpot.host.devices import can_bus
+from springpot.host.devices.can_bus import CanBus
 from springpot.host.devices.drivers import parse_device
-from springpot.host.devices.odrive import (
-    identifier,
-)
+from springpot.host.devices.odrive import identifier
 
 TRAIN = "m_per_turn=0.1&max_torque_nm=1&nm_per_a=0.1"
+GROUP, PORT = "239.74.163.3", 43300 + os.getpid() % 1000  # of this process alone
 
 
 @pytest.fixture
-def virtual():
-    """A bus of python-can in this process: our end of it, opened as a device's, and the others'."""
-    with can.Bus(interface="virtual", channel="test") as others:
-        bus = open_bus(parse_device(f"odrive://virtual/test?{TRAIN}"), 1_000_000)
-        yield bus, others
-        bus.close()
+def bus():
+    """Our end of a multicast group within this machine, opened as a device's."""
+    opened = CanBus(parse_device(f"odrive://udp_multicast/{GROUP}?port={PORT}&{TRAIN}"), 1_000_000)
+    yield opened
+    opened.close()
 
 
-def test_a_bus_of_python_can_carries_the_same_frames(virtual):
-    bus, others = virtual
+@pytest.fixture
+def others():
+    group = {"channel": GROUP, "port": PORT, "hop_limit": 0}
+    with can.Bus(interface="udp_multicast", **group) as found:
+        yield found
+
+
+def test_a_bus_of_python_can_carries_the_same_frames(bus, others):
     for wrong in ({"is_extended_id": True}, {"is_remote_frame": True}, {"is_error_frame": True}):
         message = {"arbitration_id": 0x29, "is_extended_id": False, **wrong}
         others.send(can.Message(**message))
@@ -38,26 +45,24 @@ def test_a_bus_of_python_can_carries_the_same_frames(virtual):
     assert bus.receive(time.monotonic()) is None
     bus.send(identifier(1, 0x0E), b"abcdefgh")
     bus.send(identifier(1, 0), b"", remote=True)
-    torque, question = others.recv(5), others.recv(5)
-    assert (torque.arbitration_id, bytes(torque.data)) == (0x2E, b"abcdefgh")
-    assert not (torque.is_extended_id or torque.is_remote_frame)
-    assert (question.arbitration_id, question.is_remote_frame) == (0x20, True)
+    sent = {message.arbitration_id: message for message in iter(lambda: others.recv(0.5), None)}
+    assert bytes(sent[0x2E].data) == b"abcdefgh"
+    assert not (sent[0x2E].is_extended_id or sent[0x2E].is_remote_frame)
+    assert sent[0x20].is_remote_frame
 
 
-def test_the_last_frames_reach_a_bus_of_python_can(virtual):
+def test_the_last_frames_reach_a_bus_of_python_can(bus, others):
     """Zero force is sent last: it goes out before the bus is left."""
-    bus, others = virtual
     for k in range(100):
         bus.send(k, b"")
     bus.close()
     assert [others.recv(0).arbitration_id for _ in range(100)] == list(range(100))
+    assert bus._bridge.returncode == 0
 
 
-def test_a_slow_bus_of_python_can_refuses_forces(virtual):
+def test_a_slow_bus_of_python_can_refuses_forces(bus):
     """What waits for it is a few frames: forces of long ago are never sent."""
-    bus, _ = virtual
-    sent = threading.Event()
-    bus._bridge._bus.send = lambda _message: sent.wait(10)
+    os.kill(bus._bridge.pid, signal.SIGSTOP)
     frame, taken = struct.pack("=IB3x8s", 0x2E, 8, bytes(8)), 0
     with pytest.raises(BlockingIOError):
         while taken < 1000:
@@ -65,31 +70,52 @@ def test_a_slow_bus_of_python_can_refuses_forces(virtual):
     assert 4 <= taken <= 20  # arming a drive takes four at once
     with pytest.raises(DeviceError, match="its queue stays full"):
         bus.send(0x2E, bytes(8))
-    sent.set()
+    os.kill(bus._bridge.pid, signal.SIGCONT)
 
 
-def test_a_bus_of_python_can_that_fails_is_gone(virtual):
+def test_a_bus_of_python_can_that_fails_is_gone(monkeypatch, tmp_path):
     """The loop reads the end of the socket, the session the reason."""
-    bus, others = virtual
-
-    def fail(_message):
-        raise can.CanOperationError("cable cut")
-
-    bus._bridge._bus.send = fail
+    program = tmp_path / "bridge.py"
+    program.write_text(
+        "import socket, sys\nnear = socket.socket(fileno=int(sys.argv[2]))\n"
+        "near.send(bytes(16))\nnear.recv(16)\nprint('cable cut')\n"
+    )
+    monkeypatch.setattr(can_bus, "BRIDGE", program)
+    bus = CanBus(parse_device(f"odrive://pcan/PCAN_USBBUS1?{TRAIN}"), 1_000_000)
     bus.send(0x2E, bytes(8))
-    with pytest.raises(DeviceError, match=r"virtual/test.*: cable cut: check the bus"):
+    with pytest.raises(DeviceError, match=r"PCAN_USBBUS1.*: cable cut: check the bus"):
         bus.receive(time.monotonic() + 5)
     assert os.read(bus.fd, 16) == b""
-    others.send(can.Message(arbitration_id=0x29, is_extended_id=False))
     with pytest.raises(DeviceError, match="cable cut"):
         bus.send(0x2E, bytes(8))
+    bus.close()
 
 
-def test_a_raw_can_socket_carries_the_same_frames():
+@pytest.mark.parametrize(
+    ("place", "reason"),
+    [("nonsense/x", "nonsense"), ("pcan/x", "pcan"), ("slcan//dev/null", "configure port")],
+)
+def test_a_bus_that_cannot_be_opened_says_why(place, reason):
+    with pytest.raises(DeviceError, match=rf"odrive://{place}.*: .*{reason}"):
+        CanBus(parse_device(f"odrive://{place}?{TRAIN}"), 1_000_000)
+
+
+def test_damaged_lines_of_an_adapter_are_no_frames():
+    with peer("slcan_odrive", "--damage", 0.3) as drive:
+        bus = CanBus(parse_device(drive.url), 1_000_000)
+        until_s = time.monotonic() + 2
+        frames = [bus.receive(until_s) for _ in range(300)]
+        bus.close()
+    good = [frame for frame in frames if frame and frame[0] == identifier(0, 9)]
+    assert len(good) > 150
+    assert all(len(data) <= 8 for _, data in filter(None, frames))
+
+
+def test_a_raw_can_socket_carries_the_same_frames(monkeypatch):
     """The bus of socketcan over a pair of sockets: the kernel here may have no CAN."""
     far, near = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
-    address = parse_device(f"odrive://socketcan/can0?{TRAIN}")
-    bus = SocketBus(address, near)
+    monkeypatch.setattr(can_bus, "_kernel_socket", lambda _address: near)
+    bus = CanBus(parse_device(f"odrive://socketcan/can0?{TRAIN}"), 1_000_000)
     threading.Timer(0.02, lambda: far.send(struct.pack("=IB3x8s", 0x29, 8, bytes(8)))).start()
     assert bus.receive(time.monotonic() + 2) == (0x29, bytes(8))
     assert bus.receive(time.monotonic()) is None

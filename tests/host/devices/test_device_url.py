@@ -7,8 +7,7 @@ from support.messages import refusing
 
 from springpot.codegen.errors import UsageError
 from springpot.host.devices.device import DeviceRequirements
-from springpot.host.devices.drivers import open_device, parse_device
-from springpot.host.devices.url import Address
+from springpot.host.devices.drivers import Address, open_device, parse_device
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ from springpot.host.devices.wire import Receiver, Sender
 from springpot.host.recording import indentation
 from springpot.host.recording.indentation import Limits
 from springpot.host.recording.session import open_press_device
-from springpot.host.session.loop import LoopSettings
+from springpot.host.session.outcome import LoopSettings
 from springpot.host.session.session import Session
 
 NEEDS = DeviceRequirements(1000, 0.02, 12.0)

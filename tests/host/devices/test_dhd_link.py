@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from springpot.host.native.loop_library import loop_library
+from springpot.host.native.c_library import loop_library
 
 PLACE_M, MS = (0.03, 0.01, 0.05), 1_000_000
 

@@ -247,13 +247,13 @@ def test_a_bus_carries_two_frames_a_tick() -> None:
 
 @pytest.fixture
 def opened(monkeypatch: pytest.MonkeyPatch):
-    def made(simulated: SimulatedDrive, needs=NEEDS, url: str = "slcan//dev/x") -> OdriveDevice:
+    def made(simulated: SimulatedDrive, needs=NEEDS, url: str = "socketcan/can0") -> OdriveDevice:
         clock = types.SimpleNamespace(monotonic=simulated.monotonic)
         for module in (odrive, odrive_device, device_module):
             monkeypatch.setattr(module, "time", clock)
         asked: list[tuple[str, int]] = []
         monkeypatch.setattr(
-            odrive_device, "open_bus", lambda at, rate: (asked.append((at.url, rate)), simulated)[1]
+            odrive_device, "CanBus", lambda at, rate: (asked.append((at.url, rate)), simulated)[1]
         )
         try:
             return OdriveDevice(parse_device(f"odrive://{url}?node=5&{ALL}"), needs)
@@ -263,14 +263,11 @@ def opened(monkeypatch: pytest.MonkeyPatch):
     return made
 
 
-@pytest.mark.parametrize(("url", "slcan"), [("slcan//dev/x", 1), ("socketcan/can0", 0)])
 @pytest.mark.parametrize("family", ["0.5", "0.6"])
-def test_a_drive_is_opened_and_its_link_gets_what_was_agreed(
-    opened, family: str, url: str, slcan: int
-) -> None:
+def test_a_drive_is_opened_and_its_link_gets_what_was_agreed(opened, family: str) -> None:
     simulated = SimulatedDrive(family, estimates_hz=1000.0)
     needs = dataclasses.replace(NEEDS, sign=-1, zero_turns=0.25, surface_m=0.003)
-    device = opened(simulated, needs, url)
+    device = opened(simulated, needs)
     assert device.comes_back and device.failure == "pulled out"
     given: list[object] = []
     library = types.SimpleNamespace(
@@ -286,7 +283,6 @@ def test_a_drive_is_opened_and_its_link_gets_what_was_agreed(
     assert (memory, descriptor, kind) == (("memory", 77), 9, "sp_odrive *")
     assert settings == {
         "node": 5,
-        "slcan": slcan,
         "with_torque": int(family == "0.6"),
         "m_per_turn": 0.05,
         "sign": -1,
@@ -346,6 +342,7 @@ def test_a_drive_that_cannot_be_used_is_closed_and_told(
 
 
 def test_a_slow_adapter_is_refused_before_it_is_opened(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(odrive_device, "require_port", lambda _place: None)
     monkeypatch.setattr(odrive_device, "require_fast_adapter", refuse_as_slow)
     with pytest.raises(DeviceError, match="/dev/x is slow at 1000"):
         OdriveDevice(parse_device(f"odrive://slcan//dev/x?{ALL}"), NEEDS)

@@ -8,7 +8,7 @@ from springpot.codegen.errors import DeviceError
 from springpot.host.cli import exit_status
 from springpot.host.devices import device as device_module
 from springpot.host.devices.device import require_sample_rate
-from springpot.host.native.loop_library import Stop
+from springpot.host.native.c_library import Stop
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from springpot.host.devices.wire import Receiver, Sender, constant
-from springpot.host.native.loop_library import loop_library
+from springpot.host.native.c_library import loop_library
 
 RUNNING, TRIPPED = constant("RUNNING"), constant("RUNNING") | constant("TRIPPED")
 MS = 1_000_000  # ns

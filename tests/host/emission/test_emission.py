@@ -13,7 +13,8 @@ from support.small import model_file, passive_model, scene, small_model
 from springpot import Model
 from springpot.codegen.errors import BudgetError, MismatchError, UsageError
 from springpot.codegen.scene import Budget
-from springpot.host.emission.emission import Emission, emit
+from springpot.host.emission.emission import emit
+from springpot.host.emission.result import Emission
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.runtime_c.paths import flags
 

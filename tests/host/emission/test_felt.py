@@ -10,9 +10,9 @@ from support.small import scene
 
 from springpot import Model, Recording, Scene
 from springpot.codegen.errors import UsageError
-from springpot.codegen.make_plan import make_plan
+from springpot.codegen.make_plan import FELT_SHARE, make_plan
 from springpot.codegen.scene import Coupling, Runtime
-from springpot.host.emission.felt import FELT_SHARE, felt_notices, rate_notices
+from springpot.host.emission.result import felt_notices, rate_notices
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 

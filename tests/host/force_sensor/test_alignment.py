@@ -8,8 +8,8 @@ import pytest
 from support.c.pressed_tool import PressedTool
 
 from springpot.codegen.errors import DeviceError
-from springpot.host.recording.alignment import Delay, alignment_command, find_delay
 from springpot.host.recording.indentation import OPEN_LOOP
+from springpot.host.recording.sensed_press import Delay, alignment_command, find_delay
 
 
 @dataclass(frozen=True)

@@ -7,9 +7,9 @@ import numpy as np
 import pytest
 from support.c.pressed_tool import PressedTool
 
-from springpot.host.recording.alignment import Delay, late_gains
 from springpot.host.recording.indentation import OPEN_LOOP, press_step_functions
 from springpot.host.recording.protocols import inverted_cosine, training
+from springpot.host.recording.sensed_press import Delay, late_gains
 
 HELD = inverted_cosine(np.minimum(np.arange(2000) / 1000, 0.2), 1.0, 2.5)
 FAST = inverted_cosine(np.arange(200) / 1000, 1.0, 5.0)

@@ -8,10 +8,9 @@ import numpy as np
 import pytest
 from support.c.pressed_tool import PressedTool
 
-from springpot.host.recording.alignment import alignment_command
 from springpot.host.recording.indentation import _GAINS, OPEN_LOOP, PressedDevice
 from springpot.host.recording.protocols import extended, inverted_cosine, training, validation
-from springpot.host.recording.sensed_press import SensedPressDevice
+from springpot.host.recording.sensed_press import SensedPressDevice, alignment_command
 from springpot.host.simulation.objects import ALL_OBJECTS
 
 FAST, UNLIKE, RINGS = 1, 2, 3

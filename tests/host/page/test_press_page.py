@@ -14,7 +14,7 @@ from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model_file import write_model
 from springpot.codegen.model.passive import Places
 from springpot.host.emission.emission import emit
-from springpot.host.page.press_page import write_press_page
+from springpot.host.pages.press_page import write_press_page
 
 NEEDS_CLANG = pytest.mark.skipif(
     shutil.which("clang") is None or shutil.which("wasm-ld") is None,
@@ -59,7 +59,7 @@ def test_a_scene_with_places_is_refused_in_one_line(tmp_path: Path) -> None:
 
 def test_a_missing_compiler_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     folder = emitted(tmp_path / "soft")
-    module = "springpot.host.page.wasm_module"
+    module = "springpot.host.pages.wasm_module"
     monkeypatch.setattr(f"{module}.shutil.which", lambda _: None)
     monkeypatch.setattr(f"{module}.packaged_compiler", lambda: ())
     with pytest.raises(

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from springpot.host.native.loop_library import COLUMN, empty_rows
-from springpot.host.recording.press_rows import PressRows
+from springpot.host.native.c_library import COLUMN, empty_rows
+from springpot.host.recording.indentation import PressRows
 
 
 @pytest.mark.parametrize("bad", [np.nan, np.inf, -np.inf])

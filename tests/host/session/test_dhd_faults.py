@@ -5,7 +5,7 @@ import pytest
 from support.peer import Peer, peer
 
 from springpot.codegen.notes import LATCHED
-from springpot.host.native.loop_library import NONE, UNSENT
+from springpot.host.native.c_library import NONE, UNSENT
 from springpot.host.session.session import Session
 from springpot.host.validation.validation import validate
 from springpot.trainer.recordings.recording_file import read_recording

@@ -16,7 +16,7 @@ import pytest
 from support.peer import CLI, Peer, peer, wait_until
 
 from springpot.codegen.notes import LATCHED
-from springpot.host.native.loop_library import NONE, RESET, SILENT
+from springpot.host.native.c_library import NONE, RESET, SILENT
 from springpot.host.validation.validation import validate
 from springpot.trainer.recordings.recording_file import read_recording
 
@@ -131,7 +131,7 @@ def test_device_gone_for_good(tmp_path, folder):
     assert "plug it in" in err
     assert result["ticks"] < 5000
     faithful(folder, host.log)
-    assert "gone" in host.log.with_suffix(".flight.csv").read_text().splitlines()[0]
+    assert "gone" in read_recording(host.log).details["end"]["stopped"]
 
 
 @pytest.mark.realtime

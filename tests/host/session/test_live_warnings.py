@@ -8,7 +8,7 @@ from support.small import DEPTH_M, passive_model, press, recording, scene
 from springpot import Session
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.notes import CLAMPED, HELD, OUTSIDE, RAMPED, RESYNC
-from springpot.host.native.loop_library import COLUMN, NONE, empty_rows
+from springpot.host.native.c_library import COLUMN, NONE, empty_rows
 from springpot.host.session.live_warnings import LiveWarnings
 from springpot.trainer.recordings.recording_file import read_recording, write_recording
 
@@ -28,26 +28,23 @@ def rows_of(ticks, begin=0, position_m=0.005, notes=0):
 
 
 def watched(rows, drain=20):
-    """What is said of rows that come so many at a time: lines with their tick, bells, events."""
+    """What is said of rows that come so many at a time: lines with their tick, events."""
     said = []
-    warnings = LiveWarnings(PLAN, lambda line, begins: said.append((at + drain, line, begins)))
+    warnings = LiveWarnings(PLAN, lambda line: said.append((at + drain, line)))
     for at in range(0, len(rows), drain):
         warnings.append(rows[at : at + drain])
     return said, warnings.finish()
 
 
-def test_what_lasts_is_told_when_it_begins_and_when_it_ends():
+def test_what_lasts_is_told_once():
     rows = rows_of(6000)
     rows[1000:4000, COLUMN["notes"]] = OUTSIDE
     rows[1000:4000, COLUMN["position_m"]] = np.linspace(0.0121, 0.0134, 3000)
     rows[4000:, COLUMN["position_m"]] = np.linspace(0.0134, 0.005, 2000)
     said, events = watched(rows)
-    assert [begins for *_, begins in said] == [True, False]
-    (at, first, _), (end, last, _) = said
+    ((at, first),) = said
     assert 1000 < at <= 1100
     assert first.endswith("s: warning: deeper than was recorded, 12.12 of 12 mm")
-    assert 4500 < end <= 4700
-    assert "over: deeper than was recorded, 13.4 of 12 mm, for 3 s" in last
     assert events == [{"time_s": 1.0, "what": "deeper than was recorded", "count": 3000}]
 
 
@@ -92,7 +89,7 @@ def test_a_session_deeper_than_trained_warns_and_its_log_keeps_it(folder, tmp_pa
     said = []
     log = tmp_path / "log.h5"
     with Session(folder, f"replay://{tmp_path}/deep.h5", log, report=list,
-                 alarm=lambda *line: said.append(line)) as session:  # fmt: skip
+                 alarm=said.append) as session:  # fmt: skip
         session.start()
         wait_until(lambda: session.over, 20, "the session does not end")
     warnings = session.result()["warnings"]
@@ -105,5 +102,5 @@ def test_a_session_deeper_than_trained_warns_and_its_log_keeps_it(folder, tmp_pa
     assert deeper[0]["time_s"] == pytest.approx(
         read.channels["time_s"][np.argmax(outside)], abs=1e-3
     )
-    assert any(begins and DEEP in line for line, begins in said)
+    assert any(DEEP in line for line in said)
     assert read.details["end"]["warnings"] == warnings

@@ -11,7 +11,7 @@ from springpot import Session
 from springpot.codegen.notes import LATCHED, RAMPED
 from springpot.codegen.scene import Guard
 from springpot.host.emission.emission import emit
-from springpot.host.native.loop_library import IDLE, NONE
+from springpot.host.native.c_library import IDLE, NONE
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.validation.validation import validate
 from springpot.trainer.recordings.recording_file import read_recording

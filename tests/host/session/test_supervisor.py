@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from springpot.host.session.loop import LinkCounts, LoopState
+from springpot.host.session.outcome import LinkCounts, LoopState
 from springpot.host.session.supervisor import DeviceSupervisor
 
 

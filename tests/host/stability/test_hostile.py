@@ -13,7 +13,7 @@ from springpot.codegen.model.model import TrainedRange
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.reference import run_reference
 from springpot.codegen.scene import Coupling
-from springpot.host.native.trial_build import built
+from springpot.host.native.scene_library import built
 from springpot.host.simulation.hand_loop import HandLoop, Operator
 from springpot.host.simulation.objects import HAND_NAMES
 from springpot.trainer.kinds import fit_model

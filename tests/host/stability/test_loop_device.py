@@ -14,7 +14,7 @@ from springpot.codegen.model.model import TrainedRange
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.plan import Plan
 from springpot.codegen.scene import Coupling, Device, Runtime
-from springpot.host.native.trial_build import built
+from springpot.host.native.scene_library import built
 from springpot.host.simulation.bench import SimulatedHand
 from springpot.host.simulation.hand_loop import HandLoop, Operator, Scenario
 from springpot.host.simulation.scenarios import Workspace, pressing, smooth

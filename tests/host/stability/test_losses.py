@@ -17,7 +17,7 @@ from springpot.codegen.make_plan import make_plan
 from springpot.codegen.plan import Plan
 from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import shared_library
-from springpot.host.native.trial_build import built, uncoupled
+from springpot.host.native.scene_library import built, uncoupled
 from springpot.host.simulation.cases import (
     LATE,
     LOST,

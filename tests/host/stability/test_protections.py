@@ -29,7 +29,7 @@ from springpot.codegen.notes import HELD, LATCHED
 from springpot.codegen.plan import Plan
 from springpot.codegen.scene import Guard, Runtime
 from springpot.host.native.replay import Replay
-from springpot.host.native.trial_build import built
+from springpot.host.native.scene_library import built
 
 NEVER = 1e9
 WITHOUT: dict[str, Callable[[Plan], Plan]] = {

@@ -23,7 +23,7 @@ from springpot.codegen.make_plan import SERVED_HZ, make_plan
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Coupling, Device, Runtime, Scene
 from springpot.host.emission.emission import emit, read_emission
-from springpot.host.native.trial_build import built
+from springpot.host.native.scene_library import built
 from springpot.host.stability.check import Stability, stability
 from springpot.host.stability.closed_loop import Outcome
 from springpot.host.stability.judgement import Grade, judge

@@ -16,7 +16,7 @@ from springpot.codegen.errors import UnsafeError
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.plan import Plan
 from springpot.codegen.scene import Device
-from springpot.host.native.trial_build import built, uncoupled
+from springpot.host.native.scene_library import built, uncoupled
 from springpot.host.simulation.cases import HOLDS, NUDGE_N, NUDGE_S, cases, held_case
 from springpot.host.simulation.hand_loop import HandLoop
 from springpot.host.simulation.scenarios import Workspace, holding, pressing

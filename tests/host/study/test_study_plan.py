@@ -9,8 +9,7 @@ from support.small_study import planned_study
 
 from springpot.codegen.errors import DataError, UsageError
 from springpot.host.study.definition import LOWER_BOUND, RENDERED, UPPER_BOUND, read_study
-from springpot.host.study.plan import make_orders, read_plan, write_plan
-from springpot.host.study.table import growing_table
+from springpot.host.study.plan import growing_table, make_orders, read_plan, write_plan
 
 PAPER = ROOT / "host" / "scenes" / "paper-study.toml"
 

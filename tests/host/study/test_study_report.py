@@ -9,10 +9,9 @@ from support.paths import ROOT, TESTS
 from support.small_study import rate_study
 
 from springpot.host.study.definition import LOWER_BOUND, UPPER_BOUND, read_study
-from springpot.host.study.plan import StudyPlan, make_orders
+from springpot.host.study.plan import StudyPlan, make_orders, read_table
 from springpot.host.study.report import anova, study_report, tukey
 from springpot.host.study.session import RESPONSE_COLUMNS
-from springpot.host.study.table import read_table
 
 R = json.loads((TESTS / "data" / "r_figures.json").read_text())
 

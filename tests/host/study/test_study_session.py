@@ -12,11 +12,10 @@ from support.small_study import DEVICE, Typist, planned_study
 
 from springpot import read_recordings
 from springpot.codegen.errors import UsageError
-from springpot.host.native.loop_library import NONE
+from springpot.host.native.c_library import NONE
 from springpot.host.study import session as study_session
-from springpot.host.study.plan import StudyPlan, Trial
+from springpot.host.study.plan import StudyPlan, Trial, read_table
 from springpot.host.study.session import RESPONSE_COLUMNS, run_session
-from springpot.host.study.table import read_table
 
 
 @pytest.fixture

@@ -10,8 +10,8 @@ from support.small import recording, scene, training
 from springpot.codegen.arrays import rms
 from springpot.codegen.model.model_file import write_model
 from springpot.codegen.scene import Coupling
-from springpot.host.commands.validate import validation_rows
 from springpot.host.emission.emission import emit
+from springpot.host.validation.store import validation_rows
 from springpot.host.validation.validation import Validation, validate
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions

@@ -10,7 +10,7 @@ from support.small import model_file, scene, training
 from springpot import Recording
 from springpot.codegen.scene import Runtime
 from springpot.host.emission.emission import emit
-from springpot.host.validation.ticks import at_samples, at_ticks, samples_of
+from springpot.host.validation.compared import at_samples, at_ticks, samples_of
 from springpot.host.validation.validation import validate
 
 

@@ -12,7 +12,7 @@
 #include "declared_links.h" /* made by targets.py */
 #include "sp_wire.h"
 
-enum { RAW, SEALED, SERIAL, SLCAN, CAN, KINDS, CAPACITY = 8 };
+enum { RAW, SEALED, SERIAL, CAN, KINDS, CAPACITY = 8 };
 
 int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size);
 
@@ -81,15 +81,13 @@ static void through_link(int kind, const uint8_t *data, size_t size)
 {
     static const sp_odrive drive = {
         .m_per_turn = 0.1, .sign = 1.0, .with_torque = 1, .max_torque_nm = 1.0, .node = 1};
-    sp_odrive chosen = drive;
     sp_motion motions[CAPACITY];
     int ends[2];
     const uint32_t bytes = kind == SERIAL ? sp_link_serial_size() : sp_link_odrive_size();
     void *memory = calloc(1, bytes);
-    chosen.slcan = kind == SLCAN;
     require(memory != NULL && socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, ends) == 0);
     sp_link *link = kind == SERIAL ? sp_link_serial_init(memory, ends[0], 0.0, 0.1f, 1000.0f, 1)
-                                   : sp_link_odrive_init(memory, ends[0], &chosen);
+                                   : sp_link_odrive_init(memory, ends[0], &drive);
     link->reset(link, 0);
     for (uint64_t now_ns = 1; size > 0; now_ns += 1000000) {
         const size_t part = size < 97 ? size : 97; /* as bytes come: not whole frames at a time */

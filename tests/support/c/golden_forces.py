@@ -16,7 +16,7 @@ from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import read_model
 from springpot.codegen.scene import Coupling, Guard, Runtime, Scene, Smoothing
 from springpot.host.native.replay import Replay
-from springpot.host.native.trial_build import built
+from springpot.host.native.scene_library import built
 from support.paths import TESTS
 
 FOLDER = TESTS / "golden" / "forces"

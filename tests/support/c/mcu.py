@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from springpot.codegen.scene import Scene
-from springpot.host.boards.boards import BOARDS, missing
+from springpot.host.emission.boards import BOARDS, missing
 from support.small import DT_S, press, scene, wandering
 
 TICKS = 10_000

@@ -6,7 +6,7 @@ from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.plan import Plan, state_bytes
 from springpot.codegen.reference import run_reference
 from springpot.host.native.replay import Replay
-from springpot.host.native.trial_build import built
+from springpot.host.native.scene_library import built
 from springpot.host.validation.compared import proxy_positions
 
 

@@ -12,7 +12,7 @@ from springpot import Model
 from springpot.codegen.arrays import rms
 from springpot.codegen.make_plan import make_plan
 from springpot.host.metrics import accuracy
-from springpot.host.native.trial_build import built
+from springpot.host.native.scene_library import built
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.predict import predict_n

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 from support.small import DT_S, press, recording
 
-from springpot.trainer.recordings.quality.repeats import find_noise_floor, sensor_noise_n
+from springpot.trainer.recordings.quality.repeats import find_noise_floor
 from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.signals import sensor_noise_n
 
 FIRST = recording("press", press(0.5))
 

@@ -11,7 +11,6 @@ void prove(void)
     sp_motion motions[MOTIONS];
     const sp_odrive drive = {
         .node = (uint32_t)Frama_C_interval(0, 63),
-        .slcan = Frama_C_interval_split(0, 1),
         .with_torque = Frama_C_interval_split(0, 1),
         .m_per_turn = 0.02,
         .sign = -1.0,

@@ -5,8 +5,7 @@ from typing import Any
 
 from springpot.codegen.errors import UsageError
 from springpot.host.devices.device import DeviceRequirements, VirtualDevice
-from springpot.host.devices.drivers import Driver
-from springpot.host.devices.url import Address
+from springpot.host.devices.drivers import Address, Driver
 from springpot.host.native.c_library import CLibrary
 
 

@@ -16,8 +16,8 @@ from springpot.codegen.messages import counted
 from springpot.codegen.plan import Plan
 from springpot.codegen.types import JsonObject
 from springpot.host.emission.emission import Emitted, read_emission
-from springpot.host.page.wasm_module import node_force_hash, page_module
 from springpot.host.pages.page import page_text, plain
+from springpot.host.pages.wasm_module import node_force_hash, page_module
 from springpot.host.session.outcome import NOTE_WORDS
 from springpot.host.simulation.scenarios import Workspace
 from springpot.host.stability.linear import is_stable, loop_words, scene_loop
@@ -52,7 +52,7 @@ def write_press_page(folders: Sequence[Path], out: Path) -> JsonObject:
         "stiffness_at": STIFFNESS_NPM.index(DESIGN_HAND.stiffness_npm),
         "scenes": Markup(json.dumps(entries).replace("<", "\\u003c")),
     }
-    write_file(out, page_text("press.html", context, "springpot.host.page").encode())
+    write_file(out, page_text("press.html", context).encode())
     unmeasured = [entry["name"] for entry in entries if entry["recording"] is None]
     size = out.stat().st_size
     return {"out": str(out), "bytes": size, "scenes": scenes, "without_recording": unmeasured}

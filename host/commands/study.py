@@ -4,16 +4,14 @@ from pathlib import Path
 
 import click
 
-from springpot.host.console.command_group import CommandGroup
-from springpot.host.console.output import json_option, print_result, print_table, progress_bar
-
-_PATH = click.Path(path_type=Path)
+from springpot.host.options import PATH, CommandGroup
+from springpot.host.output import json_option, print_result, print_table, progress_bar
 
 
 @click.command("plan")
-@click.argument("file", type=_PATH)
+@click.argument("file", type=PATH)
 @click.option("--participants", type=click.IntRange(1, 999), required=True, help="How many people.")
-@click.option("--out", type=_PATH, required=True, help="A new folder.")
+@click.option("--out", type=PATH, required=True, help="A new folder.")
 @json_option
 def plan_study(file: Path, participants: int, out: Path, as_json: bool) -> None:
     """Emit the scenes of a study FILE; draw orders and sides of every trial.
@@ -38,7 +36,7 @@ def plan_study(file: Path, participants: int, out: Path, as_json: bool) -> None:
 
 
 @click.command("run")
-@click.argument("study", type=_PATH)
+@click.argument("study", type=PATH)
 @click.option("--participant", required=True, help="Number of the participant, such as 07.")
 @click.option("--device", "url", required=True, help="Such as sim://ecoflex-00-30.")
 @json_option
@@ -56,7 +54,7 @@ def run_study(study: Path, participant: str, url: str, as_json: bool) -> None:
 
 
 @click.command("report")
-@click.argument("study", type=_PATH)
+@click.argument("study", type=PATH)
 @json_option
 def report_study(study: Path, as_json: bool) -> None:
     """Print who is left out, means, analysis of variance and Tukey's test of STUDY."""

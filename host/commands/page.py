@@ -4,12 +4,13 @@ from pathlib import Path
 
 import click
 
-from springpot.host.console.output import json_option, print_result, progress_bar
+from springpot.host.options import PATH
+from springpot.host.output import json_option, print_result, progress_bar
 
 
 @click.command()
-@click.argument("folders", nargs=-1, required=True, type=click.Path(path_type=Path))
-@click.option("--out", type=click.Path(path_type=Path), required=True, help="File.html to write.")
+@click.argument("folders", nargs=-1, required=True, type=PATH)
+@click.option("--out", type=PATH, required=True, help="File.html to write.")
 @json_option
 def page(folders: tuple[Path, ...], out: Path, as_json: bool) -> None:
     """Write one HTML file in which people press the emitted FOLDERS, in a browser.
@@ -17,7 +18,7 @@ def page(folders: tuple[Path, ...], out: Path, as_json: bool) -> None:
     The page runs the emitted C as WebAssembly: needs clang and lld, or springpot[cc].
     Where node is installed, its forces are compared with those of this machine.
     """
-    from springpot.host.page.press_page import write_press_page
+    from springpot.host.pages.press_page import write_press_page
 
     with progress_bar("page"):
         result = write_press_page(folders, out)

@@ -1,24 +1,115 @@
-"""Firmware: an emitted scene and a board's port, built for that board."""
+"""Boards that springpot brings a port for, and their firmware: an emitted scene and the port."""
 
 import shutil
 import subprocess
+from dataclasses import dataclass
 from pathlib import Path
 
 from springpot.codegen.emit.header import prefixed
-from springpot.codegen.errors import BudgetError
+from springpot.codegen.errors import BudgetError, UsageError
 from springpot.codegen.files import folder_written_aside
+from springpot.codegen.messages import short_repr
 from springpot.codegen.plan import Plan, state_bytes
-from springpot.host.boards.boards import Board, compiler_of
+from springpot.codegen.scene import Target
 from springpot.host.emission.checksums import is_edited, require_replaceable, write_checksums
 from springpot.host.emission.emission import read_emission
 from springpot.host.native.compiler import CompilerError
 from springpot.host.native.scene_library import port_headers, scene_prefix
+from springpot.host.native.toolchain import Toolchain, missing_tools, toolchain
 from springpot.runtime_c.paths import PORT_MCU, flags
 
+_MPS2 = ("mps2.ld", ("sp_arm.c", "sp_board_mps2.c"), "qemu-system-arm")
+_EMULATOR_PACKAGES = {
+    "qemu-system-arm": "qemu-system-arm",
+    "qemu-system-riscv32": "qemu-system-misc",
+}
 TRANSDUCER = "sp_transducer.c"  # the user's encoder and drive
 _COMMON = ("sp_firmware.c", "sp_port.c", TRANSDUCER)
-_NAME = "firmware.elf"
+_PROGRAM = "firmware.elf"
 _STACK_BYTES = 4096  # of everything else
+
+
+@dataclass(frozen=True)
+class Board:
+    """target: of the compiler. sources, script: files of runtime_c/port/mcu. emulator: program.
+
+    counter_hz: of the counter that sp_batch.c reads, in the emulated time.
+    """
+
+    name: str
+    target: Target
+    script: str
+    sources: tuple[str, ...]
+    emulator: str
+    options: tuple[str, ...]
+    counter_hz: float
+    __repr__ = short_repr
+
+
+BOARDS = {
+    board.name: board
+    for board in (
+        Board("mps2-an386", "cortex-m4f", *_MPS2, (), 25e6),
+        Board("mps2-an500", "cortex-m7", *_MPS2, (), 25e6),
+        Board(
+            "netduinoplus2",
+            "cortex-m4f",
+            "stm32f405.ld",
+            ("sp_arm.c", "sp_board_stm32f405.c"),
+            "qemu-system-arm",
+            (),
+            168e6,
+        ),
+        Board(
+            "virt",
+            "rv32imafc",
+            "virt.ld",
+            ("sp_board_virt.c",),
+            "qemu-system-riscv32",
+            ("-bios", "none"),
+            1e9,
+        ),
+    )
+}
+
+
+def default_board(target: Target) -> Board | None:
+    """The first board of a target; None for a PC."""
+    return next((board for board in BOARDS.values() if board.target == target), None)
+
+
+def board_of(name: str) -> Board:
+    """Return the board of a name. Raises UsageError with all names."""
+    if name not in BOARDS:
+        raise UsageError(f"{name}: no such board: use {', '.join(BOARDS)}")
+    return BOARDS[name]
+
+
+def compiler_of(board: Board) -> Toolchain:
+    """Return the board's compiler. Raises UsageError with what to install."""
+    tools = toolchain(board.target)
+    if tools is None:
+        raise UsageError(missing_tools(board.target))
+    return tools
+
+
+def emulator_of(board: Board) -> str:
+    """Return the path of the board's emulator. Raises UsageError with what to install."""
+    found = shutil.which(board.emulator)
+    if found is None:
+        package = _EMULATOR_PACKAGES[board.emulator]
+        raise UsageError(f"no {board.emulator}: `apt-get install {package}`")
+    return found
+
+
+def missing(board: Board) -> str:
+    """What is missing to build for the board and to emulate it; nothing where all is there."""
+    for find in (compiler_of, emulator_of):
+        try:
+            find(board)
+        except UsageError as error:
+            return str(error)
+    return ""
 
 
 def build_firmware(folder: Path, board: Board, out: Path, strict: bool = False) -> Path:
@@ -39,7 +130,7 @@ def build_firmware(folder: Path, board: Board, out: Path, strict: bool = False) 
             shutil.copyfile(out / TRANSDUCER, aside / TRANSDUCER)
         sources = (f"{scene_prefix(folder)}.c", *_COMMON, *board.sources)
         _linked(board, aside, sources, state_bytes(plan), strict)
-    return out / _NAME
+    return out / _PROGRAM
 
 
 def build_batch(folder: Path, board: Board, out: Path) -> Path:
@@ -81,11 +172,11 @@ def _linked(
         "-nostartfiles", f"-L{PORT_MCU}", f"-T{PORT_MCU / board.script}",
         # the self-test keeps a state of its own on the stack
         f"-Wl,--defsym=sp_stack_bytes={-(-(_STACK_BYTES + selftest_bytes) // 8) * 8}",
-        *(str(out / file) for file in sources), "-lm", "-lc", "-lgcc", "-o", str(out / _NAME),
+        *(str(out / file) for file in sources), "-lm", "-lc", "-lgcc", "-o", str(out / _PROGRAM),
     ]  # fmt: skip
     result = subprocess.run(command, capture_output=True, text=True, check=False)
     if result.returncode == 0:
-        return out / _NAME
+        return out / _PROGRAM
     if "overflowed by" in result.stderr:
         over = next(line for line in result.stderr.splitlines() if "overflowed by" in line)
         raise BudgetError(

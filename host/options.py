@@ -1,11 +1,68 @@
-"""Groups of commands that are imported when they are used."""
+"""Types of options that click does not bring, and groups of commands that load when used."""
 
 import difflib
 import importlib
-from collections.abc import Mapping
+import math
+from collections.abc import Callable, Mapping
+from functools import wraps
+from pathlib import Path
 from typing import Any
 
 import click
+
+_Command = Callable[..., Any]
+PATH = click.Path(path_type=Path)
+SEED = click.IntRange(0, 2**32 - 1)
+
+
+class FiniteRange(click.FloatRange):
+    """A number in a range; NaN and infinities are none."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        """Return the number, or fail with the option's name."""
+        number = super().convert(value, param, ctx)
+        if not math.isfinite(number):
+            self.fail(f"{value} is not a finite number", param, ctx)
+        return number
+
+    def _describe_range(self) -> str:
+        """What help shows; nothing of any number."""
+        return "any" if self.min is None and self.max is None else super()._describe_range()
+
+
+POSITIVE = FiniteRange(0, min_open=True)
+NOT_NEGATIVE = FiniteRange(0)
+
+
+def scene_options(command: _Command) -> _Command:
+    """Take a scene, a model, or both, as `scene_file` and `model_file`."""
+    by_scene = click.option(
+        "--scene", "scene_file", type=PATH, help="Scene file; default: every key has its default."
+    )
+    by_model = click.option(
+        "--model", "model_file", type=PATH, help="Model file; default: the scene's."
+    )
+    return by_scene(by_model(command))
+
+
+def recordings_given(help_text: str) -> Callable[[_Command], _Command]:
+    """Take recordings behind a command's other arguments or by --recording, as `recordings`."""
+
+    def decorate(command: _Command) -> _Command:
+        @wraps(command)
+        def merged(*, recordings: tuple[str, ...], named: tuple[str, ...], **others: Any) -> Any:
+            if not recordings and not named:
+                raise click.UsageError("Missing recordings: give files or folders of them")
+            return command(recordings=(*recordings, *named), **others)
+
+        by_place = click.argument("recordings", nargs=-1, type=click.Path(), metavar="REC...")
+        by_name = click.option(
+            "--recording", "named", multiple=True, type=click.Path(), metavar="REC",
+            help=f"{help_text}; the same as REC. May be repeated.",
+        )  # fmt: skip
+        return by_place(by_name(merged))
+
+    return decorate
 
 
 class CommandGroup(click.Group):

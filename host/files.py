@@ -30,7 +30,7 @@ def read_recordings(*paths: File) -> list[Recording]:
     >>> len(read_recordings("training"))
     3
     """
-    from springpot.host.console.in_python import errors_in_python
+    from springpot.host.quality import errors_in_python
 
     for path in paths:
         _require_file(path, "read_recordings(*paths) takes several")
@@ -86,8 +86,7 @@ def import_recordings(
     >>> import_recordings("press.csv", "time=t:s,position=x:mm,force=f:N")[0].name
     'press'
     """
-    from springpot.host.console.in_python import errors_in_python
-    from springpot.host.console.quality import warn_of_quality
+    from springpot.host.quality import errors_in_python, warn_of_quality
     from springpot.trainer.recordings.formats.column_map import parse_map
     from springpot.trainer.recordings.formats.importing import import_set
 

@@ -61,7 +61,7 @@ def node_force_hash(folder: Path, plan: Plan, module: bytes) -> str | None:
         return None
     position = golden_positions(plan).astype(plan.dtype)
     velocity = backward_velocity(position, plan.dt_s).astype(plan.dtype)
-    script = files("springpot.host.page") / "templates" / "check.mjs"
+    script = files("springpot.host.pages") / "templates" / "check.mjs"
     with tempfile.NamedTemporaryFile(suffix=".wasm") as file, as_file(script) as program:
         Path(file.name).write_bytes(module)
         command = [node, str(program), file.name, plan.scene.runtime.prefix, position.dtype.name]

@@ -9,11 +9,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from springpot.codegen.arrays import Reals, given_numbers
-from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import UsageError
 from springpot.codegen.files import given_path
 from springpot.codegen.types import JsonObject
-from springpot.host.api.files import File
+from springpot.host.files import File
 from springpot.trainer.models.predict import stiffest_words
 from springpot.trainer.recordings.recording import Recording
 
@@ -98,14 +97,14 @@ class LoadedScene:
             doubt = f"position_m goes to {deepest_m:.4g} m, {deepest_m / trained_m:.3g} times the"
             doubt += f" trained {trained_m:.4g} m: give positions in metres"
             warnings.warn(doubt, UserWarning, stacklevel=2)
-        if velocity_mps is None:
-            velocity = backward_velocity(position, self.dt_s)
-        else:
+        velocity = None
+        if velocity_mps is not None:
             velocity = np.asarray(velocity_mps, dtype=self._library.dtype)
-        if velocity.shape != position.shape:
-            raise UsageError(
-                f"velocities of shape {velocity.shape}, positions of {position.shape}: give as many"
-            )
+            if velocity.shape != position.shape:
+                raise UsageError(
+                    f"velocities of shape {velocity.shape}, positions of {position.shape}: give "
+                    "as many"
+                )
         return self._replay.run(position, velocity, place_m=place_m)
 
     def _chosen_m(

@@ -5,7 +5,7 @@ import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -18,7 +18,7 @@ from springpot.codegen.messages import notice
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene, Target
 from springpot.codegen.types import JsonObject
-from springpot.host.api.files import File, given_model, read_recordings, write_model
+from springpot.host.files import File, given_model, read_recordings, write_model
 from springpot.trainer.models.fit import Engine, Fit, FitOptions
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import Recordings, given_recordings
@@ -76,6 +76,7 @@ def train(
     trees: int = FitOptions.trees,
     leaf: int = FitOptions.leaf,
     n_centers: int = FitOptions.n_centers,
+    select: Literal["cv", "paper"] = FitOptions.select,
     engine: Engine | None = FitOptions.engine,
     round_features: bool = FitOptions.round_features,
     past_positions: bool = FitOptions.past_positions,
@@ -86,7 +87,7 @@ def train(
 
     kind: "auto" takes the one of lowest cross-validated error.
     name: of the model; by default its kind.
-    validation: other recordings: rbf-fd reports the orders that the paper would choose on them.
+    validation: other recordings, which decide with select="paper" only.
     seed: of the rows and trees that are drawn at random.
     fraction: share of the rows that are used, above 0 to 1; None: 0.2 from 20 000 rows on.
     window_s: how long the fractional filters remember, s; None: 171 samples, 1000 s if recursive.
@@ -94,6 +95,7 @@ def train(
     trees: how many a forest has.
     leaf: how many rows the smallest leaf of a tree holds.
     n_centers: how many radial basis functions rbf-fd and rbf-pv have.
+    select: rbf-fd chooses by cross-validation, or as the paper on `validation`.
     engine: of the fractional filters: taps, the same from a few exponentials, or exponentials that
     are exact at any rate; None: taps, and the last where the window is long.
     round_features: trees are fitted on features in 16-bit steps: faster C without search.
@@ -107,8 +109,7 @@ def train(
     'rf-fd'
     """
     options = _fit_options(locals())
-    from springpot.host.console.in_python import errors_in_python, in_python
-    from springpot.host.console.quality import warn_of_quality
+    from springpot.host.quality import errors_in_python, in_python, warn_of_quality
     from springpot.trainer.kinds import fit_model
 
     training = warn_of_quality(_some(recordings)).checked
@@ -137,7 +138,7 @@ def predict(
     >>> predict(model, [0.0, 1e-3, 2e-3]).shape
     (3,)
     """
-    from springpot.host.console.in_python import in_python
+    from springpot.host.quality import in_python
     from springpot.trainer.models.predict import (
         extrapolation,
         limited_n,
@@ -261,9 +262,8 @@ def bench(
     >>> bench(recordings, models=["hammerstein"])["points"][0]["model"]
     'hammerstein'
     """
-    from springpot.host.bench.bench import Bench, run_bench
-    from springpot.host.bench.splits import holdout
-    from springpot.host.console.quality import warn_of_quality
+    from springpot.host.bench.bench import Bench, holdout, run_bench
+    from springpot.host.quality import warn_of_quality
 
     training = warn_of_quality(_some(recordings)).checked
     testing = given_recordings(validation)

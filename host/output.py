@@ -20,8 +20,6 @@ from springpot.codegen.messages import NOTICES
 from springpot.codegen.types import JsonMapping
 
 progress_console = Console(stderr=True)
-# Names of columns, and rows of as many cells.
-TextTable = tuple[Sequence[str], Sequence[Sequence[str]]]
 
 json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 

@@ -11,8 +11,7 @@ from numpy.typing import NDArray
 from springpot import SpringpotError
 from springpot.codegen.arrays import Reals
 from springpot.codegen.errors import MismatchError
-from springpot.host.boards.boards import Board, emulator_of
-from springpot.host.boards.firmware import build_batch
+from springpot.host.emission.boards import Board, build_batch, emulator_of
 
 CALL_IDLE, CALL_RESET = 1, 2  # CALL_IDLE, CALL_RESET of sp_batch.c
 _SHIFT = 8  # an instruction takes 2^8 ns of the emulated time: several counts of every counter

@@ -7,8 +7,8 @@ from pathlib import Path
 import click
 
 from springpot.codegen.scene import Target
-from springpot.host.console.options import SEED, recordings_given
-from springpot.host.console.output import json_option, print_json, print_table, say
+from springpot.host.options import PATH, SEED, recordings_given
+from springpot.host.output import json_option, print_json, print_table, say
 
 
 @click.command()
@@ -22,7 +22,7 @@ from springpot.host.console.output import json_option, print_json, print_table, 
     default="cortex-m4f", show_default=True, help="Board whose flash is counted.",
 )  # fmt: skip
 @click.option(
-    "--out", type=click.Path(path_type=Path), default=Path("bench"), show_default=True,
+    "--out", type=PATH, default=Path("bench"), show_default=True,
     help="Folder of the results; what is there is not computed again.",
 )  # fmt: skip
 @click.option(
@@ -44,10 +44,9 @@ def bench(
 ) -> None:
     """Measure kinds and sizes of model on your recordings: error, run time, bytes; the front."""
     from springpot import read_recordings
-    from springpot.host.bench.bench import Bench, run_bench
-    from springpot.host.bench.page import label, write_bench_page
-    from springpot.host.bench.splits import holdout
-    from springpot.host.console.quality import report_quality
+    from springpot.host.bench.bench import Bench, holdout, run_bench
+    from springpot.host.pages.reports import label, write_bench_page
+    from springpot.host.quality import report_quality
     from springpot.host.validation.seen import seen_line
 
     training = report_quality(recordings).checked

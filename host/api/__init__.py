@@ -1,1 +1,0 @@
-"""The calls of springpot in Python: one for each step of the job."""

@@ -1,1 +1,0 @@
-"""Boards: firmware, emulator, replay through a board and its log."""

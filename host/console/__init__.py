@@ -1,1 +1,0 @@
-"""What every command shares at the terminal: options, output, keys."""

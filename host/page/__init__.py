@@ -1,1 +1,0 @@
-"""Pages that run the emitted C, or show a session, in a browser."""

@@ -1,1 +1,0 @@
-"""Show results: the page on a scene, and the demo."""
