@@ -84,7 +84,8 @@ def test_only_the_api_is_public_and_nothing_changes(tmp_path: Path) -> None:
         assert compiled(built, compiler, "-O2", "-c", source.with_suffix(suffix)).returncode == 0
         said = subprocess.run(["nm", built], capture_output=True, text=True, check=True).stdout
         rows = [line.split()[-2:] for line in said.splitlines()]
-        declared = set(re.findall(r"\b(hard_\w+)\(", source.with_suffix(".h").read_text()))
+        header = source.with_suffix(".h").read_text()
+        declared = set(re.findall(r"\b(hard_\w+)\(", header.partition("static inline")[0]))
         assert {name for kind, name in rows if kind == "T"} == declared
         assert not [name for kind, name in rows if kind in "BbDdC"]
 
