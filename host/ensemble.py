@@ -12,13 +12,13 @@ from springpot import Model
 from springpot.codegen.arrays import Samples, given_numbers
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.features import Features
+from springpot.trainer.models.ensembles import ensemble_ir
 from springpot.trainer.models.fit import FitOptions, assemble
 from springpot.trainer.models.passive.passive_fit import fit_passive
 from springpot.trainer.models.predict import regressor_force
 from springpot.trainer.models.rf_fd import (
     PAPER_ORDERS,
     depth_scale,
-    ensemble_ir,
     fractional_features,
 )
 from springpot.trainer.models.training_set import TrainingSet, training_set
@@ -67,7 +67,7 @@ def from_ensemble(
     name: str = KIND,
     smooth_s: float = FitOptions.smooth_s,
 ) -> Model:
-    """Model of a RandomForest-, ExtraTrees- or HistGradientBoostingRegressor.
+    """Model of a sum of trees that scikit-learn fitted, scaled columns in front or not.
 
     It was fitted on `ensemble_data` of the same recordings, features and smooth_s, which is checked
     by its R2. The passive model for what lies outside the trained depth is fitted here.
@@ -134,9 +134,12 @@ def require_same_data(
 
 def _rows_of(regressor: Any) -> int:
     """Rows that a regressor's first tree was fitted on, such as a fraction of all."""
-    if hasattr(regressor, "estimators_"):
-        return int(regressor.estimators_[0].tree_.weighted_n_node_samples[0])
-    return int(regressor._predictors[0][0].nodes["count"][0])
+    if hasattr(regressor, "steps"):
+        return _rows_of(regressor.steps[-1][1])
+    if hasattr(regressor, "_predictors"):
+        return int(regressor._predictors[0][0].nodes["count"][0])
+    first = np.ravel(getattr(regressor, "estimators_", [regressor]))[0]
+    return int(first.tree_.weighted_n_node_samples[0])
 
 
 def _features(given: GivenFeatures, dt_s: float) -> Features:

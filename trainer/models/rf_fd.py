@@ -1,4 +1,4 @@
-"""Kind `rf-fd`: a forest on fractional derivatives, or past positions; ensembles from elsewhere."""
+"""Kind `rf-fd`: a forest on fractional derivatives, or past positions."""
 
 import dataclasses
 import time
@@ -8,8 +8,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from sklearn.ensemble import RandomForestRegressor
-from sklearn.exceptions import NotFittedError
-from sklearn.utils.validation import check_is_fitted
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import UsageError
@@ -17,6 +15,7 @@ from springpot.codegen.model.features import Features, FirBank, FractionalBank, 
 from springpot.codegen.model.forest import quantisation_over, rounded
 from springpot.codegen.model.regressors import Forest
 from springpot.trainer.features import fast_fir_bank, gl_taps, recursive_bank
+from springpot.trainer.models.ensembles import forest_ir
 from springpot.trainer.models.fit import Engine, Fit, FitOptions, assemble
 from springpot.trainer.models.passive.passive_fit import fit_passive
 from springpot.trainer.models.training_set import TrainingSet
@@ -34,15 +33,6 @@ RECURSIVE_S = 1000.0
 # all of them none. Few rows a tree make up for the time and halve the nodes.
 FEATURES_AT_SPLIT = 1.0
 ROWS_OF_A_TREE = 0.35
-# What to give in place of what is often given.
-_INSTEAD = {
-    "GradientBoostingRegressor": ": fit the last, which boosts trees too",
-    "GridSearchCV": ", here its best_estimator_",
-    "RandomizedSearchCV": ", here its best_estimator_",
-    "HalvingGridSearchCV": ", here its best_estimator_",
-    "Pipeline": ", bare: trees need no scaling",
-    "TransformedTargetRegressor": ", bare: trees need no scaling",
-}
 
 
 def fractional_features(
@@ -157,74 +147,3 @@ def fit_forest(
     """Random forest on scaled features, unscaled, and each feature's importance, (features,)."""
     regressor = fitted_forest(trees, leaf, seed, (scale * features).astype(np.float32), force_n)
     return forest_ir(regressor).on_scaled(scale), regressor.feature_importances_
-
-
-def ensemble_ir(regressor: Any) -> Forest:
-    """Node table of an ensemble that was fitted elsewhere. Raises UsageError for other kinds."""
-    kind = regressor.__name__ if isinstance(regressor, type) else type(regressor).__name__
-    trees = {"RandomForestRegressor": forest_ir, "ExtraTreesRegressor": forest_ir}
-    made_of = {**trees, "HistGradientBoostingRegressor": boosted_ir}.get(kind)
-    if made_of is None:
-        raise UsageError(
-            f"{kind}: give a fitted RandomForestRegressor, ExtraTreesRegressor or "
-            f"HistGradientBoostingRegressor{_INSTEAD.get(kind, '')}"
-        )
-    try:
-        if isinstance(regressor, type):
-            raise NotFittedError
-        check_is_fitted(regressor)
-    except NotFittedError:
-        raise UsageError(f"{kind}: is not fitted: fit it on ensemble_data first") from None
-    return made_of(regressor)
-
-
-def forest_ir(regressor: Any) -> Forest:
-    """Node table of a fitted RandomForestRegressor or ExtraTreesRegressor, a mean of trees."""
-    trees = [estimator.tree_ for estimator in regressor.estimators_]
-    sizes = np.array([tree.node_count for tree in trees])
-    feature = np.concatenate([tree.feature for tree in trees]).astype(np.int32)
-    leaf = feature < 0
-    return Forest(
-        feature=np.where(leaf, -1, feature).astype(np.int32),
-        threshold=np.where(leaf, 0.0, np.concatenate([tree.threshold for tree in trees])),
-        left=_children([tree.children_left for tree in trees], sizes, leaf),
-        right=_children([tree.children_right for tree in trees], sizes, leaf),
-        value_n=np.concatenate([tree.value[:, 0, 0] for tree in trees]),
-        roots=_roots(sizes),
-        weight=1.0 / len(trees),
-        bias_n=0.0,
-    )
-
-
-def boosted_ir(regressor: Any) -> Forest:
-    """Node table of a fitted HistGradientBoostingRegressor: the sum of its trees and its baseline.
-
-    Its trees compare doubles; on features rounded to float32 the decisions are the same.
-    """
-    trees = [predictor[0].nodes for predictor in regressor._predictors]
-    nodes = np.concatenate(trees)
-    if np.any(nodes["is_categorical"]):
-        raise UsageError("boosted trees with categorical splits: positions are numbers")
-    sizes = np.array([len(tree) for tree in trees])
-    leaf = nodes["is_leaf"].astype(bool)
-    return Forest(
-        feature=np.where(leaf, -1, nodes["feature_idx"]).astype(np.int32),
-        threshold=np.where(leaf, 0.0, nodes["num_threshold"]),
-        left=_children([tree["left"] for tree in trees], sizes, leaf),
-        right=_children([tree["right"] for tree in trees], sizes, leaf),
-        value_n=np.where(leaf, nodes["value"], 0.0).astype(np.float64),
-        roots=_roots(sizes),
-        weight=1.0,
-        bias_n=float(regressor._baseline_prediction.item()),
-    )
-
-
-def _roots(sizes: np.ndarray[Any, Any]) -> np.ndarray[Any, np.dtype[np.int32]]:
-    return np.concatenate([[0], np.cumsum(sizes)[:-1]]).astype(np.int32)
-
-
-def _children(
-    children: list[np.ndarray[Any, Any]], sizes: np.ndarray[Any, Any], leaf: np.ndarray[Any, Any]
-) -> np.ndarray[Any, np.dtype[np.int32]]:
-    rows = np.concatenate(children).astype(np.int64) + np.repeat(_roots(sizes), sizes)
-    return np.where(leaf, 0, rows).astype(np.int32)

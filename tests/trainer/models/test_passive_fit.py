@@ -207,23 +207,16 @@ def test_short_presses_of_a_silicone_tell_of_long_ones(tmp_path: Path) -> None:
 @pytest.mark.parametrize("goes_on", [False, True])
 def test_how_recordings_begin_is_learnt_from_them(goes_on: bool) -> None:
     """An object that relaxes for minutes: pressed five times in a row, or a fresh one each time."""
-    presses_m = [press(hz, share * DEPTH_M, 1) for hz in (0.5, 1.0) for share in (1.0, 0.8)]
-    starts = np.cumsum([0, *(len(each) for each in presses_m)])
-    curve = np.expm1(2.0 * np.concatenate(presses_m) / DEPTH_M) / np.expm1(2.0)
-
-    def force_n(part: slice) -> np.ndarray:
-        along = curve[: part.stop] if goes_on else curve[part]
-        slow_n = sum(2.0 * highpass(along, tau_s, DT_S) for tau_s in (1.0, 100.0))
-        return SPRING_N * curve[part] + slow_n[-(part.stop - part.start) :]
-
-    recordings = [
-        Recording(
-            str(k), position_m, np.maximum(force_n(slice(begin, end)), 0.0), DT_S, zero="none"
+    recordings, before = [], np.zeros(0)
+    for hz, share in ((0.5, 1.0), (0.5, 0.8), (1.0, 1.0), (1.0, 0.8)):
+        depth_m = press(hz, share * DEPTH_M, 1)
+        curve = np.concatenate([before, np.expm1(2.0 * depth_m / DEPTH_M) / np.expm1(2.0)])
+        force_n = SPRING_N * curve + 2.0 * (
+            highpass(curve, 1.0, DT_S) + highpass(curve, 100.0, DT_S)
         )
-        for k, (position_m, begin, end) in enumerate(
-            zip(presses_m, starts[:-1], starts[1:], strict=True)
-        )
-    ]
+        force_n = np.maximum(force_n[len(before) :], 0.0)
+        recordings.append(Recording(f"{hz}-{share}", depth_m, force_n, DT_S, zero="none"))
+        before = curve if goes_on else before
     model = fit_model("hammerstein", "x", recordings[:3], FitOptions(smooth_s=0.0)).model
     assert model.hammerstein.starts_conditioned is goes_on
     other = replace(model.hammerstein, starts_conditioned=not goes_on)
