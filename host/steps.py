@@ -75,6 +75,8 @@ def train(
     smooth_s: float = FitOptions.smooth_s,
     trees: int = FitOptions.trees,
     leaf: int = FitOptions.leaf,
+    tree_rows: float = FitOptions.tree_rows,
+    split_features: float = FitOptions.split_features,
     n_centers: int = FitOptions.n_centers,
     select: Literal["cv", "paper"] = FitOptions.select,
     engine: Engine | None = FitOptions.engine,
@@ -94,6 +96,8 @@ def train(
     smooth_s: zero-phase moving average of the training data, s; 0 for none.
     trees: how many a forest has.
     leaf: how many rows the smallest leaf of a tree holds.
+    tree_rows: share of the rows that each tree is fitted on; 1 as usual.
+    split_features: share of the features that each split tries.
     n_centers: how many radial basis functions rbf-fd and rbf-pv have.
     select: rbf-fd chooses by cross-validation, or as the paper on `validation`.
     engine: of the fractional filters: taps, the same from a few exponentials, or exponentials that

@@ -69,6 +69,14 @@ if TYPE_CHECKING:
     help="rf-fd: rows of the smallest leaf.",
 )  # fmt: skip
 @click.option(
+    "--tree-rows", type=FiniteRange(0, 1, min_open=True), default=0.35, show_default=True,
+    help="rf-fd: share of the rows that each tree is fitted on.",
+)  # fmt: skip
+@click.option(
+    "--split-features", type=FiniteRange(0, 1, min_open=True), default=1.0, show_default=True,
+    help="rf-fd: share of the features that each split tries.",
+)  # fmt: skip
+@click.option(
     "--window-s",
     type=POSITIVE,
     help="Length of the filters' memory, s; default 171 samples, 1000 s if recursive.",

@@ -28,11 +28,6 @@ MAX_TAPS = 1024  # longer windows are cheaper as exponentials
 MIN_WINDOW = 10  # samples
 MAX_WINDOW_S = 1e5
 RECURSIVE_S = 1000.0
-# The paper gives neither. With a third of the features at a split, leaves follow features that lag
-# behind the force, and up to 15 of 30 small-signal cells of the forest were not passive; with
-# all of them none. Few rows a tree make up for the time and halve the nodes.
-FEATURES_AT_SPLIT = 1.0
-ROWS_OF_A_TREE = 0.35
 
 
 def fractional_features(
@@ -103,7 +98,7 @@ def fit_rf_fd(
     else:
         scale = depth_scale(data.trained.max_m - min(data.trained.min_m, 0.0))
     begin = time.perf_counter()
-    forest, shares = fit_forest(values, force_n, scale, options.trees, options.leaf, options.seed)
+    forest, shares = fit_forest(values, force_n, scale, options)
     forest = dataclasses.replace(forest, quantisation=quantisation)
     fit_s = time.perf_counter() - begin
     passive, _, _ = fit_passive(data, options)
@@ -122,28 +117,22 @@ def depth_scale(span_m: float) -> float:
     return float(2.0 ** -np.round(np.log2(span_m)))
 
 
-def random_forest(trees: int, leaf: int, seed: int) -> Any:
-    """Forest as the paper's, not fitted: bootstrap, all features at each split."""
-    return RandomForestRegressor(
-        n_estimators=trees,
-        min_samples_leaf=leaf,
-        max_features=FEATURES_AT_SPLIT,
-        max_samples=ROWS_OF_A_TREE,
-        random_state=seed,
+def fitted_forest(options: FitOptions, values: NDArray[np.float32], force_n: Samples) -> Any:
+    """A bootstrap forest; it predicts in one thread, which always sums trees in one order."""
+    forest = RandomForestRegressor(
+        n_estimators=options.trees,
+        min_samples_leaf=options.leaf,
+        max_features=options.split_features,
+        max_samples=options.tree_rows,
+        random_state=options.seed,
         n_jobs=-1,
     )
-
-
-def fitted_forest(
-    trees: int, leaf: int, seed: int, values: NDArray[np.float32], force_n: Samples
-) -> Any:
-    """`random_forest`, fitted; it predicts in one thread, which always sums trees in one order."""
-    return random_forest(trees, leaf, seed).fit(values, force_n).set_params(n_jobs=1)
+    return forest.fit(values, force_n).set_params(n_jobs=1)
 
 
 def fit_forest(
-    features: Samples, force_n: Samples, scale: float, trees: int, leaf: int, seed: int
+    features: Samples, force_n: Samples, scale: float, options: FitOptions
 ) -> tuple[Forest, NDArray[np.float64]]:
     """Random forest on scaled features, unscaled, and each feature's importance, (features,)."""
-    regressor = fitted_forest(trees, leaf, seed, (scale * features).astype(np.float32), force_n)
+    regressor = fitted_forest(options, (scale * features).astype(np.float32), force_n)
     return forest_ir(regressor).on_scaled(scale), regressor.feature_importances_

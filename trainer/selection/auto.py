@@ -104,7 +104,7 @@ def candidates(data: TrainingSet, options: FitOptions) -> list[AutoCandidate]:
     """The passive model, and the paper's forest with a memory as long as the recordings."""
     long = replace(options, engine="recursive", window_s=data.longest_s)
     remembering = recursive_bank(PAPER_ORDERS, data.dt_s, data.longest_s)
-    forest = TreeFit(remembering, options.trees, options.leaf)
+    forest = TreeFit(remembering, options)
     return [
         AutoCandidate(PASSIVE, 1, "hammerstein", options, None),
         AutoCandidate("rf-fd long", 6, "rf-fd", long, forest),

@@ -22,8 +22,7 @@ class TreeFit:
     """A forest to be judged."""
 
     features: Features
-    trees: int
-    leaf: int
+    options: FitOptions
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,9 +63,7 @@ class FoldedRows:
         measured_n, test_n = data.force_n(self.fitted), data.force_n(self.tested)
         for fold in self.folds:
             kept, held = fold.kept, fold.held
-            forest = fitted_forest(
-                wanted.trees, wanted.leaf, self.seed, values[kept], measured_n[kept]
-            )
+            forest = fitted_forest(wanted.options, values[kept], measured_n[kept])
             yield rms(forest.predict(test_values[held]) - test_n[held])
 
 

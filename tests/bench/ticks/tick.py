@@ -23,7 +23,7 @@ from springpot.codegen.scene import Coupling, Smoothing
 from springpot.host.native.compiler import compiler_version, find_compiler, machine_metadata
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.rf_fd import depth_scale, random_forest
+from springpot.trainer.models.rf_fd import depth_scale, fitted_forest
 from springpot.trainer.models.training_set import training_set
 
 OBJECT = "ecoflex-00-30"
@@ -47,8 +47,7 @@ def rows_of(folder: Path, recordings: Any, judges: Any) -> tuple[list[Row], Any,
     chosen = data.rows(None, options.seed)
     scale = depth_scale(data.trained.max_m)
     values = scale * data.features(exact.features, chosen)
-    ensemble = random_forest(options.trees, options.leaf, options.seed)
-    ensemble.fit(values.astype(np.float32), data.force_n(chosen))
+    ensemble = fitted_forest(options, values.astype(np.float32), data.force_n(chosen))
     plain = {"coupling": Coupling(mode="off"), "smoothing": Smoothing(0.0)}
     rows = [
         literal_row(ensemble, scale, exact.features, folder / "literal"),
