@@ -41,7 +41,7 @@ def test_little_work_is_written(tmp_path: Path) -> None:
     page = (tmp_path / "out" / "page.html").read_text()
     assert all(escape(claim["paper"]) in page for claim in stored)
     assert paper.headline(claims) in page
-    assert "springpot&#x27;s own: 35 % of" in page
+    assert "springpot&#x27;s default: 35 % of" in page
     assert "<svg" in page
     assert not re.search(r"(src|href)=\"(?!#)", page)  # nothing outside it
 
