@@ -9,6 +9,7 @@ from support.c.same_bits import require_same_bits
 from support.small import DT_S, press, scene, small_model, training, wandering
 
 from springpot import Recording
+from springpot.codegen import reference as codegen_reference
 from springpot.codegen.emit.golden import golden_positions
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.notes import CLAMPED, HELD, LATCHED, LIMITED, OUTSIDE, RAMPED, RESYNC
@@ -16,7 +17,6 @@ from springpot.codegen.plan import Plan
 from springpot.codegen.reference import run_reference
 from springpot.codegen.scene import Coupling
 from springpot.codegen.stages.model_stages import Stages, model_force
-from springpot.host.commands.run import run as codegen_reference
 from springpot.host.native.scene_library import built
 from springpot.host.validation.compared import proxy_positions
 from springpot.trainer.kinds import fit_model

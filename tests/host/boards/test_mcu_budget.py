@@ -81,6 +81,7 @@ def passive_of(branches: int, stops: int, **of_depth: float) -> Model:
         tau_s=np.geomspace(2e-3, 5.0, branches),
         branch_n=rng.random((branches, 9)),
         radius_m=np.array([0.02, 0.2, 0.5])[:stops] * whole.hammerstein.span_m,
+        conditioned=None,
         stop_n=rng.random((stops, 9)),
         **of_depth,
     )
