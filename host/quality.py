@@ -1,4 +1,4 @@
-"""What Python's callers are told: messages with arguments for options, quality as warnings."""
+"""Messages for callers in Python: arguments in place of options, quality as warnings."""
 
 import re
 import warnings

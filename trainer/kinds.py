@@ -79,13 +79,12 @@ def fit_model(
     recordings: those that `check_recordings` gives as `checked`, or others without spikes.
     Raises UsageError for an unknown kind, DataError where the recordings do not fit together.
     """
-    from springpot.trainer.models.passive.start import with_start
     from springpot.trainer.models.training_set import training_set
 
     options, warnings = _default_smoothing(recordings, options)
     kind = _kind_of_places(kind, recordings)
     data = training_set(recordings, options.smooth_s)
-    data = with_start(replace(data, warnings=(*data.warnings, *warnings)), options)
+    data = replace(data, warnings=(*data.warnings, *warnings))
     return fit_kind(kind, name, data, options, validation)
 
 

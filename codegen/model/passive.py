@@ -173,7 +173,7 @@ def power_order(part: Flow | Damage) -> NDArray[np.intp]:
 
 @dataclass(frozen=True, eq=False)
 class Memory:
-    """What a pressed object still holds: forces of branches, flow, and the deepest press.
+    """Memory of a pressed object: forces of branches, flow, and the deepest press.
 
     branch_n: of each branch, (P,), N; flow: h of each flowing branch, (F,); deepest: M of each
     curve of damage, (D,).

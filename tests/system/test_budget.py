@@ -28,12 +28,12 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
         ("codegen/*.py", 6620),
         ("trainer/*.py", 8340),
         ("host/*.py", 13510),
-        ("runtime_c/*.[ch]", 7130),
+        ("runtime_c/*.[ch] codegen/*.j2", 7880),
         ("tests/*.py", 20000),
     ],
 )
 def test_lines(what: str, most: int) -> None:
-    assert sum(text.count("\n") for text in tracked(what)) <= most
+    assert sum(text.count("\n") for text in tracked(*what.split())) <= most
 
 
 def test_files_of_the_product() -> None:

@@ -8,6 +8,7 @@ from springpot.trainer.models.fit import Fit, FitOptions, assemble
 from springpot.trainer.models.passive.map_fit import fit_map
 from springpot.trainer.models.passive.passive_fit import passive_choice, timed_passive
 from springpot.trainer.models.passive.passive_terms import parameter_count
+from springpot.trainer.models.passive.start import with_start
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.recording import Recording, sites_of
 
@@ -24,7 +25,10 @@ def fit_hammerstein(
         of_map = {"places": found.sites, "materials": len(passive.places.slopes_n)}
         fit_s = time.perf_counter() - begin
     else:
+        data = with_start(data, options)
+        start_s = time.perf_counter() - begin
         (passive, rows, error_n), fit_s = timed_passive(data, options)
+        fit_s += start_s
         law = passive_choice(data, options)[0].law
     metadata = {
         "n_parameters": parameter_count(passive),

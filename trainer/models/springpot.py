@@ -161,7 +161,11 @@ def _own_way(data: TrainingSet, rows: NDArray[np.intp]) -> tuple[TrainingSet, ND
             if float(np.mean(np.concatenate(bare) < -least_n)) < _SELDOM:
                 return data, rows
         law = replace(law, recovers=True)
-        found = [model_along(law, motion, data.dt_s, surface=True)[1] for motion in motions]
+        found = list(data.depths_m)
+        for motion in motions:  # those of a session are one
+            along_m = model_along(law, motion, data.dt_s, surface=True)[1]
+            for number, start in zip(motion.recordings, motion.starts, strict=True):
+                found[number] = along_m[start : start + len(found[number])]
         way = replace(data, depths_m=tuple(found), _found={})
     return way, rows[pushes]
 

@@ -10,10 +10,11 @@ from dataclasses import replace
 from springpot.trainer.features import recursive_bank
 from springpot.trainer.kinds import fit_kind
 from springpot.trainer.models.fit import Fit, FitOptions
+from springpot.trainer.models.passive.start import with_start
 from springpot.trainer.models.rf_fd import PAPER_ORDERS
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.selection.cross_validation import TreeFit, folded_rows
+from springpot.trainer.selection.cross_validation import folded_rows
 from springpot.trainer.selection.scores import PASSIVE, AutoCandidate, Score, find_scores
 from springpot.trainer.selection.small_signal import active_cells
 
@@ -30,6 +31,7 @@ def fit_auto(
     in small motions is passed over.
     """
     begin = time.perf_counter()
+    data = with_start(data, options)
     known = candidates(data, options)
     scores = find_scores(known, folded_rows(data, options))
     gain = GAIN if len(data.recordings) > 1 else GAIN_OF_ONE
@@ -104,10 +106,9 @@ def candidates(data: TrainingSet, options: FitOptions) -> list[AutoCandidate]:
     """The passive model, and the paper's forest with a memory as long as the recordings."""
     long = replace(options, engine="recursive", window_s=data.longest_s)
     remembering = recursive_bank(PAPER_ORDERS, data.dt_s, data.longest_s)
-    forest = TreeFit(remembering, options)
     return [
         AutoCandidate(PASSIVE, 1, "hammerstein", options, None),
-        AutoCandidate("rf-fd long", 6, "rf-fd", long, forest),
+        AutoCandidate("rf-fd long", 6, "rf-fd", long, remembering),
     ]
 
 

@@ -18,14 +18,6 @@ _TEST_ROWS = 12_000
 
 
 @dataclass(frozen=True, eq=False)
-class TreeFit:
-    """A forest to be judged."""
-
-    features: Features
-    options: FitOptions
-
-
-@dataclass(frozen=True, eq=False)
 class RowFold:
     """One fold of a family: which of the fitted rows it keeps, which of the tested ones it holds.
 
@@ -43,7 +35,6 @@ class FoldedRows:
     """The rows of a fit, `fitted`, those that folds are judged on, `tested`, and the folds."""
 
     data: TrainingSet
-    seed: int
     fitted: Indices
     tested: Indices
     folds: tuple[RowFold, ...]
@@ -52,18 +43,18 @@ class FoldedRows:
         """RMSE of the passive part alone on each fold, N."""
         return [rms(fold.left_n[fold.held]) for fold in self.folds]
 
-    def tree_errors_n(self, wanted: TreeFit) -> Iterator[float]:
+    def tree_errors_n(self, features: Features, options: FitOptions) -> Iterator[float]:
         """RMSE of a forest on each fold, N, one after another."""
         data, trained = self.data, self.data.trained
         scale = depth_scale(trained.max_m - min(trained.min_m, 0.0))
         values, test_values = (
-            (scale * data.features(wanted.features, rows)).astype(np.float32)
+            (scale * data.features(features, rows)).astype(np.float32)
             for rows in (self.fitted, self.tested)
         )
         measured_n, test_n = data.force_n(self.fitted), data.force_n(self.tested)
         for fold in self.folds:
             kept, held = fold.kept, fold.held
-            forest = fitted_forest(wanted.options, values[kept], measured_n[kept])
+            forest = fitted_forest(options, values[kept], measured_n[kept])
             yield rms(forest.predict(test_values[held]) - test_n[held])
 
 
@@ -88,4 +79,4 @@ def folded_rows(data: TrainingSet, options: FitOptions) -> FoldedRows:
                 if weights is not None:
                     left_n = test_n - passive.rows.given_n(test_values @ weights)
                     folds.append(RowFold(family, kept, held, left_n))
-    return FoldedRows(data, options.seed, fitted, tested, tuple(folds))
+    return FoldedRows(data, fitted, tested, tuple(folds))

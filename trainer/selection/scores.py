@@ -7,9 +7,10 @@ import numpy as np
 
 from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.messages import at_step
+from springpot.codegen.model.features import Features
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.folds import geometric_mean
-from springpot.trainer.selection.cross_validation import FoldedRows, TreeFit
+from springpot.trainer.selection.cross_validation import FoldedRows
 
 PASSIVE = "hammerstein"
 _HOPELESS = 1.25  # times the passive error in the first family: the others are not tried
@@ -21,14 +22,14 @@ _NO_ERROR_N = 1e-12  # an exact model's: no ratio is taken to less
 class AutoCandidate:
     """One fit that a user could ask for; cost: rank of its time in C, the lower the cheaper.
 
-    tree: None for the passive model alone.
+    features: of its trees; None for the passive model alone.
     """
 
     name: str
     cost: int
     kind: str
     options: FitOptions
-    tree: TreeFit | None
+    features: Features | None
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,9 @@ def find_scores(known: Sequence[AutoCandidate], rows: FoldedRows) -> list[Score]
         text = f"{number + 1} of {len(known)}: {candidate.name}"
         errors_n: list[float] = []
         at_step(text, number * len(families), total)
-        for error_n in passive_n if candidate.tree is None else rows.tree_errors_n(candidate.tree):
+        trees = candidate.features
+        tried_n = passive_n if trees is None else rows.tree_errors_n(trees, candidate.options)
+        for error_n in tried_n:
             errors_n.append(float(error_n))
             tried = len(errors_n)
             at_step(text, number * len(families) + tried, total)

@@ -57,6 +57,11 @@ class StartMemory:
     flow: Reals
     deepest: Reals
 
+    @property
+    def filled(self) -> list[Reals]:
+        """The arrays that are not all 0."""
+        return [its for its in (self.held_n, self.flow, self.deepest) if its.any()]
+
     def tables(self) -> list[str]:
         named = (("held", self.held_n), ("flow", self.flow), ("deepest", self.deepest))
         return [
@@ -208,8 +213,8 @@ class HammersteinStage(Stage):
         """It reads the branches' curves too, where they rest; the surface is at the tool."""
         curves = self.config.n_branches * (costs.curve + costs.rest)
         mixed = 2.0 * costs.filled * self.placed.mixing if self.placed else 0.0
-        filled = super().restart_instructions(costs) * (2.0 if self.start else 1.0)
-        resting = filled + curves + mixed
+        copied = costs.filled * sum(its.size for its in self.start.filled) if self.start else 0.0
+        resting = super().restart_instructions(costs) + curves + mixed + copied
         return resting - self._surface_instructions(costs)
 
     def _surface_instructions(self, costs: Costs) -> float:

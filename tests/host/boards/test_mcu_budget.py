@@ -5,6 +5,7 @@ import json
 import re
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -16,6 +17,7 @@ from springpot.codegen.emit.files import emit_files
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.model import Model
+from springpot.codegen.model.passive import Memory
 from springpot.codegen.notes import HELD, RESYNC
 from springpot.codegen.plan import instruction_bound
 from springpot.codegen.scene import Guard, Scene
@@ -50,6 +52,8 @@ OF_DEPTH = {
     "flow": {"flow": flow(4.0), "recovers": True},
     "damage": {"n_by_depth": 8, "rate_ratio": 1 / 16, "damage": damage(np.ones(9))},
 }
+MEMORY = {"conditioned": Memory(np.full(8, -0.01), *np.zeros((2, 0))), "starts_conditioned": True}
+OF_DEPTH["conditioned"] = OF_DEPTH["rates by depth"] | MEMORY
 SHAPES = {
     "off": {},
     "tool": {"mode": "tool", "smoothing_s": 1e-3},
@@ -71,7 +75,7 @@ def fitted(variant: str) -> Model:
     return fit_model(kind, "x", training(), FitOptions(seed=1, **options)).model
 
 
-def passive_of(branches: int, stops: int, **of_depth: float) -> Model:
+def passive_of(branches: int, stops: int, **of_depth: Any) -> Model:
     """A passive model of so many branches and stops."""
     rng = np.random.default_rng(1)
     whole = fitted("hammerstein")
@@ -81,9 +85,8 @@ def passive_of(branches: int, stops: int, **of_depth: float) -> Model:
         tau_s=np.geomspace(2e-3, 5.0, branches),
         branch_n=rng.random((branches, 9)),
         radius_m=np.array([0.02, 0.2, 0.5])[:stops] * whole.hammerstein.span_m,
-        conditioned=None,
         stop_n=rng.random((stops, 9)),
-        **of_depth,
+        **{"conditioned": None, **of_depth},
     )
     return dataclasses.replace(whole, hammerstein=passive)
 
@@ -127,7 +130,8 @@ def test_the_bound_is_above_what_is_counted(tmp_path: Path, variant: str, shape:
         )
         assert most <= bound.tick <= 1.25 * most, board
         assert max_late <= bound.after_silence
-        assert max_restarting <= bound.restart <= 1.25 * max_restarting, board
+        above = 1.35 if variant == "conditioned" else 1.25  # a compiler fills its state only once
+        assert max_restarting <= bound.restart <= above * max_restarting, board
 
 
 @pytest.mark.parametrize(("variant", "number"), [("rf-fd", "float32"), ("rbf-pv", "float64")])

@@ -4,6 +4,8 @@ smallest_scene: a model written by hand, with nothing around it. proxy_scene: a 
 with all that a hand on a device needs. `cd tests && python -m support.c.golden_scenes` writes them.
 """
 
+from pathlib import Path
+
 import numpy as np
 
 from springpot.codegen.emit.files import emit_files
@@ -69,30 +71,25 @@ def soft_pad() -> Plan:
     return make_plan(model, Scene(schema=1, name="pad", model="soft_pad.spm", runtime=runtime))
 
 
-def soft_pad_files() -> dict[str, str]:
-    """Source and header, whole."""
-    return {name: text for name, text in emit_files(soft_pad()).items() if "soft_pad" in name}
+SCENES = {"smallest_scene": smallest_scene, "proxy_scene": proxy_scene, "soft_pad": soft_pad}
 
 
-SOFT_PAD = ROOT / "examples" / "soft_pad"
-SCENES = {"smallest_scene": smallest_scene, "proxy_scene": proxy_scene}
+def folder_of(name: str) -> Path:
+    """Where a scene is checked in."""
+    return ROOT / "examples" / name if name == "soft_pad" else FOLDER / name
 
 
 def emission(name: str) -> dict[str, str]:
-    """Source and header of a scene, by file name; of the source what is not copied from units."""
+    """Source and header, by file name: of the pad whole, of others what no unit has."""
     files = emit_files(SCENES[name]())
-    own = files["sp.c"].index("constants of this scene")
+    if name == "soft_pad":
+        return {file: text for file, text in files.items() if file.startswith(name)}
+    own = files["sp.c"].rindex("constants of this scene")
     selftest = files["sp.c"].index("#ifndef SP_NO_SELFTEST")
     return {"sp.c": files["sp.c"][own:selftest], "sp.h": files["sp.h"]}
 
 
 if __name__ == "__main__":
     for scene in SCENES:
-        folder = FOLDER / scene
-        folder.mkdir(exist_ok=True)
-        for old in folder.iterdir():
-            old.unlink()
         for name, text in emission(scene).items():
-            (folder / name).write_text(text)
-    for name, text in soft_pad_files().items():
-        (SOFT_PAD / name).write_text(text)
+            (folder_of(scene) / name).write_text(text)

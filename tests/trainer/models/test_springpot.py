@@ -1,6 +1,7 @@
 """The springpot law comes back from samples of itself, with intervals that hold it."""
 
 import dataclasses
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -80,11 +81,13 @@ def let_go(stiffness_npm: float, coefficient: float, order: float) -> Recording:
 
 @pytest.mark.parametrize("order", [0.15, pytest.param(0.3, marks=pytest.mark.slow)])
 def test_an_object_that_lets_the_tool_go_has_the_law_of_where_it_pushes(order: float) -> None:
-    found = fit_model("springpot", "let-go", (let_go(2000.0, 800.0, order),), FitOptions())
-    law = law_of(found.model)
-    assert law["stiffness_npm"] == pytest.approx(2000.0, rel=0.01)
-    assert law["coefficient"] == pytest.approx(800.0, rel=0.02)
-    assert law["order"] == pytest.approx(order, abs=0.01)
+    one = let_go(2000.0, 800.0, order)
+    session = tuple(replace(one, session="two", start_s=start_s) for start_s in (0.0, 1e5))
+    for recordings in ((one,), session):
+        law = law_of(fit_model("springpot", "let-go", recordings, FitOptions()).model)
+        assert law["stiffness_npm"] == pytest.approx(2000.0, rel=0.01)
+        assert law["coefficient"] == pytest.approx(800.0, rel=0.02)
+        assert law["order"] == pytest.approx(order, abs=0.01)
 
 
 def test_the_published_ecoflex_comes_back() -> None:
