@@ -178,6 +178,7 @@ class JournalWriter:
         )
 
     def _close(self) -> None:
-        if self._store is not None:
-            self._store.close()
-            self._store = None
+        # Forgotten first: Ctrl-C may come while it closes, and `__exit__` must not use it again.
+        store, self._store = self._store, None
+        if store is not None:
+            store.close()
