@@ -8,8 +8,9 @@ import numpy as np
 
 from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.recordings.contact_point import find_contact
+from springpot.trainer.recordings.quality.channels import hold_spikes
 from springpot.trainer.recordings.quality.signs import sign_doubts
-from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.recording import Recording, Zero
 
 _SMOOTH_S = 0.02  # over which acceleration is taken from positions
 _MIN_WINDOW = 7
@@ -40,12 +41,23 @@ class Conditioning:
     accept_signs: bool = False
 
 
-def condition(recording: Recording, options: Conditioning) -> tuple[Recording, list[str]]:
+def condition(
+    recording: Recording, options: Conditioning, zero: Zero = "none"
+) -> tuple[Recording, list[str]]:
     """Return the recording with everything done, and a line about each step.
 
-    Raises UsageError for a contact point beside --zero, DataError if it cannot be found.
+    zero: the sample of each channel that is subtracted. Spikes are replaced before all else: a zero
+    from one of them once moved a recording by ten times its stroke.
+    Raises UsageError for a contact point beside a zero, DataError if it cannot be found, or if
+    spikes are too many to be replaced.
     """
     messages: list[str] = []
+    if zero != "none" or options.tare is not None or options.contact_force is not None:
+        recording, found = hold_spikes(recording)
+        for finding in (each for each in found if each.severity == "refusal"):
+            raise DataError(finding.text)
+    if zero != "none":
+        recording = _from_zero(recording, zero)
     recording = replace(
         recording,
         position_delay_s=recording.position_delay_s + options.position_delay_s,
@@ -69,6 +81,19 @@ def condition(recording: Recording, options: Conditioning) -> tuple[Recording, l
     if options.accept_signs:
         recording = replace(recording, details={**recording.details, "accepted_signs": True})
     return recording, messages
+
+
+def _from_zero(recording: Recording, zero: Zero) -> Recording:
+    """Subtract the first or the smallest sample from each channel."""
+    pick = np.min if zero == "min" else lambda samples: samples[0]
+    zero_m, zero_n = float(pick(recording.position_m)), float(pick(recording.force_n))
+    return replace(
+        recording,
+        position_m=recording.position_m - zero_m,
+        force_n=recording.force_n - zero_n,
+        zero=zero,
+        details={**recording.details, "zero_position_m": zero_m, "zero_force_n": zero_n},
+    )
 
 
 def _aligned(recording: Recording) -> tuple[Recording, str]:

@@ -8,12 +8,12 @@ import numpy as np
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.signals import noise_n
+from springpot.trainer.recordings.signals import noise_n, sensor_noise_n
 
 _LOW_SHARE = 0.05  # of the travel, taken as free of contact if its force is level
 _MIN_FREE_SHARE = 0.02
 _OWN_AIR = 5  # samples in it: their median errs by less than the noise
-_SAME = 1e-9  # of the range: the same value, converted twice
+_SAME = 1e-6  # of the range: the same value, printed with seven digits
 _LEVEL = 0.2  # of the mean slope: more at the lowest positions is no level without contact
 _RESTS, _MIDWAY = 0.02, (1 / 3, 2 / 3)  # of the way to the threshold
 _RISES = 0.35  # of the threshold, midway: a force that rises from the first move on
@@ -44,8 +44,8 @@ class _Press:
     """Where a press passes the levels, m, above base_n, its force without contact.
 
     before_m, step_m: the last sample before the first level, and how far the next one is from it.
-    rest_n, midway_n: mean force before the tool moves, and midway to the first level; nan without
-    a sample.
+    rest_n, midway_n: mean of so many samples of force before the tool moves, and midway to the
+    first level; nan of none.
     """
 
     base_n: float
@@ -54,6 +54,7 @@ class _Press:
     step_m: float
     rest_n: float
     midway_n: float
+    samples: int
 
 
 def find_contact(
@@ -79,7 +80,7 @@ def find_contact(
     level_n = threshold_n
     if level_n is None:
         least_n = _MIN_SHARE_OF_PEAK * (float(force_n.max()) - base_n)
-        level_n = max(_NOISES * deviation_n, least_n, _COUNTS * _resolution_n(force_n))
+        level_n = max(_NOISES * deviation_n, least_n, _COUNTS * _resolution_n(free_n, _SAME * float(np.ptp(force_n))))
     if not (force_n > base_n + level_n).any():
         raise DataError(
             f"{recording.name}: force never passes {level_n:.3g} N above its {base_n:.4g} N "
@@ -116,7 +117,7 @@ def _require_air(
     if (
         not presses
         or slope_npm > _LEVEL * (float(force_n.max()) - base_n) / travel_m
-        or _rise_midway(presses, level_n) > _RISES
+        or _rise_midway(presses, level_n, sensor_noise_n(force_n)) > _RISES
         or min(*begins_m, _meets_first(presses).before_m) - low_m < _MIN_FREE_SHARE * travel_m
     ):
         other = "position 0 means nothing, import with --zero first or min"
@@ -170,13 +171,13 @@ def _way_back_m(passes_m: list[float], noise: float, low_m: float) -> tuple[floa
     return back_m, max(float(ways_m[0]) / (ratio - 1.0) - line_m, line_m) + line_m * noise
 
 
-def _resolution_n(force_n: Samples) -> float:
-    """Smallest step between two values of the force, N: a count of the sensor, or hardly anything.
+def _resolution_n(free_n: Samples, same_n: float) -> float:
+    """Smallest step between two values without contact, N: a count of the sensor, or hardly any.
 
     Where most samples have one value, their median deviation is 0, whatever the others have.
     """
-    steps_n = np.diff(np.unique(force_n))
-    steps_n = steps_n[steps_n > _SAME * np.ptp(force_n)]
+    steps_n = np.diff(np.unique(free_n))
+    steps_n = steps_n[steps_n > same_n]
     return float(steps_n.min()) if len(steps_n) else 0.0
 
 
@@ -191,15 +192,17 @@ def _slope_npm(position_m: Samples, force_n: Samples, below_m: float) -> float:
     return slope_npm - _DEVIATIONS * noise_n(force_n) / float(np.sqrt(spread))
 
 
-def _rise_midway(presses: list[_Press], threshold_n: float) -> float:
-    """Share of the threshold that force has risen midway there: 1/2 of a preload, 0 of air.
+def _rise_midway(presses: list[_Press], threshold_n: float, noise_n: float) -> float:
+    """Share of the threshold that force surely rises midway there: 1/2 of a preload, 0 of air.
 
     A tool that rests on an object leaves no level: force rises with the way from the first move on.
-    Each press counts from its own rest, for the object relaxes and recovers between them.
+    Each press counts from its own rest, for the object relaxes and recovers between them. Surely:
+    by more than the noise, RMS, of the means, which are of a few samples each.
     """
-    seen = [press for press in presses if np.isfinite(press.midway_n)]
+    seen = [press for press in presses if press.samples]
     whole_n = sum(press.base_n + threshold_n - press.rest_n for press in seen)
-    risen_n = sum(press.midway_n - press.rest_n for press in seen)
+    doubt_n = _DEVIATIONS * noise_n * float(np.sqrt(sum(2.0 / press.samples for press in seen)))
+    risen_n = sum(press.midway_n - press.rest_n for press in seen) - doubt_n
     return risen_n / whole_n if whole_n > 0.0 else 0.0
 
 
@@ -207,7 +210,7 @@ def _passes(position_m: Samples, force_n: Samples, base_n: float, threshold_n: f
     """Positions at which a press passes each level for good, up to the first that it does not."""
     found: list[float] = []
     before_m = step_m = 0.0
-    rest_n = midway_n = np.nan
+    rest_n, midway_n, samples = np.nan, np.nan, 0
     for level_n in base_n + threshold_n * np.array([1.0, _HIGHER, _HIGHER**2]):
         above = force_n > level_n
         stays = above[:-2] & above[1:-1] & above[2:]  # a crossing by noise does not
@@ -218,19 +221,23 @@ def _passes(position_m: Samples, force_n: Samples, base_n: float, threshold_n: f
         low_m, high_m = float(position_m[at - 1]), float(position_m[at])
         if not found:
             before_m, step_m = min(low_m, high_m), abs(high_m - low_m)
-            rest_n, midway_n = _on_the_way(position_m[: at + 1], force_n[: at + 1])
+            rest_n, midway_n, samples = _on_the_way(position_m[: at + 1], force_n[: at + 1])
         found.append(low_m + float(share) * (high_m - low_m))
-    return _Press(base_n, found, before_m, step_m, rest_n, midway_n)
+    return _Press(base_n, found, before_m, step_m, rest_n, midway_n, samples)
 
 
-def _on_the_way(position_m: Samples, force_n: Samples) -> tuple[float, float]:
-    """Mean force just before the tool leaves its rest, and midway to the last sample; nan: none."""
+def _on_the_way(position_m: Samples, force_n: Samples) -> tuple[float, float, int]:
+    """Mean force just before the tool leaves its rest, and midway to the last sample; of how many.
+
+    nan where no sample is midway.
+    """
     way = (position_m - position_m[0]) / max(position_m[-1] - position_m[0], 1e-300)
     leaves = int(np.flatnonzero(way <= _RESTS)[-1]) + 1
     after = way[leaves:]
     midway = force_n[leaves:][(after > _MIDWAY[0]) & (after < _MIDWAY[1])]
     rest = force_n[max(0, leaves - max(len(midway), 1)) : leaves]
-    return float(np.mean(rest)), float(np.mean(midway)) if len(midway) else np.nan
+    midway_n = float(np.mean(midway)) if len(midway) else np.nan
+    return float(np.mean(rest)), midway_n, len(midway)
 
 
 def _ways_in(position_m: Samples) -> Iterator[slice]:

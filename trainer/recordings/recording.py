@@ -143,13 +143,13 @@ class Recording:
         ...                      force="F:N")
         Recording('frame', 3 samples at 1000 Hz, 0 to 2 mm, 0 to 9 N)
         """
-        from springpot.trainer.recordings.conditioning import condition
+        from springpot.trainer.recordings.conditioning import Conditioning, condition
         from springpot.trainer.recordings.formats.arrays import frame_channels
         from springpot.trainer.recordings.formats.sampling import to_recording
 
         raw = frame_channels(frame, name, {"time": time, "position": position, "force": force})
-        recording = to_recording(raw, name, zero, resample_hz)
-        return recording if conditioning is None else condition(recording, conditioning)[0]
+        recording = to_recording(raw, name, resample_hz)
+        return condition(recording, conditioning or Conditioning(), zero_word(zero))[0]
 
     def to_frame(self) -> Any:
         """Make a pandas table of time_s, position_m, force_n, the place and further channels.

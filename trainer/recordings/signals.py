@@ -13,7 +13,7 @@ import numpy as np
 from springpot.codegen.arrays import Samples
 from springpot.trainer.recordings.recording import Recording
 
-_SAME = 1e-9  # of the range: the same value, converted or interpolated twice
+_SAME = 1e-6  # of the range: the same value, printed with seven digits or converted twice
 _ALONE = 0.02  # of moves: those unlike the one before and the one after, of a ramp at its ends
 _ORDER = 4  # of differences: they keep white noise, and leave next to nothing of a press
 _NORMAL = 1.4826  # standard deviation of normal noise over the median of its size

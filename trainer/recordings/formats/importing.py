@@ -106,11 +106,11 @@ def import_file(
                     request = FileRequest(mapping or {}, options.decimal)
             raw, guess = _read(path, request)
             name = safe_recording_name(path.stem)
-            recording = to_recording(raw, name, zero, resample_hz)
+            recording = to_recording(raw, name, resample_hz)
             notes = [guess, *sampling_notes(recording)]
     except OSError as error:
         raise DataError(f"{path}: {error.strerror}: give a file that can be read") from None
-    recording, messages = condition(recording, options.conditioning)
+    recording, messages = condition(recording, options.conditioning, zero)
     match options.place_m:
         case (float() | int() as x_m, float() | int() as y_m):
             recording = replace(recording, place_x_m=float(x_m), place_y_m=float(y_m))

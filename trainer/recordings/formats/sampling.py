@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.errors import DataError
 from springpot.codegen.messages import number_of
-from springpot.trainer.recordings.recording import Recording, Zero, zero_word
+from springpot.trainer.recordings.recording import Recording
 
 MIN_ROWS = 3
 STEP_TOLERANCE = 0.01
@@ -74,10 +74,8 @@ class RawChannels:
         return f"--{name.replace('_', '-')} {value}"
 
 
-def to_recording(
-    raw: RawChannels, name: str, zero: Zero | None, resample_hz: float | None
-) -> Recording:
-    """Check the samples, resample them if `resample_hz` is given, subtract the zero.
+def to_recording(raw: RawChannels, name: str, resample_hz: float | None) -> Recording:
+    """Check the samples, and resample them if `resample_hz` is given.
 
     Raises DataError naming the row: not finite; time that stands still, goes back, has gaps or,
     without `resample_hz`, uneven steps before the file's end; too few rows; channels that are not
@@ -116,15 +114,9 @@ def to_recording(
         np.append(samples[:even], np.interp(grid_s[even:], raw.time_s, samples))
         for samples in (raw.position_m, raw.force_n)
     )
-    zero = zero_word(zero)
-    if zero != "none":
-        pick = np.min if zero == "min" else lambda samples: samples[0]
-        zero_m, zero_n = float(pick(position_m)), float(pick(force_n))
-        details |= {"zero_position_m": zero_m, "zero_force_n": zero_n}
-        position_m, force_n = position_m - zero_m, force_n - zero_n
     place_x_m, place_y_m = raw.place_m or (None, None)
     return Recording(
-        name, position_m, force_n, dt_s, zero, source=raw.source, details=details,
+        name, position_m, force_n, dt_s, source=raw.source, details=details,
         place_x_m=place_x_m, place_y_m=place_y_m,
     )  # fmt: skip
 

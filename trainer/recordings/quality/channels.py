@@ -125,10 +125,20 @@ def _far_runs(samples: Samples, longest: int, share: float) -> list[Indices]:
 
 
 def _interpolated(samples: Samples, rows: Indices) -> Samples:
+    """The samples with these rows from those beside, on the sensor's grid if there is one.
+
+    Values off the grid would hide it, and with it the noise of a force without contact.
+    """
     if not len(rows):
         return samples
     good = np.setdiff1d(np.arange(len(samples)), rows)
-    return np.interp(np.arange(len(samples)), good, samples[good])
+    values = np.interp(rows, good, samples[good])
+    if step := quantisation_step(samples[good]):
+        first = samples[good[0]]
+        values = first + step * np.round((values - first) / step)
+    held = samples.copy()
+    held[rows] = values
+    return held
 
 
 def channel_findings(recording: Recording) -> Iterator[Finding]:
