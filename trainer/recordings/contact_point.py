@@ -18,6 +18,7 @@ _LEVEL = 0.2  # of the mean slope: more at the lowest positions is no level with
 _RESTS, _MIDWAY = 0.02, (1 / 3, 2 / 3)  # of the way to the threshold
 _RISES = 0.35  # of the threshold, midway: a force that rises from the first move on
 _NOISES = 5.0
+_OF_QUARTERS = 1.66  # standard deviation of normal noise over the RMS of its least three quarters
 _DEVIATIONS = 2.0  # of a slope, by the noise around it
 _BOUND = 4.0  # deviations, of where noise lets force pass a level
 _MIN_SHARE_OF_PEAK = 0.002
@@ -133,10 +134,12 @@ def _require_air(
 def _deviation_n(levels_n: list[Samples]) -> float:
     """Return the standard deviation of forces about the median of each level, N.
 
-    By the median deviation, which a few samples in contact do not raise.
+    By the median deviation, which a few samples in contact do not raise; where most samples have
+    one value of a coarse sensor, by the RMS of the least three quarters.
     """
-    off_n = np.concatenate([each - np.median(each) for each in levels_n])
-    return 1.4826 * float(np.median(np.abs(off_n)))
+    off_n = np.sort(np.abs(np.concatenate([each - np.median(each) for each in levels_n])))
+    quarters_n = off_n[: len(off_n) * 3 // 4]
+    return 1.4826 * float(np.median(off_n)) or _OF_QUARTERS * float(np.sqrt(np.mean(quarters_n**2)))
 
 
 def _meets_first(presses: list[_Press]) -> _Press:

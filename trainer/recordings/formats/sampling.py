@@ -22,6 +22,7 @@ MAX_UPSAMPLING = 20  # beyond it nearly every sample would be invented
 _DRIFT_STEPS = 100  # a change of rate can hide in rounded stamps, but not in their mean
 _GAP_STEPS = 1.5  # a step longer than this many usual steps may be a gap
 _MISSING = 0.5  # of a step: three in a row that are longer by more lack a sample
+_FILLED_STEPS, _FILLED_S = 5.0, 0.05  # a gap that may be interpolated: the longer of the two
 _RUN = 5  # steps: so many alike are a rate
 _MANY_STEPS = 30
 _EVEN_STEPS, _TAIL_SHARE = 20, 0.05  # steps before an uneven end, and its share of all
@@ -90,7 +91,12 @@ def to_recording(raw: RawChannels, name: str, resample_hz: float | None) -> Reco
             f"{np.median(steps_s):.4g} s: cut"
         )
         raw, steps_s = raw.part(slice(1, None)), steps_s[1:]
-    _require_no_gaps(raw, steps_s)
+    gaps = _gaps(raw, steps_s, resample_hz is not None)
+    if len(gaps):
+        details["gaps"] = (
+            f"{number_of(len(gaps), 'gap')} of up to {steps_s[gaps].max():.4g} s, the first before "
+            f"row {raw.rows[gaps[0] + 1]}: interpolated"
+        )
     sampling: dict[str, Any] = {
         "longest_step_s": float(steps_s.max()),
         "shortest_step_s": float(steps_s.min()),
@@ -122,8 +128,9 @@ def to_recording(raw: RawChannels, name: str, resample_hz: float | None) -> Reco
 
 
 def sampling_notes(recording: Recording) -> list[str]:
-    """Return a line about a first row that was cut, and one about an uneven end."""
-    notes = [recording.details[key] for key in ("first_row_cut",) if key in recording.details]
+    """Return lines about a first row that was cut, gaps that were filled, and an uneven end."""
+    keys = ("first_row_cut", "gaps")
+    notes = [recording.details[key] for key in keys if key in recording.details]
     if tail := recording.details["sampling"].get("tail"):
         notes.append(
             f"the end, {number_of(tail['rows'], 'row')} from row {tail['from_row']} on, is not in "
@@ -163,7 +170,11 @@ def _require_samples(raw: RawChannels) -> None:
         raise raw.refusal(bad, 1, f"time {what} {here_s:.9g} s", remedy)
 
 
-def _require_no_gaps(raw: RawChannels, steps_s: Samples) -> None:
+def _gaps(raw: RawChannels, steps_s: Samples, fill: bool) -> Indices:
+    """Rows before which samples are missing, all of them short enough to be interpolated.
+
+    Raises DataError for longer ones, and for any unless `fill`.
+    """
     median_s = usual_s = float(np.median(steps_s))
     # Stamps rounded to about one step (70 Hz as 0.01, 0.03, 0.04, 0.06 s) have double steps all
     # along: of many, the mean is the better measure of what is usual.
@@ -178,9 +189,16 @@ def _require_no_gaps(raw: RawChannels, steps_s: Samples) -> None:
     three_s = np.convolve(np.pad(steps_s, 1, constant_values=usual_s), np.ones(3), "valid")
     missing = three_s > (3.0 + _MISSING) * usual_s
     bad = np.flatnonzero((steps_s > _GAP_STEPS * known_s + raw.bits_s()) & missing)
-    if len(bad):
-        what = f"gap of {steps_s[bad[0]]:.6g} s where steps are {median_s:.6g} s"
-        raise raw.refusal(bad, 1, what, "cut the recording there and import the parts")
+    long = bad[steps_s[bad] > max(_FILLED_STEPS * usual_s, _FILLED_S)]
+    if len(long) or (len(bad) and not fill):
+        first = (long if len(long) else bad)[0]
+        what = f"gap of {steps_s[first]:.6g} s where steps are {median_s:.6g} s"
+        remedy = "cut the recording there and import the parts"
+        if not len(long):
+            hz = f"{1.0 / median_s:.4g}"
+            remedy = f"to interpolate there, pass {raw.option('resample_hz', hz)}, or {remedy}"
+        raise raw.refusal(long if len(long) else bad, 1, what, remedy)
+    return bad
 
 
 def _even_grid(raw: RawChannels, steps_s: Samples) -> tuple[Samples, int]:
