@@ -11,6 +11,7 @@ from springpot.trainer.recordings.contact_point import find_contact
 from springpot.trainer.recordings.quality.channels import hold_spikes
 from springpot.trainer.recordings.quality.signs import sign_doubts
 from springpot.trainer.recordings.recording import Recording, Zero
+from springpot.trainer.recordings.signals import find_drift
 
 _SMOOTH_S = 0.02  # over which acceleration is taken from positions
 _MIN_WINDOW = 7
@@ -154,13 +155,20 @@ def _from_contact(recording: Recording, options: Conditioning) -> tuple[Recordin
     threshold_n = _stated_n(options.contact_force, "contact_force")
     if recording.zero != "none":
         raise UsageError("--contact-force and --tare find the zero: leave out --zero")
-    move, contact = options.contact_force is not None, None
+    details, line = dict[str, Any](recording.details), f"{recording.name}: "
+    move, contact, drifted_n = options.contact_force is not None, None, 0.0
+    if tare_n is None and (drift := find_drift(recording)):
+        time_s = np.arange(len(recording.force_n), dtype=np.float64) * recording.dt_s
+        recording = replace(recording, force_n=recording.force_n - drift.at(time_s))
+        details |= {"drift_nps": drift.slope_nps, "drift_bound_nps": drift.bound_nps}
+        line += f"drift of {60.0 * drift.slope_nps:.3g} N/min taken off, "
+        drifted_n, tare_n = drift.start_n, None if move else 0.0
     if move or tare_n is None:
         contact = find_contact(recording, tare_n, threshold_n)
         tare_n = contact.tare_n
-    details: dict[str, Any] = {**recording.details, "tare_n": tare_n}
+    details["tare_n"] = drifted_n + tare_n
     position_m, force_n = recording.position_m, recording.force_n - tare_n
-    line = f"{recording.name}: tare of {tare_n:.4g} N taken off"
+    line += f"tare of {drifted_n + tare_n:.4g} N taken off"
     if contact is not None and move:
         position_m = position_m - contact.position_m
         details |= {

@@ -81,7 +81,11 @@ def find_contact(
     level_n = threshold_n
     if level_n is None:
         least_n = _MIN_SHARE_OF_PEAK * (float(force_n.max()) - base_n)
-        level_n = max(_NOISES * deviation_n, least_n, _COUNTS * _resolution_n(free_n, _SAME * float(np.ptp(force_n))))
+        level_n = max(
+            _NOISES * deviation_n,
+            least_n,
+            _COUNTS * _resolution_n(free_n, _SAME * float(np.ptp(force_n))),
+        )
     if not (force_n > base_n + level_n).any():
         raise DataError(
             f"{recording.name}: force never passes {level_n:.3g} N above its {base_n:.4g} N "

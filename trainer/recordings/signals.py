@@ -6,7 +6,7 @@ zero-phase moving average (section III-C).
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,6 +17,8 @@ _SAME = 1e-6  # of the range: the same value, printed with seven digits or conve
 _ALONE = 0.02  # of moves: those unlike the one before and the one after, of a ramp at its ends
 _ORDER = 4  # of differences: they keep white noise, and leave next to nothing of a press
 _NORMAL = 1.4826  # standard deviation of normal noise over the median of its size
+_OUTERMOST, _VISIT = 0.02, 5  # of the travel; samples
+_SURE, _DRIFTED = 4.0, 0.02  # deviations; of the force's range: a drift that is no noise
 MAX_SMOOTHED = 0.25  # of the shortest recording
 _FLATTENED = 0.03  # of a peak: an impact of 30 ms once lost half of its own
 _HALVINGS = 3
@@ -58,6 +60,47 @@ def quantisation_step(samples: Samples) -> float | None:
     before, after = np.append(0.0, moves[:-1]), np.append(moves[1:], 0.0)
     alone = (moves != 0.0) & (moves != before) & (moves != after)
     return step if np.count_nonzero(alone) > _ALONE * np.count_nonzero(moves) else None
+
+
+@dataclass(frozen=True)
+class Drift:
+    """A straight line in force without contact, N and N/s; bound: of its slope, N/s."""
+
+    start_n: float
+    slope_nps: float
+    bound_nps: float
+
+    def at(self, time_s: Samples) -> Samples:
+        return self.start_n + self.slope_nps * time_s
+
+
+def find_drift(recording: Recording) -> Drift | None:
+    """The drift of the force where the tool is farthest out; None if noise or relaxing explains it.
+
+    An object that is pressed all along relaxes: its force falls, and not below 0. So what rises, or
+    ends below where it began and below 0, is the sensor's. The slope is that of the visits' means,
+    and its bound what they scatter around the line, or the noise.
+    """
+    position_m, force_n = recording.position_m, recording.force_n
+    out = position_m <= position_m.min() + _OUTERMOST * float(np.ptp(position_m))
+    ends = np.flatnonzero(np.diff(np.concatenate(([0], out, [0]))))
+    visits = [(begin, end) for begin, end in ends.reshape(-1, 2).tolist() if end - begin >= _VISIT]
+    if len(visits) < 2:
+        return None
+    time_s = recording.dt_s * np.array([(begin + end - 1) / 2 for begin, end in visits])
+    level_n = np.array([float(np.median(force_n[begin:end])) for begin, end in visits])
+    middle_s = time_s - time_s.mean()
+    spread_s2 = float(middle_s @ middle_s)
+    slope_nps = float(middle_s @ level_n) / spread_s2
+    line_n = level_n.mean() + slope_nps * middle_s
+    noise_n = sensor_noise_n(force_n) / math.sqrt(min(end - begin for begin, end in visits))
+    scatter_n = max(float(np.sqrt(np.mean((level_n - line_n) ** 2))), noise_n)
+    bound_nps = _SURE * scatter_n / math.sqrt(spread_s2)
+    change_n = slope_nps * (time_s[-1] - time_s[0])
+    sensors = slope_nps > 0.0 or line_n[-1] < min(-_DRIFTED * float(np.ptp(force_n)), line_n[0])
+    if not sensors or abs(slope_nps) < bound_nps or abs(change_n) < _DRIFTED * np.ptp(force_n):
+        return None
+    return Drift(float(line_n[0] - slope_nps * time_s[0]), slope_nps, bound_nps)
 
 
 def turning_points(position_m: Samples, min_m: float) -> list[int]:

@@ -48,7 +48,7 @@ class RawChannels:
     place_m: tuple[float, float] | None = None
     in_python: bool = False
 
-    def part(self, which: slice) -> "RawChannels":
+    def part(self, which: slice | NDArray[np.bool_]) -> "RawChannels":
         """Return some of the samples."""
         parts = {q: getattr(self, q)[which] for q in ("time_s", "position_m", "force_n", "rows")}
         return replace(self, **parts)
@@ -82,8 +82,11 @@ def to_recording(raw: RawChannels, name: str, resample_hz: float | None) -> Reco
     without `resample_hz`, uneven steps before the file's end; too few rows; channels that are not
     arrays of one shape (n,). `details` says what was done.
     """
+    raw, repeats = _without_repeats(raw)
     _require_samples(raw)
     details, steps_s = dict(raw.details), np.diff(raw.time_s)
+    if repeats:
+        details["repeated_rows"] = f"{number_of(repeats, 'row')} left out, equal to the row before"
     off = raw.is_off(steps_s)
     if resample_hz is None and len(steps_s) > _EVEN_STEPS and off[0] and not off[1:].any():
         details["first_row_cut"] = (
@@ -129,7 +132,7 @@ def to_recording(raw: RawChannels, name: str, resample_hz: float | None) -> Reco
 
 def sampling_notes(recording: Recording) -> list[str]:
     """Return lines about a first row that was cut, gaps that were filled, and an uneven end."""
-    keys = ("first_row_cut", "gaps")
+    keys = ("repeated_rows", "first_row_cut", "gaps")
     notes = [recording.details[key] for key in keys if key in recording.details]
     if tail := recording.details["sampling"].get("tail"):
         notes.append(
@@ -138,6 +141,15 @@ def sampling_notes(recording: Recording) -> list[str]:
             f"the last {tail['left_out_s']:.3g} s left out"
         )
     return notes
+
+
+def _without_repeats(raw: RawChannels) -> tuple[RawChannels, int]:
+    """The samples without rows that a logger wrote twice, time and all, and how many those are."""
+    channels = (raw.time_s, raw.position_m, raw.force_n)
+    if {np.shape(channel) for channel in channels} != {(len(raw.rows),)} or not len(raw.rows):
+        return raw, 0
+    new = np.append(True, np.any([np.diff(channel) != 0.0 for channel in channels], axis=0))
+    return raw.part(new), int(np.count_nonzero(~new))
 
 
 def _require_samples(raw: RawChannels) -> None:

@@ -24,6 +24,7 @@ _REACH = 5  # samples to each side that are compared
 _MOST = 0.05  # of the samples
 _STILL = 0.1  # of the travel: a tool that moves more meanwhile may have hit something
 _CLIPPED_RUN, _CLIPPED_MOVE = 5, 0.05  # samples at the extreme; of the other channel's range
+_STUCK, _DEAD = 0.05, 0.3  # of the force's range, off its level without contact; of the travel
 _AVERAGED_SHARE = 8  # of such a row, one part is averaged
 _CLIPPED_NOISES = 6.0  # of that mean
 _HELD_S = 0.02
@@ -176,6 +177,7 @@ def channel_findings(recording: Recording) -> Iterator[Finding]:
                     f"no model can be better than about {scale * step / np.sqrt(12):.2g} {unit}",
                     "use a finer sensor or range, or more amplitude",
                 )  # fmt: skip
+    yield from _stuck_findings(recording)
     filled = _filled_runs(recording) if not grains else []  # coarse channels repeat values
     if filled:
         begin, end = max(filled, key=lambda run: run[1] - run[0])
@@ -206,6 +208,26 @@ def _clipping_findings(
                 "the sensor's limit is recorded in place of the object",
                 "record again with less amplitude or a larger sensor",
             )  # fmt: skip
+
+
+def _stuck_findings(recording: Recording) -> Iterator[Finding]:
+    """Find a force that stands still in contact while the tool moves through the object."""
+    position_m, force_n = recording.position_m, recording.force_n
+    travel_m, range_n = float(np.ptp(position_m)), float(np.ptp(force_n))
+    free_n = float(np.median(force_n[position_m <= position_m.min() + _STILL * travel_m]))
+    for begin, end in _runs(np.diff(force_n) == 0.0):
+        moved_m = float(np.ptp(position_m[begin : end + 1]))
+        in_contact = abs(force_n[begin] - free_n) > _STUCK * range_n
+        inside = force_n.min() < force_n[begin] < force_n.max()  # at its limits it is clipped
+        if end - begin >= _CLIPPED_RUN and in_contact and inside and moved_m > _DEAD * travel_m:
+            yield warning(
+                "stuck", recording.name,
+                f"force stands still at {force_n[begin]:.4g} N for "
+                f"{(end - begin) * recording.dt_s:.3g} s from {begin * recording.dt_s:.4g} s on, "
+                f"while the tool moves by {1e3 * moved_m:.3g} mm",
+                "no sample of the sensor came through", "cut the recording there",
+            )  # fmt: skip
+            return
 
 
 def _excursion(other: Samples, channel: str) -> float:

@@ -30,6 +30,7 @@ from springpot.trainer.recordings.quality.signs import Signs, find_signs, sign_f
 from springpot.trainer.recordings.quality.units import glance, unit_findings
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import Recordings, given_recordings
+from springpot.trainer.recordings.signals import find_drift
 
 _SURFACE_OFF, _TARE = 0.05, 0.02  # of the travel; of the peak force
 
@@ -116,7 +117,9 @@ def check_recordings(given: Recordings) -> QualityReport:
         found += channel_findings(recording)
         if not _refused(found):  # one cause, one line: a constant has no unit, a wrap turns signs
             found += sign_findings(recording, signs[-1])
-            whole += [] if _refused(found) else [recording]  # a turned sign moves the contact
+            # A turned sign moves the contact, and a sensor that stands still seems to drift.
+            spoiled = _refused(found) or any(finding.kind == "stuck" for finding in found)
+            whole += [] if spoiled else [recording]
             found += unit_findings(recording)
         findings += found
     skew = estimate_skew([own for own in cycles if own])
@@ -150,6 +153,14 @@ def _figures(
 def contact_findings(recordings: Sequence[Recording]) -> Iterator[Finding]:
     """Yield findings where position 0 should be the surface and is not, of all together."""
     met: list[Met] = []
+    for recording in recordings:
+        if drift := find_drift(recording):
+            yield warning(
+                "drift", recording.name,
+                f"force without contact drifts by {60.0 * drift.slope_nps:.3g} +- "
+                f"{60.0 * drift.bound_nps:.2g} N/min", "the model would learn it as the object's",
+                "import with --tare auto",
+            )  # fmt: skip
     for recording in (each for each in recordings if each.zero == "none"):
         with suppress(DataError):  # a tool that never leaves the object shows no surface
             met.append((recording, find_contact(recording)))
