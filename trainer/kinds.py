@@ -215,8 +215,8 @@ def _unlike_recordings(fit: "Fit", data: "TrainingSet") -> Iterator[str]:
     if factors[most] > _UNLIKE * factors[least] > 0.0:
         yield (
             f"{most}: at equal motion, its force is {factors[most] / factors[least]:.2g} times "
-            f"that of {least}: they are of different objects or places, or one force has another "
-            "unit: train on recordings of one object"
+            f"that of {least}: if they are of one object, place and unit, the passive model cannot "
+            "follow it: try --model rf-fd"
         )
 
 

@@ -1,0 +1,156 @@
+"""Sets of presses of one object with one fault each: named, and mended where a remedy is printed."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+import springpot
+from springpot.codegen.arrays import Samples
+from springpot.codegen.errors import DataError
+from springpot.trainer.recordings.conditioning import Conditioning, condition
+from springpot.trainer.recordings.recording import Recording
+
+DEPTH_M, PEAK_N, NOISE_N, COUNT_N, DT_S = 5e-3, 8.0, 0.01, 0.012, 5e-3
+SURFACE_M = 12e-3
+AUTO = Conditioning(contact_force="auto")
+Fault = Callable[[Samples, Samples, int], tuple[Samples, Samples]]
+
+
+def press(number: int, surface_m: float = 0.0) -> tuple[Samples, Samples]:
+    """Ramps from the air, at several depths and speeds, of an object that relaxes; N and m."""
+    random = np.random.default_rng(number)
+    depths = DEPTH_M * random.uniform(0.5, 1.0, 5)
+    corners = [(0.0, -1e-3)]
+    for depth in depths:
+        for wait_s, to_m in ((0.5, -1e-3), (random.uniform(0.2, 1.0), depth), (0.5, depth)):
+            corners.append((corners[-1][0] + wait_s, to_m))
+        corners.append((corners[-1][0] + random.uniform(0.2, 1.0), -1e-3))
+    corners.append((corners[-1][0] + 0.5, -1e-3))
+    at_s, at_m = np.array(corners).T
+    position_m = np.interp(np.arange(0.0, at_s[-1], DT_S), at_s, at_m)
+    elastic_n = PEAK_N * (np.maximum(position_m, 0.0) / DEPTH_M) ** 1.4
+    left = (1.0 + np.arange(len(elastic_n)) * DT_S / 0.05) ** -0.2  # relaxes by a power of time
+    force_n = np.convolve(np.diff(elastic_n, prepend=0.0), 0.6 + 0.4 * left)[: len(elastic_n)]
+    force_n = np.where(position_m > 0.0, np.maximum(force_n, 0.0), 0.0)
+    force_n += NOISE_N * random.standard_normal(len(force_n))
+    return position_m + surface_m, COUNT_N * np.round(force_n / COUNT_N)
+
+
+def presses(fault: Fault, surface_m: float = 0.0) -> list[Recording]:
+    return [
+        Recording(f"p{number}", *fault(*press(number, surface_m), number), DT_S)
+        for number in range(3)
+    ]
+
+
+def right(position_m: Samples, force_n: Samples, _number: int) -> tuple[Samples, Samples]:
+    return position_m, force_n
+
+
+def drifts(position_m: Samples, force_n: Samples, number: int) -> tuple[Samples, Samples]:
+    return position_m, force_n + 0.2 * number + 0.1 * DT_S * np.arange(len(force_n))
+
+
+def stands_still(position_m: Samples, force_n: Samples, number: int) -> tuple[Samples, Samples]:
+    last = int(np.flatnonzero(force_n > 0.5 * PEAK_N)[200])
+    return position_m, np.append(force_n[:last], np.full(len(force_n) - last, force_n[last]))
+
+
+def other_object(position_m: Samples, force_n: Samples, number: int) -> tuple[Samples, Samples]:
+    return position_m, force_n * (1.6 if number == 2 else 1.0)
+
+
+def spikes(position_m: Samples, force_n: Samples, number: int) -> tuple[Samples, Samples]:
+    random = np.random.default_rng(number)
+    at = random.random(len(force_n)) < 0.02
+    at[0] = False
+    return position_m, np.where(at, 2.5 * PEAK_N, force_n)
+
+
+def error(recordings: list[Recording]) -> float:
+    """RMSE on a press without a fault, of the peak."""
+    fit = springpot.train(recordings, "hammerstein")
+    position_m, force_n = press(7)
+    return (
+        float(np.sqrt(np.mean((springpot.predict(fit, position_m, DT_S) - force_n) ** 2))) / PEAK_N
+    )
+
+
+def kinds(recordings: list[Recording]) -> set[str]:
+    return {finding.kind for finding in springpot.check_recordings(recordings).findings}
+
+
+def test_right_ones_have_no_finding(recwarn: pytest.WarningsRecorder) -> None:
+    assert kinds(presses(right)) == set()
+    assert error(presses(right)) < 0.006
+    assert not recwarn.list
+
+
+@pytest.mark.filterwarnings("always::UserWarning")
+def test_a_drift_is_named_with_its_bound_and_taken_off() -> None:
+    drifting = presses(drifts)
+    findings = springpot.check_recordings(drifting).findings
+    drift = [finding for finding in findings if finding.kind == "drift"]
+    assert len(drift) == 3 and drift[0].to_do == "import with --tare auto"
+    slope, bound = (float(drift[0].what.split()[at]) for at in (-4, -2))
+    assert abs(slope - 6.0) < bound < 0.2
+    assert error(drifting) > 0.05
+    mended = [condition(each, Conditioning(tare="auto"))[0] for each in drifting]
+    assert "drift" not in kinds(mended)
+    assert mended[2].details["tare_n"] == pytest.approx(0.4, abs=0.02)
+    assert error(mended) < 0.006
+
+
+def test_a_sensor_that_stands_still_is_named_and_no_drift() -> None:
+    found = kinds(presses(stands_still))
+    assert "stuck" in found and "drift" not in found
+
+
+@pytest.mark.filterwarnings("always::UserWarning")
+def test_presses_of_another_object_are_named() -> None:
+    fit = springpot.train(presses(other_object), "hammerstein")
+    (line,) = [line for line in fit.warnings if "at equal motion" in line]
+    assert line.startswith("p2: ") and "try --model rf-fd" in line
+    assert not springpot.train(presses(right), "hammerstein").warnings
+
+
+def test_spikes_move_no_zero_and_no_surface() -> None:
+    for recording in presses(spikes, SURFACE_M):
+        found = condition(recording, AUTO)[0].details
+        assert abs(found["contact_position_m"] - SURFACE_M) <= found["contact_uncertainty_m"] < 4e-4
+        zeroed = condition(recording, Conditioning(), "min")[0]
+        assert np.ptp(zeroed.force_n) < 1.2 * PEAK_N
+    many = presses(lambda x, f, _: (x, np.where(np.arange(len(f)) % 9 == 4, 3 * PEAK_N, f)))
+    with pytest.raises(DataError, match="too many to be replaced"):
+        condition(many[0], AUTO)
+
+
+@pytest.mark.parametrize("lost", [0.002, 0.03])
+def test_short_gaps_are_interpolated_where_a_rate_is_given(lost: float) -> None:
+    position_m, force_n = press(1)
+    keep = np.random.default_rng(3).random(len(force_n)) > lost
+    keep[:25] = True
+    time_s = DT_S * np.arange(len(force_n))
+    table = {"time_s": time_s[keep], "position_m": position_m[keep], "force_n": force_n[keep]}
+    with pytest.raises(DataError, match=r"gap of .*: to interpolate there, pass resample_hz=200"):
+        Recording.from_frame(table)
+    filled = Recording.from_frame(table, resample_hz=200.0)
+    assert np.abs(filled.position_m - position_m[: len(filled.position_m)]).max() < 1e-4
+    assert "interpolated" in filled.details["gaps"]
+    long = np.r_[0:300, 320 : len(time_s)]
+    cut = {"time_s": time_s[long], "position_m": position_m[long], "force_n": force_n[long]}
+    with pytest.raises(DataError, match=r"gap of 0\.1\d* s .*: cut the recording there"):
+        Recording.from_frame(cut, resample_hz=200.0)
+
+
+def test_rows_that_a_logger_wrote_twice_count_once() -> None:
+    position_m, force_n = press(1)
+    rows = np.sort(np.append(np.arange(len(force_n)), [40, 41, 90]))
+    table = {"time_s": rows * DT_S, "position_m": position_m[rows], "force_n": force_n[rows]}
+    once = Recording.from_frame(table)
+    assert np.array_equal(once.force_n, force_n)
+    assert once.details["repeated_rows"] == "3 rows left out, equal to the row before"
+    table["force_n"] = table["force_n"] + np.where(np.arange(len(rows)) == 41, 1.0, 0.0)
+    with pytest.raises(DataError, match="time stands still"):
+        Recording.from_frame(table)
