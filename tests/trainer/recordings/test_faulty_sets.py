@@ -1,4 +1,4 @@
-"""Sets of presses of one object with one fault each: named, and mended where a remedy is printed."""
+"""Presses of one object with one fault each: it is named, and a printed remedy mends it."""
 
 from collections.abc import Callable
 
