@@ -72,7 +72,7 @@ class PassiveChoice:
         """Of `weights`; with a surface that recovers, if the object's does."""
         model = to_model(self.terms, self.weights())
         model = recovering(model, self.terms, self.penalty, self.rows, data)
-        return with_memory(model, data.motions[-1], data.dt_s, self.rows.surface, data.continues)
+        return with_memory(model, data)
 
     def weights_without(self, family: int, fold: int) -> Samples | None:
         """Fitted without a fold of a family, (terms,), N; None if that leaves no rows."""

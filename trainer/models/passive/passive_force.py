@@ -4,12 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from springpot.codegen.arrays import Samples
+from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.model.passive import Hammerstein, Memory
 from springpot.codegen.stages.passive.hammerstein import HammersteinStage, hammerstein_stage
 from springpot.codegen.stages.passive.motion import PassiveMotion
 from springpot.codegen.stages.stage import SceneTicks
 from springpot.trainer.models.depths import DepthMotion
+from springpot.trainer.models.training_set import TrainingSet
+
+_CLEARLY = 0.9  # times the error
 
 
 def model_along(
@@ -22,12 +25,32 @@ def model_along(
     return _along(model, motion, dt_s, surface)[:2]
 
 
-def with_memory(
-    model: Hammerstein, motion: DepthMotion, dt_s: float, surface: bool, starts: bool
-) -> Hammerstein:
-    """The model with its memory at the end of a motion; starts: with which every press begins."""
-    memory = _along(model, motion, dt_s, surface)[2]
-    return replace(model, conditioned=memory, starts_conditioned=starts)
+def with_memory(model: Hammerstein, data: TrainingSet) -> Hammerstein:
+    """The model with the memory with which the last press began; untimed, with which it ended.
+
+    Presses begin with it where the recordings go on, or where it takes a tenth off the error of
+    the later presses of a timed session, each by itself: their rests were too short to forget in.
+    """
+    motion, surface = data.motions[-1], data.contact == "surface"
+    if data.continues or len(motion.recordings) < 2:
+        memory = _along(model, motion, data.dt_s, surface)[2]
+        return replace(model, conditioned=memory, starts_conditioned=data.continues)
+    begin = motion.starts[-1]
+    pauses = tuple(pause for pause in motion.pauses if pause[0] < begin)
+    before = replace(motion, depth_m=motion.depth_m[:begin], pauses=pauses)
+    memory = _along(model, before, data.dt_s, surface)[2]
+    later = motion.recordings[(len(motion.recordings) + 1) // 2 :]
+
+    def error_n(starting: Hammerstein) -> float:
+        alone = (DepthMotion(data.depths_m[k], (k,), (0,)) for k in later)
+        found_n = [model_along(starting, each, data.dt_s, surface)[0] for each in alone]
+        return rms(
+            np.concatenate(found_n) - np.concatenate([data.recordings[k].force_n for k in later])
+        )
+
+    rested = replace(model, conditioned=memory, starts_conditioned=False)
+    worn = replace(rested, starts_conditioned=True)
+    return worn if error_n(worn) < _CLEARLY * error_n(rested) else rested
 
 
 def _along(
