@@ -31,6 +31,7 @@ from springpot.trainer.models.training_set import TrainingSet
 NODES = (9, 13, 25)  # of each curve; the last where a layer is pressed flat within a few hundredths
 PENALTIES = (1e-3, 1e-4, 1e-5)  # on the roughness of curves; forces in shares of the peak
 _ROUGHER = 1.01  # times less error is what a penalty ten times lower has to bring,
+_UNCOVERED = 13  # nodes, between which rows may be missing
 _FINER = (1.0, 1.01, 1.1)  # and more nodes: 25 cost flash
 BETTER, NO_WORSE = 0.9, 1.02  # times the error, in all and in each family, of a richer law
 # Of the peak: what errors gain far below it no hand can tell, and a richer law pays for it where
@@ -159,6 +160,13 @@ class Laws:
         self._rows = rows.released(values, PENALTIES[1] * plain.roughness())
         self._columns = {"": values}
 
+    @cached_property
+    def covered(self) -> bool:
+        """Whether some row lies between every two nodes of a curve."""
+        depths_m = np.concatenate(self._data.depths_m)[self._rows.rows]
+        pieces = self._plain.nodes - 1
+        return len(np.unique(np.floor(self._plain.shares(depths_m) * pieces))) >= pieces
+
     def choices(
         self, law: tuple[str, ...], penalties: Sequence[float] = PENALTIES
     ) -> list[PassiveChoice]:
@@ -189,10 +197,13 @@ class Laws:
 def _smoothest(of_nodes: Callable[[int], Laws], law: tuple[str, ...]) -> tuple[Laws, PassiveChoice]:
     """The choice of lowest error, and its laws: those that bend more have to earn it.
 
-    More nodes are tried as long as the ones before took a tenth off the error.
+    More nodes are tried as long as the ones before took a tenth off the error, and if rows lie
+    between every two of them: elsewhere nothing holds them.
     """
     best: PassiveChoice | None = None
     for nodes in NODES:
+        if nodes > _UNCOVERED and not of_nodes(nodes).covered:
+            break
         before, its = best, min(of_nodes(nodes).choices(law), key=_smooth_error_n)
         if best is None or _smooth_error_n(its) < _smooth_error_n(best):
             best = its
