@@ -193,7 +193,7 @@ def _unlike_recordings(fit: "Fit", data: "TrainingSet") -> Iterator[str]:
 
     from springpot.trainer.models.predict import predict_each_n
 
-    if not fit.model.hammerstein_adds or len(data.recordings) < 2:
+    if fit.model.kind != HAMMERSTEIN.name or len(data.recordings) < 2:
         return
     pieces = [
         (each, np.arange(0, len(each.force_n), max(1, len(each.force_n) // _ROWS_COMPARED)))

@@ -26,10 +26,10 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
     ("what", "most"),
     [
         ("codegen/*.py", 6620),
-        ("trainer/*.py", 8340),
+        ("trainer/*.py", 8610),
         ("host/*.py", 13510),
         ("runtime_c/*.[ch] codegen/*.j2", 7880),
-        ("tests/*.py", 20000),
+        ("tests/*.py", 20160),
     ],
 )
 def test_lines(what: str, most: int) -> None:
