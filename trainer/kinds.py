@@ -185,9 +185,9 @@ def _poor_fit(fit: "Fit", data: "TrainingSet") -> Iterator[str]:
 def _unlike_recordings(fit: "Fit", data: "TrainingSet") -> Iterator[str]:
     """Warn of a passive model of recordings that no one model can follow: of different objects.
 
-    Of 60 sets of one object, the factors that fit each recording's force best to the model of all
-    differed by 1 % at most, of five specimens by 4 %; where one recording was of an object half as
-    stiff again, by 20 to 60 %.
+    Of 16 sets of one object, the factors that fit each recording's force best to the model of all
+    differed by .3 % at most, of five specimens by 4 %; of eight sets with one recording of another
+    object, 1.5 to 2.3 times as stiff, by 20 to 60 %.
     """
     import numpy as np
 

@@ -162,10 +162,11 @@ class Laws:
 
     @cached_property
     def covered(self) -> bool:
-        """Whether some row lies between every two nodes of a curve."""
+        """True if a row lies between every two nodes of a curve."""
         depths_m = np.concatenate(self._data.depths_m)[self._rows.rows]
         pieces = self._plain.nodes - 1
-        return len(np.unique(np.floor(self._plain.shares(depths_m) * pieces))) >= pieces
+        at = np.floor(self._plain.shares(depths_m) * pieces)
+        return len(np.unique(np.minimum(at, pieces - 1))) >= pieces  # the deepest is in the last
 
     def choices(
         self, law: tuple[str, ...], penalties: Sequence[float] = PENALTIES
