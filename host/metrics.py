@@ -177,13 +177,6 @@ class SlopeErrors:
     floor_percent: float
 
 
-@dataclass(frozen=True)
-class _Slope:
-    measured_npm: float
-    error_npm: float  # standard error of that
-    predicted_npm: float
-
-
 def slope_errors(
     recordings: Sequence[Recording],
     predicted_n: Sequence[Samples],
@@ -196,21 +189,18 @@ def slope_errors(
     ramps: samples of each that are not counted, from the beginning; none by default.
     """
     ramps = [0] * len(recordings) if ramps is None else ramps
-    found = [
-        slope
+    ways = [
+        _known_slopes(recording, force_n, slice(max(way.start, ramp), way.stop))
         for recording, force_n, ramp in zip(recordings, predicted_n, ramps, strict=True)
         for way in _ways_in(recording.position_m)
         if way.stop - ramp > _FEWEST
-        for slope in _known_slopes(recording, force_n, slice(max(way.start, ramp), way.stop))
     ]
-    if not found:
+    if not sum(map(len, ways)):
         return None
-    measured, known, predicted = np.transpose([
-        (slope.measured_npm, slope.error_npm, slope.predicted_npm) for slope in found
-    ])  # fmt: skip
+    measured, known, predicted = np.concatenate(ways).T
     percent = 100.0 * np.abs(predicted - measured) / measured
     return SlopeErrors(
-        windows=len(found),
+        windows=len(measured),
         median_percent=float(np.median(percent)),
         p95_percent=float(np.percentile(percent, 95)),
         floor_percent=float(np.median(100.0 * known / measured)),
@@ -245,22 +235,23 @@ def _ways_in(position_m: Samples) -> Iterator[slice]:
             yield slice(begin, end + 1)
 
 
-def _known_slopes(recording: Recording, predicted_n: Samples, way: slice) -> list[_Slope]:
+def _known_slopes(recording: Recording, predicted_n: Samples, way: slice) -> Samples:
+    """Slopes (k, 3), N/m: measured, its standard error, predicted."""
     depth_m, force_n = recording.position_m[way], recording.force_n[way]
     for windows in _WINDOWS:
-        slopes = list(_slopes(depth_m, force_n, predicted_n[way], windows))
-        steepest = max((slope.measured_npm for slope in slopes), default=0.0)
-        slopes = [slope for slope in slopes if slope.measured_npm > _FLAT * steepest]
-        shares = [slope.error_npm / slope.measured_npm for slope in slopes]
-        if shares and np.median(shares) <= _KNOWN:
-            pairs = zip(slopes, shares, strict=True)
-            return [slope for slope, share in pairs if share <= _UNKNOWN]
-    return []
+        found = list(_slopes(depth_m, force_n, predicted_n[way], windows))
+        slopes = np.array(found).reshape(-1, 3)
+        slopes = slopes[slopes[:, 0] > _FLAT * slopes[:, 0].max(initial=0.0)]
+        shares = slopes[:, 1] / slopes[:, 0]
+        if len(shares) and np.median(shares) <= _KNOWN:
+            known: Samples = slopes[shares <= _UNKNOWN]
+            return known
+    return np.empty((0, 3))
 
 
 def _slopes(
     depth_m: Samples, force_n: Samples, predicted_n: Samples, windows: int
-) -> Iterator[_Slope]:
+) -> Iterator[Samples]:
     edges_m = np.linspace(depth_m[0], depth_m[-1], windows + 1)
     number = np.clip(np.searchsorted(edges_m, depth_m, side="right") - 1, 0, windows - 1)
     for window in range(windows):
@@ -274,4 +265,4 @@ def _slopes(
         left_n = force_n[rows] - powers @ both[:, 0]
         variance = float(left_n @ left_n) / (len(rows) - _QUADRATIC) * float(inverse[1, 1])
         per_m = 1.0 / float(edges_m[1] - edges_m[0])
-        yield _Slope(both[1, 0] * per_m, float(np.sqrt(variance)) * per_m, both[1, 1] * per_m)
+        yield per_m * np.array([both[1, 0], np.sqrt(variance), both[1, 1]])

@@ -34,6 +34,17 @@ POSITIVE = FiniteRange(0, min_open=True)
 NOT_NEGATIVE = FiniteRange(0)
 
 
+def field_option(
+    settings: type, name: str, kind: click.ParamType[Any] | None, help_text: str
+) -> Callable[[_Command], _Command]:
+    """Option of a field of a settings dataclass, with its name and default; kind None: a flag."""
+    default = getattr(settings, name)
+    return click.option(
+        f"--{name.replace('_', '-')}", type=kind, is_flag=kind is None, default=default,
+        show_default=default is not None and kind is not None, help=help_text,
+    )  # fmt: skip
+
+
 def scene_options(command: _Command) -> _Command:
     """Take a scene, a model, or both, as `scene_file` and `model_file`."""
     by_scene = click.option(

@@ -28,8 +28,6 @@ if TYPE_CHECKING:
     from springpot.host.stability.check import Stability
     from springpot.host.validation.validation import Validation
 
-_WARNING = "warning: "
-
 
 def record(
     url: str,
@@ -161,8 +159,7 @@ def predict(
         positions = given_numbers(position_m, "position_m")
         if positions.ndim != 1:
             raise DataError(f"position_m: shape {positions.shape}: give (n,), one press at a time")
-        step_s = model.dt_s if dt_s is None else dt_s
-        still_n = np.zeros_like(positions)
+        step_s, still_n = model.dt_s if dt_s is None else dt_s, np.zeros_like(positions)
         recording = Recording("position_m", positions, still_n, step_s, zero_of(model))
     if place_m is not None:
         recording = replace(recording, place_x_m=place_m[0], place_y_m=place_m[1])
@@ -200,19 +197,14 @@ def emit(
         write_model(file, chosen)
         emission = emit_folder(stated, file, given_path(folder), accept_unsafe)
     for line in emission.notices:
-        if line.startswith(_WARNING):
-            warnings.warn(line.removeprefix(_WARNING), UserWarning, stacklevel=2)
+        if line.startswith("warning: "):
+            warnings.warn(line.removeprefix("warning: "), UserWarning, stacklevel=2)
         else:
             notice(line)
     return emission
 
 
-def validate(
-    folder: File,
-    recordings: Recordings,
-    *,
-    paced_s: float = 3.0,
-) -> "Validation":
+def validate(folder: File, recordings: Recordings, *, paced_s: float = 3.0) -> "Validation":
     """Replay recordings through the C of `folder`: its error, its time, its bits against numpy's.
 
     paced_s: how long ticks are timed at the scene's rate, s. Files that are not as
@@ -222,12 +214,9 @@ def validate(
     >>> validate("c", recordings).mismatches  # C and its reference: the same bits
     0
     """
-    from springpot.host.emission.emission import require_emission
     from springpot.host.validation.validation import validate as validate_folder
 
-    chosen, emitted = _some(recordings), given_path(folder)
-    require_emission(emitted)
-    return validate_folder(emitted, chosen, paced_s)
+    return validate_folder(given_path(folder), _some(recordings), paced_s)
 
 
 def stability(
@@ -284,13 +273,12 @@ def _fit_options(given: Mapping[str, object]) -> FitOptions:
         return TypeAdapter(FitOptions).validate_python(options)
     except ValidationError as error:
         first = error.errors()[0]
-        key = ".".join(map(str, first["loc"]))
-        raise UsageError(f"option {key}: {first['msg']} (found {first['input']!r})") from None
+        key, why, value = ".".join(map(str, first["loc"])), first["msg"], first["input"]
+        raise UsageError(f"option {key}: {why} (found {value!r})") from None
 
 
 def _some(recordings: Recordings) -> list[Recording]:
-    found = given_recordings(recordings)
-    if not found:
+    if not (found := given_recordings(recordings)):
         raise UsageError("no recordings: give at least one")
     return found
 
@@ -299,16 +287,14 @@ def _resolved(scene: Scene | File | None, model: Model | Fit | File | None) -> t
     """Both, each from the other where it is not given."""
     from springpot.host.emission import scene_file
 
-    if scene is None and model is None:
-        raise UsageError("neither model nor scene: give one of them, or both")
-    if scene is None or isinstance(scene, Scene):
-        folder = Path()
-        stated = None if scene is None else scene_file.checked_scene(scene)
-    else:
-        folder = given_path(scene).parent
-        stated = scene_file.read_scene(given_path(scene))
+    folder, stated = Path(), None
+    if isinstance(scene, Scene):
+        stated = scene_file.checked_scene(scene)
+    elif scene is not None:
+        folder, stated = given_path(scene).parent, scene_file.read_scene(given_path(scene))
     if model is None:
-        assert stated is not None
+        if stated is None:
+            raise UsageError("neither model nor scene: give one of them, or both")
         model = folder / stated.model
     chosen = given_model(model)
     return stated or scene_file.default_scene(chosen), chosen

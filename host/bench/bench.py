@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from importlib import resources
 from importlib.metadata import version
+from operator import itemgetter
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -88,7 +89,7 @@ def run_bench(bench: Bench, folder: Path, command: str) -> JsonObject:
             point.update(alone(file, point["number"], bench.target, its, longest))
     metadata = machine_metadata()
     result = {
-        "points": sorted(points, key=_rmse_n),
+        "points": sorted(points, key=itemgetter("rmse_n")),
         "refused": refused,
         "machine": f"{metadata['processor']}, {metadata['system']}",
         "compiler": metadata["compiler"],
@@ -104,12 +105,6 @@ def run_bench(bench: Bench, folder: Path, command: str) -> JsonObject:
     }
     write_file(folder / RESULT, json.dumps(result, indent=1, allow_nan=False).encode())
     return result
-
-
-def _rmse_n(point: Point) -> float:
-    error = point["rmse_n"]
-    assert isinstance(error, float)
-    return error
 
 
 def _candidates(bench: Bench) -> list[Candidate]:

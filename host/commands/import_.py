@@ -11,8 +11,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from springpot.codegen.errors import UsageError
-from springpot.host.options import NOT_NEGATIVE, PATH, FiniteRange
+from springpot.host.options import NOT_NEGATIVE, PATH, FiniteRange, field_option
 from springpot.host.output import json_option, print_json, progress_bar, say
+from springpot.trainer.recordings.conditioning import Conditioning
 from springpot.trainer.recordings.formats.column_map import MAP_EXAMPLE, DecimalMark, parse_map
 
 if TYPE_CHECKING:
@@ -47,14 +48,10 @@ _OF_REPORT = ("name", "samples", "rate_hz", "position_m", "force_n", "signs")  #
 )
 @click.option("--resample-hz", type=float, help="Interpolate to this rate.")
 @click.option("--decimal", type=click.Choice(["point", "comma"]), help="CSV: else guessed.")
-@click.option(
-    "--position-delay-s", type=FiniteRange(), default=0.0, help="Of the position's sensor."
-)
-@click.option("--force-delay-s", type=FiniteRange(), default=0.0, help="Of the force's sensor.")
-@click.option("--align", is_flag=True, help="Take the stated delays out, not only note them.")
-@click.option(
-    "--mass-kg", type=NOT_NEGATIVE, default=0.0, help="Beyond the load cell: inertia is removed."
-)
+@field_option(Conditioning, "position_delay_s", FiniteRange(), "Of the position's sensor.")
+@field_option(Conditioning, "force_delay_s", FiniteRange(), "Of the force's sensor.")
+@field_option(Conditioning, "align", None, "Take the stated delays out, not only note them.")
+@field_option(Conditioning, "mass_kg", NOT_NEGATIVE, "Beyond the load cell: inertia is removed.")
 @click.option("--tare", callback=_auto_or_number, metavar="auto|N", help="Force without contact.")
 @click.option(
     "--contact-force",
@@ -72,7 +69,7 @@ _OF_REPORT = ("name", "samples", "rate_hz", "position_m", "force_n", "signs")  #
     metavar="X,Y",
     help="Where the object was pressed, such as 5,10mm, or the columns of it: x_mm,y_mm.",
 )
-@click.option("--accept-signs", is_flag=True, help="Take signs that the data speak against.")
+@field_option(Conditioning, "accept_signs", None, "Take signs that the data speak against.")
 @click.option("--out", required=True, type=PATH, help="Folder to write into.")
 @json_option
 def import_(
@@ -93,7 +90,6 @@ def import_(
     refused, nothing is written.
     """
     from springpot.host.quality import report_quality
-    from springpot.trainer.recordings.conditioning import Conditioning
     from springpot.trainer.recordings.formats.importing import (
         ImportOptions,
         import_set,

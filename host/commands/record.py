@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -24,6 +24,7 @@ from springpot.host.output import (
 
 if TYPE_CHECKING:
     from springpot.host.recording.indentation import PressedDevice
+    from springpot.host.recording.protocols import Profile
     from springpot.host.recording.session import PressQuality
     from springpot.host.session.runner import Progress as SessionProgress
 
@@ -83,7 +84,45 @@ def record(
     from springpot.host.recording.indentation import Limits
     from springpot.host.recording.protocols import load_protocol
     from springpot.host.recording.session import open_press_device, record_session
-    from springpot.host.session.terminal import progress_line, stopping_on_sigterm
+    from springpot.host.session.terminal import stopping_on_sigterm
+
+    if find_surface:
+        surface_mm = _touched_mm(url)
+        say(f"surface_mm = {surface_mm:g}: also for [device] of a scene")
+        url += f"{'&' if '?' in url else '?'}surface_mm={surface_mm:g}"
+    limits = Limits(max_force_n, max_depth_mm / 1e3, max_speed_mps)
+    profiles = load_protocol(protocol, seed)
+    with (
+        _sensor(sensor_url) as pressing,
+        _progress(profiles) as (on_progress, on_press),
+        stopping_on_sigterm(),
+    ):
+        device = open_press_device(
+            url, seed, object_name or "object", limits, on_progress, pressing
+        )
+        qualities = record_session(device, url, protocol, profiles, out, on_press)
+    if as_json:
+        duration_s = sum(quality.duration_s for quality in qualities)
+        print_json({"out": out, "recordings": qualities, "duration_s": duration_s})
+    else:
+        _print(qualities)
+
+
+def _sensor(url: str | None) -> AbstractContextManager[Callable[..., PressedDevice] | None]:
+    """A force sensor beside the device, opened; nothing without its URL."""
+    if url is None:
+        return nullcontext()
+    from springpot.host.recording.sensed_press import opened_sensor
+
+    return opened_sensor(url)
+
+
+@contextmanager
+def _progress(
+    profiles: Sequence[Profile],
+) -> Iterator[tuple[Callable[[SessionProgress], None], Callable[[PressQuality], None]]]:
+    """A bar over all presses; yields what shows a press as it goes on, and one that is over."""
+    from springpot.host.session.terminal import progress_line
 
     progress = Progress(
         TextColumn("{task.description}"),
@@ -93,7 +132,8 @@ def record(
         console=progress_console,
         transient=True,
     )
-    task = progress.add_task("")
+    total_s = sum(len(profile.command_n) for profile in profiles) / 1000
+    task = progress.add_task("record", total=total_s)
 
     def on_progress(now: SessionProgress) -> None:
         progress.update(task, description=progress_line(now, "q stop"))
@@ -101,33 +141,8 @@ def record(
     def on_press(quality: PressQuality) -> None:
         progress.update(task, description=quality.name, advance=quality.duration_s)
 
-    if find_surface:
-        surface_mm = _touched_mm(url)
-        say(f"surface_mm = {surface_mm:g}: also for [device] of a scene")
-        url += f"{'&' if '?' in url else '?'}surface_mm={surface_mm:g}"
-    limits = Limits(max_force_n, max_depth_mm / 1e3, max_speed_mps)
-    sensor: AbstractContextManager[Callable[..., PressedDevice] | None] = nullcontext()
-    if sensor_url is not None:
-        from springpot.host.recording.sensed_press import opened_sensor
-
-        sensor = opened_sensor(sensor_url)
-    profiles = load_protocol(protocol, seed)
-    total_s = sum(len(profile.command_n) for profile in profiles) / 1000
-    with (
-        sensor as pressing,
-        progress,
-        stopping_on_sigterm(),
-    ):
-        device = open_press_device(
-            url, seed, object_name or "object", limits, on_progress, pressing
-        )
-        progress.update(task, description=device.object_name, total=total_s)
-        qualities = record_session(device, url, protocol, profiles, out, on_press)
-    if as_json:
-        duration_s = sum(quality.duration_s for quality in qualities)
-        print_json({"out": out, "recordings": qualities, "duration_s": duration_s})
-    else:
-        _print(qualities)
+    with progress:
+        yield on_progress, on_press
 
 
 def _touched_mm(url: str) -> float:

@@ -1,8 +1,9 @@
 """`springpot train`: fit one model, and say its own error on other recordings."""
 
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -18,7 +19,7 @@ from springpot.host.metrics import (
     slope_keys,
     slope_words,
 )
-from springpot.host.options import NOT_NEGATIVE, PATH, POSITIVE, SEED, FiniteRange
+from springpot.host.options import NOT_NEGATIVE, PATH, POSITIVE, SEED, FiniteRange, field_option
 from springpot.host.output import (
     json_option,
     paths_argument,
@@ -27,13 +28,13 @@ from springpot.host.output import (
     say,
 )
 from springpot.host.validation.seen import seen_by, seen_line
-from springpot.trainer import PAPER_SMOOTH_S
 from springpot.trainer.kinds import fit_model, kind_names
+from springpot.trainer.models.fit import Fit, FitOptions
 from springpot.trainer.models.predict import require_compatible
 from springpot.trainer.recordings.recording import Recording
 
-if TYPE_CHECKING:
-    from springpot.trainer.models.fit import Fit
+_SHARE = FiniteRange(0, 1, min_open=True)
+_fit_option = partial(field_option, FitOptions)
 
 
 @click.command()
@@ -55,61 +56,34 @@ if TYPE_CHECKING:
     help="Recording or folder to report the error on; may be repeated.",
 )
 @click.option("--out", type=PATH, required=True, help="Model file to write.")
-@click.option("--seed", type=SEED, default=0, show_default=True)
-@click.option(
-    "--fraction",
-    type=FiniteRange(0, 1, min_open=True),
-    help="Share of rows used; default 0.2 from 20 000 rows on, all below.",
+@_fit_option("seed", SEED, "Of the rows and trees that are drawn at random.")
+@_fit_option("fraction", _SHARE, "Share of rows used; default 0.2 from 20 000 rows on, all below.")
+@_fit_option("trees", click.IntRange(1), "rf-fd: of the forest.")
+@_fit_option("leaf", click.IntRange(1), "rf-fd: rows of the smallest leaf.")
+@_fit_option("tree_rows", _SHARE, "rf-fd: share of the rows that each tree is fitted on.")
+@_fit_option("split_features", _SHARE, "rf-fd: share of the features that each split tries.")
+@_fit_option(
+    "window_s",
+    POSITIVE,
+    "Length of the filters' memory, s; default 171 samples, 1000 s if recursive.",
 )
-@click.option(
-    "--trees", type=click.IntRange(1), default=100, show_default=True, help="rf-fd: of the forest."
-)
-@click.option(
-    "--leaf", type=click.IntRange(1), default=5, show_default=True,
-    help="rf-fd: rows of the smallest leaf.",
-)  # fmt: skip
-@click.option(
-    "--tree-rows", type=FiniteRange(0, 1, min_open=True), default=0.35, show_default=True,
-    help="rf-fd: share of the rows that each tree is fitted on.",
-)  # fmt: skip
-@click.option(
-    "--split-features", type=FiniteRange(0, 1, min_open=True), default=1.0, show_default=True,
-    help="rf-fd: share of the features that each split tries.",
-)  # fmt: skip
-@click.option(
-    "--window-s",
-    type=POSITIVE,
-    help="Length of the filters' memory, s; default 171 samples, 1000 s if recursive.",
-)
-@click.option(
-    "--smooth-s",
-    type=NOT_NEGATIVE,
-    default=PAPER_SMOOTH_S,
-    show_default=True,
-    help="Zero-phase moving average of the training data, s; 0 for none.",
+@_fit_option(
+    "smooth_s", NOT_NEGATIVE, "Zero-phase moving average of the training data, s; 0 for none."
 )
 @click.option("--smooth-validation", is_flag=True, help="Smooth the validation data as well.")
-@click.option(
-    "--select",
-    type=click.Choice(["cv", "paper"]),
-    default="cv",
-    show_default=True,
-    help="rbf-fd: by cross-validation, or on the validation recordings.",
+@_fit_option(
+    "select",
+    click.Choice(["cv", "paper"]),
+    "rbf-fd: by cross-validation, or on the validation recordings.",
 )
-@click.option(
-    "--engine",
-    type=click.Choice(["fir", "fir-fast", "recursive"]),
-    help="Fractional filters: the paper's taps, the same from a few exponentials, or exponentials "
+@_fit_option(
+    "engine",
+    click.Choice(["fir", "fir-fast", "recursive"]),
+    "Fractional filters: the paper's taps, the same from a few exponentials, or exponentials "
     "that are exact at any rate; default fir, recursive where the window is long.",
 )
-@click.option(
-    "--round-features",
-    is_flag=True,
-    help="rf-fd: trees on features in 16-bit steps; faster, no search.",
-)
-@click.option(
-    "--past-positions", is_flag=True, help="rf-fd: on ten past positions, as its control."
-)
+@_fit_option("round_features", None, "rf-fd: trees on features in 16-bit steps; faster, no search.")
+@_fit_option("past_positions", None, "rf-fd: on ten past positions, as its control.")
 @json_option
 def train(
     recordings: tuple[str, ...],
@@ -123,8 +97,6 @@ def train(
     """Fit a model on RECORDINGS (files or folders)."""
     _require_model_file(out)  # before minutes of work
     from springpot.host.quality import report_quality
-    from springpot.host.validation.seen import seen_line
-    from springpot.trainer.models.fit import FitOptions  # scikit-learn, only where it fits
     from springpot.trainer.recordings.recording_file import given_recordings
 
     options = FitOptions(**of_fit)
@@ -155,14 +127,14 @@ def _require_model_file(out: Path) -> None:
     require_place(out)
 
 
-def _written(fit: "Fit", out: Path) -> JsonObject:
+def _written(fit: Fit, out: Path) -> JsonObject:
     from springpot.codegen.model.model_file import write_model
 
     out.parent.mkdir(parents=True, exist_ok=True)
     return {"out": str(out), "hash": write_model(out, fit.model)}
 
 
-def training_result(fit: "Fit") -> JsonObject:
+def training_result(fit: Fit) -> JsonObject:
     """Keys of `train --json` that the fit knows."""
     model = fit.model
     return {
@@ -178,7 +150,7 @@ def training_result(fit: "Fit") -> JsonObject:
 
 
 def training_rows(
-    fit: "Fit",
+    fit: Fit,
     result: JsonObject,
     out: Path | None = None,
     found: Accuracy | None = None,
@@ -260,7 +232,7 @@ def _law(result: JsonObject) -> str:
 
 
 def errors(
-    fit: "Fit", training: Sequence[Recording], testing: Sequence[Recording], compared_s: float
+    fit: Fit, training: Sequence[Recording], testing: Sequence[Recording], compared_s: float
 ) -> tuple[Accuracy, JsonObject]:
     """The error on `testing`, smoothed over compared_s, and the keys of `--json` on it.
 

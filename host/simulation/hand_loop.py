@@ -1,6 +1,6 @@
 """A scene in closed loop with a simulated hand, in compiled C: sp_closed_loop.h."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import cache
 from typing import Any
 
@@ -67,25 +67,12 @@ class Operator:
     __repr__ = short_repr
 
 
-@dataclass(frozen=True)
-class LoopCalls:
-    """Addresses of a scene's functions and of its state; kept: what keeps them alive."""
-
-    step: int
-    idle: int
-    reset: int
-    state: int
-    kept: CData = field(default=None, repr=False)
-    __repr__ = short_repr
-
-
 class HandLoop:
-    """Runs one scene in closed loop; a library's from a fresh state in every run."""
+    """Runs one scene in closed loop, from a fresh state in every run."""
 
-    def __init__(self, scene: SceneLibrary | LoopCalls, real: str = "") -> None:
-        """real: "float" or "double", where `scene` does not say it."""
-        self._scene_of = scene
-        self._port = load_testbench(scene.real if isinstance(scene, SceneLibrary) else real)
+    def __init__(self, library: SceneLibrary) -> None:
+        self._library = library
+        self._port = load_testbench(library.real)
 
     def run(self, scenario: Scenario, operator: Operator, start_m: float = 0.0) -> Trace:
         """Run the scenario with a hand that starts at rest at start_m; sensors are noisy."""
@@ -113,14 +100,11 @@ class HandLoop:
 
     def _scene(self) -> tuple[CData, Any]:
         """The scene's functions with a fresh state, and what keeps that alive."""
-        calls = self._scene_of
-        if isinstance(calls, SceneLibrary):
-            state, library = calls.new_state(), calls
-            step, idle, reset = (library.address(name) for name in ("step", "idle", "reset"))
-            calls = LoopCalls(step, idle, reset, state.address, kept=state)
-        pointers = {name: self._port.pointer(getattr(calls, name))
-                    for name in ("step", "idle", "reset", "state")}  # fmt: skip
-        return self._port.ffi.new("sp_closed_loop_scene *", pointers), calls.kept
+        state = self._library.new_state()
+        addresses = {name: self._library.address(name) for name in ("step", "idle", "reset")}
+        addresses["state"] = state.address
+        pointers = {name: self._port.pointer(address) for name, address in addresses.items()}
+        return self._port.ffi.new("sp_closed_loop_scene *", pointers), state
 
     def _tool(self, operator: Operator, start_m: float) -> CData:
         tool = self._port.memory(self._port.c.sim_tool_size(), "sim_tool")

@@ -14,7 +14,7 @@ from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.simulation.cases import cases, losing_cases, stiff_case
 from springpot.host.simulation.hand_loop import HandLoop, Operator, Trace
 from springpot.host.simulation.scenarios import Case, Workspace
-from springpot.host.stability.losses import Losses, Stroked, ended, latched_s, losses_of
+from springpot.host.stability.losses import Losses, ended, latched_s, losses_of
 from springpot.host.stability.vibration import Vibration, high_passed_rms, vibration_of
 
 DEEPEST = 1.3  # of the trained depth, beside what a proxy's spring gives
@@ -105,10 +105,9 @@ def lossy_outcomes(scene: Rendered, hand: Hand, more_delay: int) -> Iterator[Out
         if clean.name not in found:
             found[clean.name] = case_outcome(scene, clean, hand, more_delay)
         outcome = case_outcome(scene, case, hand, more_delay)
-        without = found[clean.name]
-        stroked = [Stroked(item.played.scenario, item.trace, item.model_only_n)
-                   for item in (outcome, without)]  # fmt: skip
-        yield replace(outcome, losses=losses_of(scene.plan, scene.library, *stroked))
+        without = found[clean.name].trace
+        losses = losses_of(scene.plan, scene.library, case.scenario, outcome.trace, without)
+        yield replace(outcome, losses=losses)
 
 
 def stiff_plan(plan: Plan) -> Plan:

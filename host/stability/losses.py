@@ -22,7 +22,7 @@ ERROR_N, ERROR_OF_PEAK = 0.5, 0.05
 RETURNED_OF_STORED = 0.05
 ENDS_WITHIN = 5.0  # times the watchdog's, where too few samples come from the beginning
 _ROUNDING_N = 1e-4
-_TOUCH = 0.05  # of the trained depth, and of the peak force: contact beyond doubt
+_TOUCH = 0.05  # of the trained depth: contact beyond doubt
 
 
 @dataclass(frozen=True)
@@ -35,8 +35,6 @@ class Losses:
     tool a tick later; above_n: how far above that from NOT_ABOVE_S on; allowed_n: of both.
     returned_j: energy that a press gave back beyond what it took, and what the device's friction
     takes; stored_j: the most that a press without a loss took.
-    Reported only: force_step_n, the greatest change of the force in a tick of contact, and that of
-    the model alone; zero_ticks of no force, with a sample, where the model has one.
     """
 
     growth_n: float
@@ -46,11 +44,6 @@ class Losses:
     returned_j: float
     clean_returned_j: float
     stored_j: float
-    force_step_n: float
-    clean_force_step_n: float
-    model_force_step_n: float
-    zero_ticks: int
-    clean_zero_ticks: int
 
     @property
     def faults(self) -> tuple[str, ...]:
@@ -64,46 +57,28 @@ class Losses:
         }
         return tuple(words for words, holds in found.items() if holds)
 
-    @property
-    def kicks(self) -> bool:
-        """Whether a hand feels any of it."""
-        return bool(self.faults)
 
-
-@dataclass(frozen=True, eq=False)
-class Stroked:
-    """Strokes that were rendered: what was to happen, what came of it, the model alone on it."""
-
-    scenario: Scenario
-    trace: Trace
-    model_only_n: Samples
-
-
-def losses_of(plan: Plan, scene: SceneLibrary, lossy: Stroked, clean: Stroked) -> Losses:
-    """Compare strokes that lost samples with those that lost none."""
-    trace = lossy.trace
-    whole_n = _loss_free(scene, trace)
+def losses_of(
+    plan: Plan, library: SceneLibrary, scenario: Scenario, trace: Trace, clean: Trace
+) -> Losses:
+    """Compare strokes that lost samples as `scenario` says with those that lost none."""
+    whole_n = _loss_free(library, trace)
     least_n, most_n = _within_a_tick(whole_n)
     error_n = np.maximum(least_n - trace.force_n, trace.force_n - most_n)
     above_n = np.abs(trace.force_n) - _within_a_tick(np.abs(whole_n))[1]
-    good_s = _good_ticks(lossy.scenario) * plan.dt_s
+    good_s = _good_ticks(scenario) * plan.dt_s
     late = good_s >= RIGHT_S - 0.5 * plan.dt_s
     later = good_s >= NOT_ABOVE_S - 0.5 * plan.dt_s
     peak_n = float(np.abs(whole_n).max(initial=0.0))
-    returned, clean_returned = (list(_presses_j(plan, item.trace)) for item in (lossy, clean))
+    returned, clean_returned = (list(_presses_j(plan, item)) for item in (trace, clean))
     return Losses(
-        growth_n=_growth_n(plan, lossy),
+        growth_n=_growth_n(plan, scenario, trace),
         error_n=float(error_n[late].max(initial=0.0)),
         above_n=float(above_n[later].max(initial=0.0)),
         allowed_n=max(ERROR_N, ERROR_OF_PEAK * peak_n),
         returned_j=max((-given for given, _ in returned), default=0.0),
         clean_returned_j=max((-given for given, _ in clean_returned), default=0.0),
         stored_j=max((taken for _, taken in clean_returned), default=0.0),
-        force_step_n=_step_n(plan, trace, trace.force_n),
-        clean_force_step_n=_step_n(plan, clean.trace, clean.trace.force_n),
-        model_force_step_n=_step_n(plan, trace, lossy.model_only_n),
-        zero_ticks=_zero_ticks(plan, lossy),
-        clean_zero_ticks=_zero_ticks(plan, clean),
     )
 
 
@@ -134,12 +109,12 @@ def _good_ticks(scenario: Scenario) -> NDArray[np.int64]:
     return np.asarray(at - last)
 
 
-def _growth_n(plan: Plan, lossy: Stroked) -> float:
+def _growth_n(plan: Plan, scenario: Scenario, trace: Trace) -> float:
     """How far |force| grew beyond what it may: a slew for each sample that came, 0 without one."""
-    dropped = lossy.scenario.dropped
-    came = _taken(lossy.scenario).astype(np.int64)
+    dropped = scenario.dropped
+    came = _taken(scenario).astype(np.int64)
     came[1:] += (dropped[:-1] == LATE) & (dropped[1:] == TAKEN)
-    size_n = np.abs(lossy.trace.force_n)
+    size_n = np.abs(trace.force_n)
     return float((np.diff(size_n, prepend=0.0) - float(plan.output.slew_n) * came).max())
 
 
@@ -171,23 +146,3 @@ def _presses_j(plan: Plan, trace: Trace) -> Iterator[tuple[float, float]]:
     for begin, end in zip(edges[::2], edges[1::2], strict=True):
         taken_j = np.cumsum(work_j[begin:end])
         yield float(taken_j.min()), float(taken_j.max())
-
-
-def _zero_ticks(plan: Plan, stroked: Stroked) -> int:
-    model_n = stroked.model_only_n
-    touching = _touching(plan, stroked.trace) & (model_n > _TOUCH * model_n.max())
-    sampled = _taken(stroked.scenario)
-    sampled[1:] &= sampled[:-1]  # what a silence began with is not known before its second one
-    return int(np.sum((stroked.trace.force_n == 0.0) & touching & sampled))
-
-
-def _step_n(plan: Plan, trace: Trace, force_n: Samples) -> float:
-    """Greatest change in a tick of contact: a tool that leaves the object is let go at once."""
-    touching = _touching(plan, trace)
-    steps_n = np.abs(np.diff(force_n))
-    return float(steps_n[touching[1:] & touching[:-1]].max(initial=0.0))
-
-
-def _touching(plan: Plan, trace: Trace) -> NDArray[np.bool_]:
-    space = Workspace.of(plan)
-    return trace.position_m > space.base_m + _TOUCH * space.span_m

@@ -47,8 +47,7 @@ def outcome(case: str, hand: str = "mid", delay: int = 0, **changed: Any) -> Out
 
 FAULTLESS = Losses(
     growth_n=0.0, error_n=0.1, above_n=0.1, allowed_n=0.5, returned_j=-1e-4,
-    clean_returned_j=-1e-4, stored_j=0.05, force_step_n=0.2, clean_force_step_n=0.2,
-    model_force_step_n=0.2, zero_ticks=0, clean_zero_ticks=0,
+    clean_returned_j=-1e-4, stored_j=0.05,
 )  # fmt: skip
 
 

@@ -29,7 +29,7 @@ from springpot.host.simulation.cases import (
 )
 from springpot.host.simulation.hand_loop import HandLoop
 from springpot.host.stability.closed_loop import Outcome, Rendered, lossy_outcomes
-from springpot.host.stability.losses import Losses, Stroked, losses_of
+from springpot.host.stability.losses import Losses, losses_of
 from springpot.runtime_c.paths import INCLUDE
 
 UNSAID = ("lost-1", "lost-2", "lost-10")
@@ -138,9 +138,8 @@ def judged_after(change: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> Loss
         since = at - lost[np.maximum(np.searchsorted(lost, at, side="right") - 1, 0)]
         force_n = change(outcome.trace.force_n.copy(), since)
         trace = replace(outcome.trace, force_n=force_n)
-        changed = Stroked(outcome.played.scenario, trace, outcome.model_only_n)
-        clean = Stroked(outcome.played.scenario, outcome.trace, outcome.model_only_n)
-        return losses_of(plan, scene_of.library, changed, clean)
+        scenario, clean = outcome.played.scenario, outcome.trace
+        return losses_of(plan, scene_of.library, scenario, trace, clean)
 
 
 def test_each_property_sees_what_breaks_it() -> None:
