@@ -22,8 +22,10 @@ RAMP_S = 0.05
 WATCHDOG_FALL_S = 0.008  # from the maximum force; 10 ms with the ticks' rounding
 FORCE_MARGIN = 1.2
 # Maximum growth of the force: never under 1.5 N/ms (slower destabilises), and the clamp in 4 ms.
+# In a shorter tick that of a millisecond: an encoder's noise is not less in it.
 MIN_SLEW_NPS = 1500.0
 SLEW_S = 0.004
+SLEW_TICK_S = 0.001
 # After a silence the force is the model's again within this: a missing half comes back in 5 ms.
 BACK_S = 0.01
 
@@ -111,7 +113,7 @@ def output_config(model: Model, scene: Scene, ticks: SceneTicks) -> OutputConfig
     return OutputConfig(
         min_n=real(min_n),
         max_n=real(max_n),
-        slew_n=real(dt_s * max(MIN_SLEW_NPS, max_n / SLEW_S)),
+        slew_n=real(max(dt_s, SLEW_TICK_S) * max(MIN_SLEW_NPS, max_n / SLEW_S)),
         rise=real(min(1.0, dt_s / RAMP_S)),
         back=real(min(1.0, dt_s / BACK_S)),
         fall_n=real(dt_s * max_n / WATCHDOG_FALL_S),

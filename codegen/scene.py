@@ -120,9 +120,8 @@ class Device:
     """Friction that grows with speed: for the checks, which assume 4 without it."""
     coulomb_n: Annotated[float, Interval(ge=0, le=1e3)] | None = None
     """Friction that does not: for the closed loop of the checks."""
-    velocity_noise_mps: Annotated[float, Interval(ge=0, le=10)] | None = None
-    """Standard deviation of the device's velocity about the true one: `stability` states what it
-    adds to the force."""
+    position_noise_um: Annotated[float, Interval(ge=0, le=1e4)] | None = None
+    """Standard deviation of its readings at rest: the checks assume 0.3 `resolution_um`."""
     velocity: Literal["estimate", "device"] = "estimate"
     """Where a coupling takes the tool's velocity from."""
     surface_mm: float = 0.0

@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from springpot.codegen.coupling.gains import is_unit_error
-from springpot.codegen.coupling.linear_loop import HAND_MODELS, Hand, LinearLoop
+from springpot.codegen.coupling.linear_loop import CHECKED, Hand, LinearLoop
 from springpot.codegen.coupling.loop_device import LoopDevice
 from springpot.codegen.messages import number_of
 from springpot.codegen.scene import Coupling
@@ -21,7 +21,7 @@ DAMPING_LEFT = 0.25
 GAIN_MARGIN = 0.8
 _STIFFNESSES_NPM = np.geomspace(10.0, 40_000.0, 56)
 _DAMPINGS_NSPM = np.geomspace(0.5, 500.0, 61)
-_MASSES_KG = (0.005, 0.02, 0.05)  # the lightest first: it passes on the least noise
+_MASSES_KG = (0.003, 0.01, 0.05)  # the lightest first: it passes on the least noise
 _WITHIN = 1.01  # of the stiffest
 
 
@@ -30,7 +30,7 @@ class CouplingChoice:
     """A coupling and why.
 
     felt_npm: the stiffness that a hand feels on the object's stiffest. every_hand: whether the
-    linear loop is stable with every hand, at the stated delay and one sample more.
+    linear loop is stable with every hand and delay of CHECKED.
     """
 
     coupling: Coupling
@@ -44,33 +44,26 @@ def choose_coupling(
 ) -> CouplingChoice:
     """Pick for an object of that maximum tangent stiffness.
 
-    `off` where the bare loop is stable with every hand at the stated delay, and with the mid and
-    firm hands at one sample more: nothing then stands between the hand and the model. `why` says
-    where the light hand's limit at one sample more is less. Else the stiffest proxy of those that
-    are stable with every hand at both delays: stiffer with a faster loop, less delay, more damping.
+    `off` where the bare loop is stable with every hand and delay of CHECKED: nothing then stands
+    between the hand and the model. Else the stiffest proxy of those that are stable with all of
+    them: stiffer with a faster loop, less delay, more damping.
     """
 
     def loop(coupling: Coupling, hand: Hand, more: int) -> LinearLoop:
         return LinearLoop(dt_s, coupling, hand, device.later(more), smoothing)
 
     off = replace(stated, mode="off")
-    bare = [
-        (hand, more) for hand in HAND_MODELS for more in (0, 1) if more == 0 or hand.name != "light"
-    ]
-    limits = [loop(off, hand, more).max_stiffness_npm() for hand, more in bare]
+    limit_npm = min(loop(off, hand, more).max_stiffness_npm() for hand, more in CHECKED)
     late = f"{number_of(device.delay_samples, 'sample')} late"
     found = f"the object's {_npmm(stiffness_npm)} at {1 / dt_s:g} Hz, {late}"
-    if min(limits) > STIFFNESS_MARGIN_OFF * stiffness_npm:
-        why = f"off: auto: {found}, are below the bare loop's limit of {_npmm(min(limits))}"
-        light_npm = loop(off, HAND_MODELS[2], 1).max_stiffness_npm()
-        if light_npm <= STIFFNESS_MARGIN_OFF * stiffness_npm:
-            why += f" (not counted: the light hand one sample later, up to {_npmm(light_npm)})"
+    if limit_npm > STIFFNESS_MARGIN_OFF * stiffness_npm:
+        why = f"off: auto: {found}, are below the bare loop's limit of {_npmm(limit_npm)}"
         return CouplingChoice(off, why, stiffness_npm)
     search = _ProxySearch(stiffness_npm, dt_s, device, smoothing)
     proxy = search.stiffest() or search.calmest_of_softest()
     felt = series(proxy.stiffness_npm, stiffness_npm)
     why = (
-        f"proxy: auto: {found}, pass the bare loop's limit of {_npmm(min(limits))} "
+        f"proxy: auto: {found}, pass the bare loop's limit of {_npmm(limit_npm)} "
         f"with a margin of {STIFFNESS_MARGIN_OFF:g}: "
         f"{proxy.stiffness_npm:g} N/m, {proxy.damping_nspm:g} N s/m, {proxy.mass_kg:g} kg; "
         f"the hand feels {_npmm(felt)}"
@@ -79,7 +72,7 @@ def choose_coupling(
 
 
 class _ProxySearch:
-    """Proxies that are stable with every hand, at the stated delay and one sample more.
+    """Proxies that are stable with every hand and delay of CHECKED.
 
     For an object of up to STIFFNESS_MARGIN_PROXY times the stiffness, and for every softer one.
     """
@@ -90,8 +83,7 @@ class _ProxySearch:
         self._loads_npm = stiffness_npm * STIFFNESS_MARGIN_PROXY * np.geomspace(0.01, 1.0, 8)
         loops = [
             LinearLoop(dt_s, Coupling("off"), hand, device.later(more), smoothing)
-            for more in (1, 0)  # what most often fails comes first
-            for hand in HAND_MODELS[::-1]
+            for hand, more in CHECKED[::-1]  # what most often fails comes first
         ]
         self._loops = [(loop, self._max_radius(loop)) for loop in loops]
 

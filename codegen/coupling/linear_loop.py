@@ -27,13 +27,15 @@ class Hand:
     damping_nspm: float
 
 
-# From a firm grip to two fingertips; the first one is the design hand.
+# From a stiff pinch to one fingertip; the first one is the design hand.
 HAND_MODELS = (
     Hand("mid", 0.25, 400.0, 6.0),
-    Hand("firm", 0.30, 1000.0, 10.0),
-    Hand("light", 0.12, 300.0, 2.0),
+    Hand("firm", 0.03, 5000.0, 5.0),
+    Hand("light", 0.03, 50.0, 0.5),
 )
 DESIGN_HAND = HAND_MODELS[0]
+# The hands of every check, and samples beyond the device's own delay.
+CHECKED = (*((hand, 0) for hand in HAND_MODELS), (DESIGN_HAND, 1))
 
 
 @dataclass(frozen=True)

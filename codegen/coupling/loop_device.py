@@ -9,6 +9,7 @@ from springpot.codegen.types import JsonObject
 DEVICE_MASS_KG = 0.3
 DEVICE_DAMPING_NSPM = 4.0
 RESOLUTION_UM = 10.0
+_NOISE_STEPS = 0.3  # of the encoder
 _ROUNDING = 1e-6  # of a tick: 3 ms are three ticks of 1 ms, however they are rounded
 
 
@@ -16,14 +17,15 @@ _ROUNDING = 1e-6  # of a tick: 3 ms are three ticks of 1 ms, however they are ro
 class LoopDevice:
     """A device without its hand; by default the one that is assumed.
 
-    resolution_um: the encoder's step. delay_samples: whole ticks from a sample to when its force
-    acts. stated: which of mass and friction the scene states.
+    resolution_um, noise_um: the encoder's step and noise. delay_samples: whole ticks from a sample
+    to when its force acts. stated: which of mass and friction the scene states.
     """
 
     mass_kg: float = DEVICE_MASS_KG
     viscous_nspm: float = DEVICE_DAMPING_NSPM
     coulomb_n: float = 0.0
     resolution_um: float = RESOLUTION_UM
+    noise_um: float = _NOISE_STEPS * RESOLUTION_UM
     delay_samples: int = 0
     stated: tuple[str, ...] = ()
 
@@ -43,6 +45,7 @@ class LoopDevice:
             "viscous_nspm": self.viscous_nspm,
             "coulomb_n": self.coulomb_n,
             "resolution_um": self.resolution_um,
+            "position_noise_um": self.noise_um,
             "delay_s": self.delay_samples * dt_s,
             "delay_samples": self.delay_samples,
             "measured": self.measured,
@@ -77,6 +80,7 @@ def loop_device(device: Device, dt_s: float) -> LoopDevice:
     late = device.delay_samples
     if device.delay_s is not None:
         late = math.ceil(device.delay_s / dt_s - _ROUNDING)
-    return LoopDevice(
-        **stated, resolution_um=device.resolution_um, delay_samples=late, stated=tuple(stated)
-    )
+    noise_um = device.position_noise_um
+    noise_um = _NOISE_STEPS * device.resolution_um if noise_um is None else noise_um
+    return LoopDevice(**stated, resolution_um=device.resolution_um, noise_um=noise_um,
+                      delay_samples=late, stated=tuple(stated))  # fmt: skip

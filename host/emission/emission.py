@@ -44,6 +44,7 @@ from springpot.host.native.toolchain import (
 from springpot.host.output import say
 from springpot.host.stability.check import Check, check
 from springpot.host.stability.linear import require_stable
+from springpot.host.stability.verdict import vibrates
 
 # What the C was made from, beside it: whoever holds the folder can check it, and emit it again.
 MODEL_COPY = "from/model.spm"
@@ -160,6 +161,8 @@ def _built(plan: Plan, aside: Path, folder: Path, write_s: float) -> Emission:
             notices += _selftest_stack(plan, footprint)
         checked = check(plan, library)
         notices += _activity(checked)
+        if plan.scene.coupling.mode == "auto" and plan.at_proxy and vibrates(plan, library):
+            notices.append("warning: what auto chose vibrates on a hold: see `springpot stability`")
     except NoCompilerError as error:
         unmeasured = str(error)
         notices.append(f"not built, so flash and stack could not be measured: {error}")

@@ -44,7 +44,7 @@ JITTER, DROPPED = 0.3, 0.1
 
 
 def losing_cases(plan: Plan, force: Force, hand: Hand) -> list[tuple[Case, Case]]:
-    """Each case, and the same without a loss. force: the model alone's."""
+    """Each case, and the same without a loss. force: the scene's on a motion."""
     space = Workspace.of(plan)
     longest = max(1, round(plan.watchdog_s / plan.dt_s) - 1)
     found = []
@@ -136,7 +136,7 @@ def held_case(space: Workspace, force: Force, hand: Hand) -> Case:
 
 
 def cases(plan: Plan, force: Force, hand: Hand) -> list[Case]:
-    """All cases but `stiff`, which holds another scene. force: the model alone's."""
+    """All cases but `stiff`, which holds another scene. force: the scene's on a motion."""
     space = Workspace.of(plan)
 
     def press(motion: Motion, seconds: float, jitter: float = 0.0) -> Scenario:

@@ -124,6 +124,7 @@ def tool_device(library: CLibrary, device: LoopDevice) -> CData:
             "viscous_nspm": device.viscous_nspm,
             "coulomb_n": device.coulomb_n,
             "encoder_step_m": device.resolution_um / 1e6,
+            "noise_m": device.noise_um / 1e6,
             "delay_samples": device.delay_samples,
         },
     )

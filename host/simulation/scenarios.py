@@ -126,8 +126,8 @@ def pressing(
 ) -> Scenario:
     """A hand that knows object and device: its intention carries the tool along `motion`.
 
-    intention = x + (f + B v + C sign(v) + M a)/k, with the force f of the model alone on that
-    motion and the device's Coulomb friction C.
+    intention = x + (f + B v + C sign(v) + M a)/k, with the force f of the scene on that motion
+    and the device's Coulomb friction C.
     """
     n = round(seconds / space.dt_s)
     rng = np.random.default_rng(1)

@@ -6,7 +6,7 @@ from dataclasses import asdict, dataclass, field, replace
 import numpy as np
 
 from springpot.codegen.arrays import Samples, rms
-from springpot.codegen.coupling.linear_loop import HAND_MODELS, Hand
+from springpot.codegen.coupling.linear_loop import CHECKED, Hand
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.messages import at_step, short_repr
 from springpot.codegen.plan import Plan
@@ -20,7 +20,6 @@ from springpot.host.stability.vibration import Vibration, high_passed_rms, vibra
 DEEPEST = 1.3  # of the trained depth, beside what a proxy's spring gives
 FARTHEST, _STEP = 3.0, 0.1  # of it too, for an object that bears a push no sooner
 STIFFER = 10.0
-MORE_DELAY = (0, 1)  # samples, beyond the device's own
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,11 +53,6 @@ class Outcome:
         """Name of the case."""
         return self.played.name
 
-    @property
-    def stiffer(self) -> bool:
-        """Whether the object was made stiffer."""
-        return self.played.stiffer
-
     def as_dict(self) -> dict[str, object]:
         names = (
             "hand", "case", "bounded", "max_depth_m", "delay_samples", "max_force_n",
@@ -81,27 +75,31 @@ class Rendered:
 
     def force(self, position_m: Samples) -> Samples:
         """The model alone's force on a motion from a fresh state, N."""
-        force_n, _ = self.model.new_state().run(position_m, np.zeros_like(position_m))
-        return force_n.astype(np.float64)
+        return self._along(self.model, position_m)
+
+    def felt(self, position_m: Samples) -> Samples:
+        """The scene's force on a motion from a fresh state, N: what a hand has to hold."""
+        return self._along(self.library, position_m)
+
+    def _along(self, library: SceneLibrary, position_m: Samples) -> Samples:
+        velocity_mps = np.gradient(position_m, self.plan.dt_s)
+        return library.new_state().run(position_m, velocity_mps)[0].astype(np.float64)
 
 
 def run_closed_loop(scene: Rendered, stiff: Rendered) -> Iterator[Outcome]:
     """Every case with every hand and delay. stiff: the object ten times stiffer."""
-    steps = len(HAND_MODELS) * len(MORE_DELAY)
-    for number, hand in enumerate(HAND_MODELS):
-        listed = [(scene, case) for case in cases(scene.plan, scene.force, hand)]
-        hold = stiff_case(stiff.plan, stiff.force, hand)
-        for later, more_delay in enumerate(MORE_DELAY):
-            at_step(f"closed loop, {hand.name} hand", number * len(MORE_DELAY) + later, steps)
-            for rendered, case in [*listed, (stiff, hold)]:
-                yield case_outcome(rendered, case, hand, more_delay)
-            yield from lossy_outcomes(scene, hand, more_delay)
+    for number, (hand, more_delay) in enumerate(CHECKED):
+        at_step(f"closed loop, {hand.name} hand", number, len(CHECKED))
+        for case in cases(scene.plan, scene.felt, hand):
+            yield case_outcome(scene, case, hand, more_delay)
+        yield case_outcome(stiff, stiff_case(stiff.plan, stiff.felt, hand), hand, more_delay)
+        yield from lossy_outcomes(scene, hand, more_delay)
 
 
 def lossy_outcomes(scene: Rendered, hand: Hand, more_delay: int) -> Iterator[Outcome]:
     """The cases that lose samples, beside the same without a loss."""
     found: dict[str, Outcome] = {}
-    for case, clean in losing_cases(scene.plan, scene.force, hand):
+    for case, clean in losing_cases(scene.plan, scene.felt, hand):
         if clean.name not in found:
             found[clean.name] = case_outcome(scene, clean, hand, more_delay)
         outcome = case_outcome(scene, case, hand, more_delay)
@@ -145,7 +143,7 @@ def case_outcome(rendered: Rendered, case: Case, hand: Hand, more_delay: int) ->
     allowed = (trace.force_n >= min_n) & (trace.force_n <= max_n)
     deepest_m = float(trace.position_m.max())
     give_m = max_n / plan.coupling.coupling.stiffness_npm if plan.at_proxy else 0.0
-    inside = deepest_m <= _deepest_m(rendered, space, case) + give_m
+    inside = case.quiet or case.beyond or deepest_m <= _deepest_m(rendered, space, case) + give_m
     still = [trace.velocity_mps[part] for part in case.still or (slice(None),)]
     error_n = rms(trace.felt_n - model_only_n)
     return Outcome(

@@ -1,10 +1,10 @@
-"""What the checks mean for a hand: outcomes graded, figures of the device in sentences."""
+"""What the checks mean for a hand: outcomes graded."""
 
-from collections.abc import Iterator, Sequence
+import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 
-from springpot.codegen.plan import Plan
 from springpot.host.stability.closed_loop import Outcome
 
 QUIET_MPS = 1e-3
@@ -64,19 +64,18 @@ def judge(outcome: Outcome) -> Judgement:
     lossy, vibration = outcome.losses is not None, outcome.vibration
     ends = outcome.latched_s is not None
     unbounded = not outcome.bounded or vibration.grows or ends
-    slow_mps = vibration.lf_speed_mps or 0.0
-    fast, slow = outcome.hf_speed_mps > QUIET_MPS, slow_mps > QUIET_MPS
-    loud = outcome.played.quiet and (fast or slow)
+    speed_mps = math.hypot(outcome.hf_speed_mps, vibration.lf_speed_mps or 0.0)
+    loud = outcome.played.quiet and speed_mps > QUIET_MPS
     faults = () if outcome.losses is None else outcome.losses.faults
-    unfaithful = not lossy and not outcome.stiffer and outcome.fidelity_percent > FAITHFUL_PERCENT
+    differs = outcome.fidelity_percent > FAITHFUL_PERCENT
+    unfaithful = differs and not lossy and not outcome.played.stiffer
     reasons = [
         words
         for holds, words in (
             (not outcome.bounded, "not bounded"),
             (vibration.grows, "vibrates more and more on a hold"),
             (ends, "ends, though enough samples come"),
-            (loud and fast, f"vibrates with {1e3 * outcome.hf_speed_mps:.2g} mm/s on a hold"),
-            (loud and slow, f"sways with {1e3 * slow_mps:.2g} mm/s below 15 Hz on a hold"),
+            (loud, f"vibrates with {1e3 * speed_mps:.2g} mm/s on a hold"),
             *((True, words) for words in faults),
             (unfaithful, "felt otherwise than the model"),
         )
@@ -88,7 +87,7 @@ def judge(outcome: Outcome) -> Judgement:
         reasons = ["no kick"] if lossy else ["bounded, quiet"] if outcome.played.quiet else [
             "bounded"
         ]  # fmt: skip
-    if outcome.stiffer and outcome.fidelity_percent > FAITHFUL_PERCENT:
+    if outcome.played.stiffer and differs:
         reasons.append("felt softer than it is, as its coupling means it to be")
     return Judgement(outcome, grade, ", ".join(reasons), unbounded, loud, bool(faults), unfaithful)
 
@@ -109,21 +108,3 @@ def judged_cases(outcomes: Sequence[Outcome]) -> list[Judgement]:
         if case not in worst or found.beyond > worst[case].beyond:
             worst[case] = found
     return sorted(worst.values(), key=lambda item: item.beyond, reverse=True)
-
-
-def device_advice(plan: Plan) -> Iterator[str]:
-    """Yield what the largest force and the noise of the velocity, where stated, mean."""
-    device = plan.scene.device
-    if device.max_force_n is not None and device.max_force_n < plan.max_force_n:
-        yield (
-            f"The scene's force may reach {plan.max_force_n:.3g} N and its device gives "
-            f"{device.max_force_n:g} N, so `run` will refuse it: set guard.max_force_n = "
-            f"{device.max_force_n:g}."
-        )
-    if device.velocity_noise_mps and plan.needs_device_velocity:
-        noise_n = plan.coupling.coupling.damping_nspm * device.velocity_noise_mps
-        yield (
-            f"The device's velocity, noisy by {device.velocity_noise_mps:.2g} m/s, puts "
-            f"{noise_n:.2g} N of noise into the force: "
-            'device.velocity = "estimate" does without it.'
-        )

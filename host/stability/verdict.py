@@ -2,11 +2,15 @@
 
 from collections.abc import Iterator, Sequence
 
-from springpot.codegen.coupling.linear_loop import HAND_MODELS
+from springpot.codegen.coupling.linear_loop import CHECKED
 from springpot.codegen.messages import number_of
 from springpot.codegen.plan import Plan
-from springpot.host.stability.closed_loop import MORE_DELAY, Outcome
-from springpot.host.stability.judgement import Grade, device_advice, judge
+from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.simulation.cases import held_case
+from springpot.host.simulation.hand_loop import HandLoop
+from springpot.host.simulation.scenarios import Workspace
+from springpot.host.stability.closed_loop import Outcome, Rendered, case_outcome
+from springpot.host.stability.judgement import Grade, judge
 from springpot.host.stability.small_signal import Map
 
 
@@ -64,8 +68,22 @@ def map_words(plan: Plan, model_map: Map, scene_map: Map) -> Iterator[str]:
 
 def device_words(plan: Plan) -> Iterator[str]:
     """Sentences on the device and the coupling."""
-    yield from device_advice(plan)
+    may_n, most_n = plan.scene.device.max_force_n, plan.max_force_n
+    if may_n is not None and may_n < most_n:
+        yield (
+            f"The scene's force may reach {most_n:.3g} N and its device gives {may_n:g} N, so "
+            f"`run` will refuse it: set guard.max_force_n = {may_n:g}."
+        )
     yield f"Coupling {plan.coupling.why}."
+
+
+def vibrates(plan: Plan, library: SceneLibrary) -> bool:
+    """Whether a scene vibrates above 1 mm/s in some hand that holds still."""
+    scene, space = Rendered(plan, HandLoop(library), library, library), Workspace.of(plan)
+    return any(
+        judge(case_outcome(scene, held_case(space, scene.felt, hand), hand, more)).loud
+        for hand, more in CHECKED
+    )
 
 
 def why_unbounded(plan: Plan, outcomes: Sequence[Outcome]) -> str:
@@ -113,8 +131,8 @@ def _between(plan: Plan) -> str:
 def _differs_by(outcomes: Sequence[Outcome]) -> str:
     """How far what is felt is from the model, by the greatest figure of each part."""
     whole = [item for item in outcomes if item.losses is None]
-    stiff = max(item.fidelity_percent for item in whole if item.stiffer)
-    soft = max(item.fidelity_percent for item in whole if not item.stiffer)
+    stiff = max(item.fidelity_percent for item in whole if item.played.stiffer)
+    soft = max(item.fidelity_percent for item in whole if not item.played.stiffer)
     lossy = [item for item in outcomes if item.losses is not None and not item.played.ends]
     percent = max((item.fidelity_percent for item in lossy), default=0.0)
     return (
@@ -129,8 +147,7 @@ def _named(items: Sequence[Outcome]) -> str:
     for item in items:
         late = f", delay {item.delay_samples}" if item.late else ""
         hands.setdefault(item.case, []).append(f"{item.hand}{late}")
-    every = len(HAND_MODELS) * len(MORE_DELAY)
     return ", ".join(
-        f"{case} ({'every hand' if len(found) == every else '; '.join(found)})"
+        f"{case} ({'every hand' if len(found) == len(CHECKED) else '; '.join(found)})"
         for case, found in hands.items()
     )

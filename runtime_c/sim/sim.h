@@ -83,6 +83,7 @@ typedef struct {
     double viscous_nspm;   /* 0 or more */
     double coulomb_n;      /* dry friction: 0 or more */
     double encoder_step_m; /* above 0 */
+    double noise_m;        /* standard deviation of its position: 0 or more */
     uint32_t delay_samples;
 } sim_tool_device;
 

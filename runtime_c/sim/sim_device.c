@@ -5,7 +5,7 @@
 
 static const double control_dt_s = 0.001;
 static const double force_noise_n = 0.015;
-static const double position_noise_m = 3e-6; /* of the usual step; others have as much of theirs */
+static const double position_noise_m = 3e-6;
 static const double motor_limit_n = 20.0;
 
 /* Force control: the command, plus P and filtered D of the load cell's error. */
@@ -13,9 +13,8 @@ static const double p_gain = 5.0;      /* N/N */
 static const double d_gain_s = 0.03;   /* N/(N/s) */
 static const double d_time_s = 0.0015; /* of the D part's low-pass */
 
-double sim_device_encoder_m(sim_noise *noise, double position_m, double step_m)
+double sim_device_encoder_m(sim_noise *noise, double position_m, double noise_m, double step_m)
 {
-    double noise_m = position_noise_m * (step_m / SIM_ENCODER_STEP_M);
     double noisy_m = position_m + noise_m * sim_noise_normal(noise);
     return step_m * floor(noisy_m / step_m + 0.5);
 }
@@ -93,7 +92,8 @@ int sim_bench_record(sim_bench *bench, uint32_t n, const double *command_n, doub
         return SIM_RANGE;
     }
     for (uint32_t i = 0; i < n; i++) {
-        position_m[i] = sim_device_encoder_m(&bench->noise, bench->position_m, SIM_ENCODER_STEP_M);
+        position_m[i] = sim_device_encoder_m(&bench->noise, bench->position_m, position_noise_m,
+                                             SIM_ENCODER_STEP_M);
         force_n[i] = bench->object.force_n + force_noise_n * sim_noise_normal(&bench->noise);
         control(bench, command_n[i], force_n[i]);
         move(bench);

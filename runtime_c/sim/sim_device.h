@@ -8,8 +8,8 @@
 
 #define SIM_ENCODER_STEP_M 10e-6
 
-/* What an encoder of that step reads for a true position, m. */
-double sim_device_encoder_m(sim_noise *noise, double position_m, double step_m);
+/* What an encoder of that noise (standard deviation) and step reads for a true position, m. */
+double sim_device_encoder_m(sim_noise *noise, double position_m, double noise_m, double step_m);
 
 struct sim_bench {
     sim_object object;

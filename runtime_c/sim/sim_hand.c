@@ -5,14 +5,14 @@
 
 #include "sim_device.h"
 
-/* Grasping hands, from a firm grip to two fingertips. */
+/* Hands, from a stiff pinch to one fingertip. */
 static const struct {
     const char *name;
     sim_hand hand;
 } hands[] = {
     {"mid", {0.25, 400.0, 6.0}},
-    {"firm", {0.30, 1000.0, 10.0}},
-    {"light", {0.12, 300.0, 2.0}},
+    {"firm", {0.03, 5000.0, 5.0}},
+    {"light", {0.03, 50.0, 0.5}},
 };
 enum { HANDS = sizeof hands / sizeof hands[0] };
 
@@ -24,6 +24,7 @@ struct sim_tool {
     uint32_t delay_samples;
     uint32_t noisy;
     double encoder_step_m;
+    double noise_m;
     sim_moved moved;
     sim_noise noise;
 
@@ -55,7 +56,8 @@ static int possible(const sim_tool_device *device)
     return device->mass_kg > 0.0 && isfinite(device->mass_kg) && device->viscous_nspm >= 0.0 &&
            isfinite(device->viscous_nspm) && device->coulomb_n >= 0.0 &&
            isfinite(device->coulomb_n) && device->encoder_step_m > 0.0 &&
-           isfinite(device->encoder_step_m) && device->delay_samples <= SIM_MAX_DELAY;
+           isfinite(device->encoder_step_m) && device->noise_m >= 0.0 &&
+           isfinite(device->noise_m) && device->delay_samples <= SIM_MAX_DELAY;
 }
 
 int sim_tool_init(sim_tool *tool, uint32_t hand, const sim_tool_device *device, uint32_t substeps,
@@ -72,6 +74,7 @@ int sim_tool_init(sim_tool *tool, uint32_t hand, const sim_tool_device *device, 
     tool->substeps = substeps;
     tool->delay_samples = device->delay_samples;
     tool->encoder_step_m = device->encoder_step_m;
+    tool->noise_m = device->noise_m;
     tool->moved = (sim_moved){device->mass_kg, device->viscous_nspm, device->coulomb_n};
     tool->noisy = noisy;
     sim_noise_init(&tool->noise, seed);
@@ -100,8 +103,8 @@ static void read_sensors(sim_tool *tool, double dt_s, double *position_m, double
         *velocity_mps = tool->motion.velocity_mps;
         return;
     }
-    double encoder_m =
-        sim_device_encoder_m(&tool->noise, tool->motion.position_m, tool->encoder_step_m);
+    double encoder_m = sim_device_encoder_m(&tool->noise, tool->motion.position_m, tool->noise_m,
+                                            tool->encoder_step_m);
     double difference_mps = (encoder_m - tool->encoder_m) / dt_s;
     double weight = dt_s / (dt_s + velocity_time_s);
     tool->encoder_speed_mps += weight * (difference_mps - tool->encoder_speed_mps);

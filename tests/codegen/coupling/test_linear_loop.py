@@ -1,4 +1,4 @@
-"""The linear loop: formula of Algorithm 1 as published, the exact step, what the loop allows."""
+"""The linear loop: its hands, and what it allows."""
 
 import re
 
@@ -6,30 +6,10 @@ import numpy as np
 import pytest
 
 from springpot.codegen.coupling.auto import STIFFNESS_MARGIN_PROXY, choose_coupling
-from springpot.codegen.coupling.gains import transition as exact_step
-from springpot.codegen.coupling.linear_loop import DESIGN_HAND, HAND_MODELS, LinearLoop
+from springpot.codegen.coupling.linear_loop import CHECKED, HAND_MODELS, LinearLoop
 from springpot.codegen.coupling.loop_device import DEVICE_DAMPING_NSPM, DEVICE_MASS_KG, LoopDevice
 from springpot.codegen.scene import Coupling
 from springpot.runtime_c.paths import SIM
-
-SETS = 100_000
-
-
-def random_sets() -> tuple[np.ndarray, ...]:
-    """k, b, m, dt with k, b > 0, half of them near Algorithm 1 as published's border."""
-    rng = np.random.default_rng(1)
-    k, b, m, dt = (
-        10.0 ** rng.uniform(low, high, SETS)
-        for low, high in ((0.0, 6.0), (-2.0, 5.0), (-3.0, 0.0), (-4.0, -2.0))
-    )
-    near = rng.uniform(size=SETS) < 0.5
-    size = 4.0 * 10.0 ** rng.normal(0.0, 0.05, SETS) / (2.0 * b * dt / m + k * dt**2 / m)
-    return k * np.where(near, size, 1.0), b * np.where(near, size, 1.0), m, dt
-
-
-def test_the_exact_step_is_stable_on_all_of_them() -> None:
-    steps = np.stack([exact_step(*row) for row in zip(*random_sets(), strict=True)])
-    assert np.abs(np.linalg.eigvals(steps)).max() < 1.0 + 1e-9
 
 
 def test_hands_are_the_simulated_ones() -> None:
@@ -41,16 +21,6 @@ def test_hands_are_the_simulated_ones() -> None:
     device = (SIM / "sim_hand.h").read_text()
     assert f"SIM_DEVICE_MASS_KG {DEVICE_MASS_KG}" in device
     assert f"SIM_DEVICE_DAMPING_NSPM {DEVICE_DAMPING_NSPM}" in device
-
-
-@pytest.mark.parametrize(
-    ("mode", "delay", "npmm"), [("off", 0, 20.0), ("off", 1, 6.6), ("tool", 1, 3.1)]
-)
-def test_limits_are_those_measured_on_prototypes(mode: str, delay: int, npmm: float) -> None:
-    # Within 15 %: there the loop was simulated, with an average of 0.7 behind the tool's coupling.
-    smoothing = 0.7 if mode == "tool" else 1.0
-    loop = LinearLoop(1e-3, Coupling(mode), DESIGN_HAND, LoopDevice(delay_samples=delay), smoothing)  # type: ignore[arg-type]
-    assert 1e-3 * loop.max_stiffness_npm() == pytest.approx(npmm, rel=0.15)
 
 
 @pytest.mark.few(1)
@@ -66,8 +36,7 @@ def test_what_auto_picks_is_stable_with_every_hand_or_says_that_it_is_not(seed: 
     proxy = choice.coupling.mode == "proxy"
     loops = [
         LinearLoop(1.0 / rate_hz, choice.coupling, hand, device.later(more))
-        for hand in HAND_MODELS
-        for more in ((0, 1) if proxy else (0,))
+        for hand, more in CHECKED
     ]
     # The choice looks at eight stiffnesses, this at a hundred: between them it may miss a little.
     most = STIFFNESS_MARGIN_PROXY if proxy else 1.0

@@ -41,7 +41,7 @@ NUMBERS: dict[str, tuple[float | None, list[float], list[float]]] = {
     "device.mass_kg": (None, [1e-3, 100], [0.999e-3, 100.1]),
     "device.viscous_nspm": (None, [0.0, 1e3], [-1e-9, 1.001e3]),
     "device.coulomb_n": (None, [0.0, 1e3], [-1e-9, 1.001e3]),
-    "device.velocity_noise_mps": (None, [0.0, 10], [-1e-9, 10.1]),
+    "device.position_noise_um": (None, [0.0, 1e4], [-1e-9, 1.001e4]),
     "device.surface_mm": (0.0, [-1e9, 1e9], []),
     "device.m_per_turn": (None, [1e-9, 100], [0.0, 100.1]),
     "device.zero_turns": (0.0, [-1e9, 1e9], []),

@@ -22,7 +22,7 @@ AVX512 = {"avx512f", "avx512bw", "avx512cd", "avx512dq", "avx512vl"}
 TARGETS = {
     "avx512": ("gcc", "-march=x86-64-v4"),
     "this processor": ("gcc", "-march=native"),
-    "32 bits": ("gcc", "-m32", "-msse2", "-mfpmath=sse"),
+    "32 bits": ("gcc", "-m32", "-malign-double", "-msse2", "-mfpmath=sse"),
     "not optimised": ("gcc", "-O0"),
     "optimised most": ("gcc", "-O3"),
     "clang": ("clang",),

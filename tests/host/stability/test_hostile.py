@@ -147,7 +147,7 @@ def test_hours_of_pressing_give_no_energy_and_do_not_drift(hand: str, mode: str)
         chosen = dataclasses.replace(chosen, coupling=Coupling())
     plan = make_plan(model, chosen)
     depth_m = float(plan.range.max_m)
-    reach_m = depth_m + 8.0 / {"mid": 400.0, "firm": 1000.0, "light": 300.0}[hand]
+    reach_m = depth_m + 8.0 / {"mid": 400.0, "firm": 5000.0, "light": 50.0}[hand]
     max_mps = 1.5 * reach_m / 0.1  # a stroke of 0.1 s
     bound_j = 2.0 * plan.coupling.felt_npm * max_mps * plan.dt_s * 1.3 * reach_m
     with built(plan) as library:
@@ -157,5 +157,5 @@ def test_hours_of_pressing_give_no_energy_and_do_not_drift(hand: str, mode: str)
     assert found["latched"] == 0
     assert found["presses"] > 0.1 * PRESS_S
     assert found["max_returned_j"] <= bound_j
-    assert found["max_taken_j"] > 1e-3
+    assert found["max_taken_j"] > 1e-4
     assert found["last_n"] == pytest.approx(found["first_n"], rel=0.05 if SOAK else 0.25)

@@ -82,7 +82,7 @@ def usual(*instead: Outcome) -> list[Outcome]:
         (losing("lost-1", latched_s=0.3), Grade.BAD, "ends, though enough samples come"),
         (losing("rate-10", 9.0, bounded=False), Grade.ENDS, "ends after 30 ms, as it should"),
         (losing("rate-10", ended=False), Grade.BAD, "goes on though too few samples come"),
-        (outcome("hold", vibration=Vibration(2e-3, 1.0)), Grade.LOOK, "sways with 2 mm/s"),
+        (outcome("hold", vibration=Vibration(2e-3, 1.0)), Grade.LOOK, "vibrates with 2 mm/s"),
         (outcome("hold", vibration=Vibration(5e-4, 2.5)), Grade.BAD, "more and more"),
         (outcome("hold", vibration=Vibration(5e-4, 1.5)), Grade.GOOD, "bounded, quiet"),
     ],

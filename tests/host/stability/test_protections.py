@@ -4,6 +4,7 @@
 | --- | --- |
 | slew | a position that is wrong by less than a jump changes the force at once |
 | jump | a sample that is far off is rendered |
+| resync | a jump that stays ends the session |
 | watchdog | the last force stays when no more samples come |
 | onset | a force that does not begin at 0 is felt as a step at the surface |
 | fade (outside = "zero") | the force ends at once beyond the trained depth |
@@ -23,13 +24,18 @@ from support.c import golden_forces
 from support.small import passive_model, scene
 
 from springpot.codegen.arrays import Samples
+from springpot.codegen.coupling.linear_loop import HAND_MODELS
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.model import Model
 from springpot.codegen.notes import HELD, LATCHED
 from springpot.codegen.plan import Plan
-from springpot.codegen.scene import Guard, Runtime
+from springpot.codegen.scene import Device, Guard, Runtime
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import built
+from springpot.host.simulation.cases import held_case
+from springpot.host.simulation.hand_loop import HandLoop, Operator
+from springpot.host.simulation.scenarios import Workspace
+from springpot.host.stability.closed_loop import Rendered
 
 NEVER = 1e9
 WITHOUT: dict[str, Callable[[Plan], Plan]] = {
@@ -38,6 +44,7 @@ WITHOUT: dict[str, Callable[[Plan], Plan]] = {
     "watchdog": lambda plan: replace(
         plan, silence=replace(plan.silence, watchdog_s=plan.dtype(NEVER))
     ),
+    "resync": lambda plan: replace(plan, guard=replace(plan.guard, resync_ticks=2**31)),
     "onset": lambda plan: replace(plan, per_onset=plan.dtype(NEVER)),
     "fade": lambda plan: replace(plan, per_fade=None if plan.per_fade is None else
                                  plan.dtype(NEVER)),
@@ -103,6 +110,28 @@ def test_no_protection_roughens_a_rest_or_a_vibration(rate_hz: float, stack: Exi
                     roughness(position_m, force_n), roughness(position_m, other_n), strict=True
                 ):
                     assert has <= may + 0.02 * abs(may) + 1e-9, name
+
+
+@pytest.mark.parametrize(("rate_hz", "stiffer"), [(100.0, 0.5), (8000.0, 8.0)])
+def test_no_protection_moves_what_any_hand_holds(
+    rate_hz: float, stiffer: float, stack: ExitStack
+) -> None:
+    """From a stiff pinch to one fingertip, knocked, with noise: the same to the last bit."""
+    device = Device(mass_kg=0.1, viscous_nspm=3.0, position_noise_um=30.0)
+    chosen = replace(scene(), runtime=Runtime(rate_hz=rate_hz), device=device)
+    plan = make_plan(golden_forces.model("hammerstein").stiffened(stiffer), chosen)
+    names = ("slew", "jump", "resync", "watchdog")
+    plans = [plan, *(WITHOUT[name](plan) for name in names)]
+    scenes = [Rendered(one, HandLoop(library), library, library)
+              for one in plans for library in [stack.enter_context(built(one))]]  # fmt: skip
+    for hand in HAND_MODELS:
+        case, operator = (
+            held_case(Workspace.of(plan), scenes[0].felt, hand),
+            Operator(hand.name, plan.loop_device),
+        )
+        traces = [one.loop.run(case.scenario, operator) for one in scenes]
+        for name, other in zip(names, traces[1:], strict=True):
+            assert np.array_equal(other.force_n, traces[0].force_n), (hand.name, name)
 
 
 def most_in_a_tick(forces: Forces, name: str, position_m: Samples) -> float:

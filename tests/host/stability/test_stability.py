@@ -65,12 +65,12 @@ def test_every_case_is_bounded_quiet_and_faithful(name: str, kind: str) -> None:
     found = stability(plan)
     assert found.check.stable
     whole = [outcome for outcome in found.outcomes if outcome.losses is None]
-    assert len(whole) == len(CASES) * 3 * 2
+    assert len(whole) == len(CASES) * 4
     for outcome in whole:
         assert outcome.bounded, outcome.as_dict()
         _is_quiet_and_faithful(outcome)
     lossy = [outcome for outcome in found.outcomes if outcome.losses is not None]
-    assert len(lossy) == 16 * 3 * 2
+    assert len(lossy) == 16 * 4
     for outcome in lossy:
         judged = judge(outcome)
         rare = outcome.case.startswith(("rate-50", "rate-10"))

@@ -30,7 +30,7 @@ from springpot.trainer.models.fit import FitOptions
 
 DT_S, HOLD_S = 1e-3, 11.5
 LIGHT = HAND_MODELS[2]
-# The design hand holds it, and the light one swings it up, at 4.5 Hz.
+# The design hand holds it, and the light one swings it up, at 3 Hz.
 HEAVY = Device(mass_kg=2.0, viscous_nspm=0.5, delay_samples=2)
 
 
@@ -76,7 +76,7 @@ def test_a_heavy_device_that_swings_up_slowly_is_seen() -> None:
     speeds = [outcome.trace.velocity_mps[part] for part in outcome.played.still]
     first = next(speed for speed in speeds if vibration_of([speed], plan.dt_s).grows)
     power = np.abs(np.fft.rfft(first * np.hanning(len(first))))
-    assert np.fft.rfftfreq(len(first), plan.dt_s)[power.argmax()] == pytest.approx(4.5, abs=1.0)
+    assert np.fft.rfftfreq(len(first), plan.dt_s)[power.argmax()] == pytest.approx(3.0, abs=0.7)
     quiet = held(plan, DESIGN_HAND, 0)
     assert judge(quiet).grade == Grade.GOOD
     assert not quiet.vibration.grows
@@ -124,4 +124,3 @@ def test_past_positions_vibrate_between_the_depths_that_were_looked_at_before() 
     ]
     near = [speed for share, speed in zip(HOLDS, speeds, strict=True) if 0.85 < share < 0.95]
     assert near and max(near) > 2e-3
-    assert outcome.hf_speed_mps < 1e-3  # above 15 Hz alone it would be quiet

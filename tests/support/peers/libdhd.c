@@ -116,7 +116,7 @@ static int call(void)
 static void begin(void)
 {
     const uint32_t seed = (uint32_t)page[SEED];
-    const sim_tool_device held = {mass_kg, damping_nspm, 0.0, 10e-6, 0};
+    const sim_tool_device held = {mass_kg, damping_nspm, 0.0, 10e-6, 3e-6, 0};
     sim_tool_init((sim_tool *)memory, (uint32_t)page[HAND], &held, 4, 1, seed, 0.0);
     sim_object_init((sim_object *)object_memory, (uint32_t)page[OBJECT], 0, 1.0, press_step_s, 2);
     memset(speed, 0, sizeof speed);
