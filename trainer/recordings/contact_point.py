@@ -8,12 +8,11 @@ import numpy as np
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.signals import noise_n, sensor_noise_n
+from springpot.trainer.recordings.signals import noise_n, quantisation_step, sensor_noise_n
 
 _LOW_SHARE = 0.05  # of the travel, taken as free of contact if its force is level
 _MIN_FREE_SHARE = 0.02
 _OWN_AIR = 5  # samples in it: their median errs by less than the noise
-_SAME = 1e-6  # of the range: the same value, printed with seven digits
 _LEVEL = 0.2  # of the mean slope: more at the lowest positions is no level without contact
 _RESTS, _MIDWAY = 0.02, (1 / 3, 2 / 3)  # of the way to the threshold
 _RISES = 0.35  # of the threshold, midway: a force that rises from the first move on
@@ -84,7 +83,7 @@ def find_contact(
         level_n = max(
             _NOISES * deviation_n,
             least_n,
-            _COUNTS * _resolution_n(free_n, _SAME * float(np.ptp(force_n))),
+            _COUNTS * (quantisation_step(force_n) or 0.0),
         )
     if not (force_n > base_n + level_n).any():
         raise DataError(
@@ -176,16 +175,6 @@ def _way_back_m(passes_m: list[float], noise: float, low_m: float) -> tuple[floa
     ratio = min(max(float(ways_m[1] / ways_m[0]), _NEARLY_EXPONENTIAL), _HIGHER)
     back_m = float(ways_m[0]) / (max(ratio, _STEEPEST) - 1.0)
     return back_m, max(float(ways_m[0]) / (ratio - 1.0) - line_m, line_m) + line_m * noise
-
-
-def _resolution_n(free_n: Samples, same_n: float) -> float:
-    """Smallest step between two values without contact, N: a count of the sensor, or hardly any.
-
-    Where most samples have one value, their median deviation is 0, whatever the others have.
-    """
-    steps_n = np.diff(np.unique(free_n))
-    steps_n = steps_n[steps_n > same_n]
-    return float(steps_n.min()) if len(steps_n) else 0.0
 
 
 def _slope_npm(position_m: Samples, force_n: Samples, below_m: float) -> float:
