@@ -83,10 +83,9 @@ def fit_model(
     """
     from springpot.trainer.models.training_set import training_set
 
-    options, warnings = _default_smoothing(recordings, options)
+    options = _default_smoothing(recordings, options)
     kind = _kind_of_places(kind, recordings)
     data = training_set(recordings, options.smooth_s)
-    data = replace(data, warnings=(*data.warnings, *warnings))
     return fit_kind(kind, name, data, options, validation)
 
 
@@ -114,26 +113,16 @@ def _kind_of_places(kind: str, recordings: "Sequence[Recording]") -> str:
     return HAMMERSTEIN.name
 
 
-def _default_smoothing(
-    recordings: "Sequence[Recording]", options: "FitOptions"
-) -> "tuple[FitOptions, list[str]]":
-    """Shorten the default smoothing where it would take more than noise; say so.
+def _default_smoothing(recordings: "Sequence[Recording]", options: "FitOptions") -> "FitOptions":
+    """Shorten the default smoothing where it would take more than noise.
 
     Another time is one that a person chose: `training_set` refuses it.
     """
     from springpot.trainer.recordings.signals import longest_smoothing_s
 
     if not recordings or options.smooth_s != PAPER_SMOOTH_S:
-        return options, []
-    most_s = longest_smoothing_s(recordings, PAPER_SMOOTH_S)
-    if options.smooth_s <= most_s:
-        return options, []
-    over = f"over {most_s:.3g} s" if most_s else "not at all"
-    line = (
-        f"recordings are smoothed {over}: {PAPER_SMOOTH_S:g} s would be more than a quarter of the "
-        "shortest one, or flatten a peak of the force by more than 3 %"
-    )
-    return replace(options, smooth_s=most_s), [line]
+        return options
+    return replace(options, smooth_s=longest_smoothing_s(recordings, PAPER_SMOOTH_S))
 
 
 def fit_kind(

@@ -20,7 +20,8 @@ _NORMAL = 1.4826  # standard deviation of normal noise over the median of its si
 _OUTERMOST, _VISIT = 0.02, 5  # of the travel; samples
 _SURE, _DRIFTED = 4.0, 0.02  # deviations; of the force's range: a drift that is no noise
 MAX_SMOOTHED = 0.25  # of the shortest recording
-_FLATTENED = 0.03  # of a peak: an impact of 30 ms once lost half of its own
+_IN_CONTACT = 0.1  # of the largest force
+_BENT = 0.5  # of the noise
 _HALVINGS = 3
 _STRONG = 0.5  # of the set's largest force: in weaker recordings noise makes the peaks
 
@@ -142,19 +143,29 @@ def smoothed(recording: Recording, smooth_s: float) -> Recording:
 
 
 def longest_smoothing_s(recordings: Sequence[Recording], most_s: float) -> float:
-    """Return the longest of most_s, its half, ... that takes noise and no peak; 0 if none does."""
+    """Return the longest of most_s, its half, ... that takes noise and no motion; 0 if none does.
+
+    What it takes off a force in contact is the noise, and a bend that it straightens: the latter
+    may be half as large as the noise, RMS. (As long as it flattened no peak by 3 %, impacts of
+    50 ms were fitted with ten times the error of none.)
+    """
     longest_s = min(most_s, MAX_SMOOTHED * min(each.duration_s for each in recordings))
-    peaks_n = [float(np.abs(each.force_n).max()) for each in recordings]
-    strong = [
-        (each, peak_n - 3.0 * noise_n(each.force_n))
-        for each, peak_n in zip(recordings, peaks_n, strict=True)
-        if peak_n >= _STRONG * max(peaks_n)
-    ]
+    peak_n = max(float(np.abs(each.force_n).max()) for each in recordings)
+    strong = [each for each in recordings if np.abs(each.force_n).max() >= _STRONG * peak_n]
     for halvings in range(_HALVINGS + 1):
         smooth_s = longest_s * 0.5**halvings
         if all(
-            np.abs(smoothed(each, smooth_s).force_n).max() >= (1.0 - _FLATTENED) * peak_n
-            for each, peak_n in strong
+            _straightened_n(each, smooth_s) <= _BENT * sensor_noise_n(each.force_n)
+            for each in strong
         ):
             return smooth_s
     return 0.0
+
+
+def _straightened_n(recording: Recording, smooth_s: float) -> float:
+    """RMS that smoothing takes off a force in contact beyond its noise, N."""
+    samples = smoothing_samples(smooth_s, recording.dt_s)
+    contact = np.abs(recording.force_n) > _IN_CONTACT * np.abs(recording.force_n).max()
+    taken_n = (recording.force_n - smoothed(recording, smooth_s).force_n)[contact]
+    noise_n = sensor_noise_n(recording.force_n)
+    return math.sqrt(max(0.0, float(np.mean(taken_n**2)) - noise_n**2 * (1.0 - 1.0 / samples)))
