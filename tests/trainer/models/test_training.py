@@ -60,7 +60,7 @@ def test_smoothing_is_zero_phase_and_keeps_a_line() -> None:
 
 def test_the_fit_predicts_what_scikit_learn_predicts() -> None:
     model, item = small_fit().model, training()[2]
-    data = training_set(training(), 0.025)
+    data = training_set(training(), longest_smoothing_s(training(), 0.025))
     rows = data.rows(None, 1)
     scale = 64.0  # the power of two nearest to 1/0.012 m
     assert depth_scale(DEPTH_M) == scale
