@@ -37,8 +37,9 @@ def validated(folder: Path, mode: str, details: dict[str, object] | None = None)
 
 def test_a_bare_scene_is_its_model(tmp_path: Path) -> None:
     found = validated(tmp_path, "off")
-    assert found.rendering_n < found.model_rmse_n
-    assert found.accuracy.rmse_n == pytest.approx(found.model_rmse_n, rel=0.1)
+    peak_n = max(item.force_n.max() for item in training()[:3])
+    assert found.rendering_n < 1e-3 * peak_n  # of the onset at the surface
+    assert abs(found.accuracy.rmse_n - found.model_rmse_n) <= found.rendering_n
     rows = validation_rows(found)
     assert "the hand feels" not in rows["RMSE, the model alone"]
     assert "signs" not in rows
