@@ -4,6 +4,7 @@ import atexit
 import io
 import signal
 import sys
+from types import FrameType
 
 import click
 
@@ -42,6 +43,7 @@ def main() -> None:
     """Entry point: run a command; a refusal is one line on standard error and its exit status."""
     # Once a command is done its status stands, however long Python takes to end.
     atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
+    interrupts = _counted_interrupts()
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper):
             # File names that are no UTF-8, and letters that the locale lacks, must not stop a run.
@@ -69,12 +71,35 @@ def main() -> None:
     except click.exceptions.Exit as stop:
         sys.exit(stop.exit_code)
     except ModuleNotFoundError as error:
-        package = (error.name or "").split(".")[0]
-        if package == "springpot":
-            raise
-        if package in sys.stdlib_module_names:  # fcntl, termios, resource
-            say(f"springpot: this system's Python has no {package}: use Linux, or WSL2 on Windows")
-            sys.exit(2)
-        extras = "springpot[train,report,can,files,m2cgen,study]"
-        say(f"springpot: {package} is not installed: `pip install '{extras}'`")
+        say(f"springpot: {_what_is_missing(error)}")
         sys.exit(2)
+    except Exception:
+        if not interrupts:
+            raise
+        # A compiled module that is being imported makes another error of Ctrl-C.
+        say("springpot: interrupted")
+        sys.exit(130)
+
+
+def _counted_interrupts() -> list[int]:
+    """Grows with each Ctrl-C, which interrupts as before."""
+    interrupts: list[int] = []
+
+    def on_interrupt(number: int, frame: FrameType | None) -> None:
+        interrupts.append(number)
+        signal.default_int_handler(number, frame)
+
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, on_interrupt)
+    return interrupts
+
+
+def _what_is_missing(error: ModuleNotFoundError) -> str:
+    """Raises the error if the module is one of springpot's own."""
+    package = (error.name or "").split(".")[0]
+    if package == "springpot":
+        raise error
+    if package in sys.stdlib_module_names:  # fcntl, termios, resource
+        return f"this system's Python has no {package}: use Linux, or WSL2 on Windows"
+    extras = "springpot[train,report,can,files,m2cgen,study]"
+    return f"{package} is not installed: `pip install '{extras}'`"

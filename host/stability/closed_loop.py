@@ -14,7 +14,13 @@ from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.simulation.cases import cases, losing_cases, stiff_case
 from springpot.host.simulation.hand_loop import HandLoop, Operator, Trace
 from springpot.host.simulation.scenarios import Case, Workspace
-from springpot.host.stability.losses import Losses, ended, latched_s, losses_of
+from springpot.host.stability.losses import (
+    Losses,
+    ended,
+    latched_s,
+    longest_silence_ticks,
+    losses_of,
+)
 from springpot.host.stability.vibration import Vibration, high_passed_rms, vibration_of
 
 DEEPEST = 1.3  # of the trained depth, beside what a proxy's spring gives
@@ -143,7 +149,11 @@ def case_outcome(rendered: Rendered, case: Case, hand: Hand, more_delay: int) ->
     allowed = (trace.force_n >= min_n) & (trace.force_n <= max_n)
     deepest_m = float(trace.position_m.max())
     give_m = max_n / plan.coupling.coupling.stiffness_npm if plan.at_proxy else 0.0
-    inside = case.quiet or case.beyond or deepest_m <= _deepest_m(rendered, space, case) + give_m
+    # Without a sample no force may grow: the tool goes on meanwhile, as fast as it is.
+    silent_s = longest_silence_ticks(case.scenario) * plan.dt_s
+    missed_m = silent_s * float(np.abs(trace.velocity_mps).max())
+    may_m = _deepest_m(rendered, space, case) + give_m + missed_m
+    inside = case.quiet or case.beyond or deepest_m <= may_m
     still = [trace.velocity_mps[part] for part in case.still or (slice(None),)]
     error_n = rms(trace.felt_n - model_only_n)
     return Outcome(

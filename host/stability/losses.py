@@ -101,6 +101,12 @@ def _taken(scenario: Scenario) -> NDArray[np.bool_]:
     return np.asarray((scenario.dropped == TAKEN) & np.isfinite(scenario.error_m))
 
 
+def longest_silence_ticks(scenario: Scenario) -> int:
+    """Ticks of the longest time without a good sample."""
+    taken = np.concatenate([[True], _taken(scenario), [True]])
+    return int(np.diff(np.flatnonzero(taken)).max()) - 1
+
+
 def _good_ticks(scenario: Scenario) -> NDArray[np.int64]:
     """Samples that have come one after the other, this one too; many before the first loss."""
     good = _taken(scenario)
