@@ -68,7 +68,8 @@ def _plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
         max_m=dtype(model.trained.max_m),
     )
     fade_m = FADE * (float(trained.max_m) - float(trained.min_m))
-    stiffness_npm = max_stiffness_npm(stages, model, trained, ticks)
+    output = output_config(model, scene, ticks)
+    stiffness_npm = max_stiffness_npm(stages, model, trained, ticks, float(output.max_n))
     choice = _coupling(scene, stiffness_npm, dt_s)
     couple = None
     if choice.coupling.mode != "off":
@@ -92,7 +93,7 @@ def _plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
         at_proxy=choice.coupling.mode == "proxy",
         max_mps=dtype(max_mps(model)),
         smooth_alpha=None if alpha is None else dtype(alpha),
-        output=output_config(model, scene, ticks),
+        output=output,
         silence=silence_config(watchdog_s, ticks),
         watchdog_s=float(dtype(watchdog_s)),
         left_out=(
@@ -168,9 +169,12 @@ def _outside_note(model: Model, scene: Scene) -> str:
 
 
 def max_stiffness_npm(
-    stages: Stages, model: Model, trained: RangeConfig, ticks: SceneTicks
+    stages: Stages, model: Model, trained: RangeConfig, ticks: SceneTicks, max_n: float
 ) -> float:
-    """Maximum secant over 5 % of the depth, pressed from rest at any depth, N/m."""
+    """Maximum secant over 5 % of the depth, pressed from rest at any depth, N/m.
+
+    Of a force up to the maximum, which is all that a hand feels.
+    """
     base_m = float(trained.min_m)
     span_m = float(trained.max_m) - base_m
     starts_m = base_m + span_m * np.arange(0.0, RANGE_FACTOR, STEP)
@@ -185,5 +189,6 @@ def max_stiffness_npm(
         starts = np.arange(0, len(penetration), count)
         force_n = model_force(stages, motions, starts, np.ones(len(penetration), dtype=bool))
         force_n = force_n.reshape(motion.shape).astype(np.float64)
-        found = max(found, float((force_n[:, -1] - force_n[:, 0]).max()) / (STEP * span_m))
+        felt_n = np.minimum(force_n, max_n)
+        found = max(found, float((felt_n[:, -1] - felt_n[:, 0]).max()) / (STEP * span_m))
     return found

@@ -14,16 +14,39 @@ Place = tuple[
 ]  # piece of a curve and share of the way through it, both (n,)
 
 
-def curve_nodes(slopes_n: Reals) -> NDArray[np.float64]:
-    """Values and slopes a piece at the nodes: (J + 1, 2, curves); the last row repeats the slopes.
+def curve_nodes(slopes_n: Reals, growth: float = 0.0) -> NDArray[np.float64]:
+    """Values and slopes a piece at the nodes: (J + 1, 2, curves); last the slopes a piece later.
 
-    slopes_n: (curves, J), for u from 0 to 1, straight between the nodes.
+    slopes_n: (curves, J), for u from 0 to 1, straight between the nodes. growth: see `Hammerstein`.
     """
     per_piece = slopes_n.T / pieces_of_one(slopes_n.shape[1])
     rises = 0.5 * (per_piece[1:] + per_piece[:-1])
     values = np.concatenate([np.zeros((1, len(slopes_n))), np.cumsum(rises, axis=0)])
     nodes = np.stack([values, per_piece], axis=1)
-    return np.concatenate([nodes, nodes[-1:]])
+    beyond = np.stack([values[-1], per_piece[-1] + _grown(per_piece, growth)])
+    return np.concatenate([nodes, beyond[None]])
+
+
+def with_beyond(slopes_n: Reals, growth: float) -> NDArray[np.float64]:
+    """Slopes (curves, J) at the nodes, and beyond the last one the most they grow to: one more."""
+    grown_n = slopes_n[:, -1] + bent_pieces(slopes_n.shape[1]) * _grown(slopes_n.T, growth)
+    return np.concatenate([slopes_n, grown_n[:, None]], axis=1)
+
+
+def _grown(slopes: Reals, growth: float) -> Reals:
+    """How much slopes (J, curves) grow in a piece after the last."""
+    if growth == 0.0 or len(slopes) == 1:
+        return np.zeros_like(slopes[0])
+    rises = np.maximum(np.diff(slopes, axis=0), 0.0)
+    last, before = rises[-1], rises[-2:][0]
+    faster = np.divide(last, before, out=np.ones_like(last), where=before > 0.0)
+    grown: Reals = last * np.clip(faster, 1.0, growth)
+    return grown
+
+
+def bent_pieces(nodes: int) -> float:
+    """Pieces beyond the last node in which slopes go on growing: a quarter of the trained depth."""
+    return max(0.25 * pieces_of_one(nodes), 1.0)
 
 
 def pieces_of_one(nodes: int) -> int:
@@ -44,7 +67,9 @@ def curve_values(nodes: Reals, place: Place) -> Reals:
     piece, way = place
     real = nodes.dtype.type
     begin, end = nodes[piece], nodes[piece + 1, 1]
-    half = (real(0.5) * way)[:, None]
+    bent, half = real(bent_pieces(len(nodes) - 1)), (real(0.5) * way)[:, None]
+    if (far := way > bent).any():
+        half[far, 0] = bent - real(0.5) * bent * bent / way[far]
     values: Reals = begin[:, 0] + way[:, None] * (begin[:, 1] + half * (end - begin[:, 1]))
     return values
 

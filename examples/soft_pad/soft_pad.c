@@ -1,4 +1,4 @@
-/* springpot 0.1.0 8d66866dfab7abec70f6ff8f17764da36ca12f91bd7f35b3759707931855b4c4 */
+/* springpot 0.1.0 0235d2aae2fe5df4cc6de024c6580a56ec1fc9b498ed77698edb7a96e0e7c284 */
 /* pad: the whole scene, its self-test too. How to call it: soft_pad.h.
  *
  * In the order of a tick: units, each named by its file in springpot and without what this scene does
@@ -252,13 +252,14 @@ static inline float soft_pad_range_clip(const soft_pad_range_config *config, flo
 
 /* Curves of the depth: smooth, and monotone.
  *
- * u is 0 at the lowest trained position and 1 at the maximum. Each curve is given at equally spaced
- * nodes from 0 to 1 by its value and its slope. Between nodes the slope is straight, so that the
- * curve is a parabola; beyond the last one it goes on straight. With slopes >= 0 it never falls. */
+ * u is 0 at the lowest trained position, 1 at the deepest. Each curve has a value and a slope at
+ * equally spaced nodes from 0 to 1. It is a parabola between them, and for a quarter of the depth
+ * beyond the last one, then straight. With slopes >= 0 it never falls. */
 
 typedef struct {
     uint32_t piece;
-    float way; /* from the start of the piece, 1 at its end; beyond 1 in the last piece */
+    float way;  /* from the start of the piece, 1 at its end; beyond 1 in the last piece */
+    float half; /* of the way in which the slope grows */
 } soft_pad_curve_place;
 
 /* Curves do not move below u = 0. n_pieces: those between nodes, and the one beyond. */
@@ -267,24 +268,23 @@ static inline soft_pad_curve_place soft_pad_curve_at(float u, uint32_t n_pieces)
     const float per_piece = (float)(n_pieces > 1u ? n_pieces - 1u : 1u);
     const float last = (float)(n_pieces - 1u);
     const float passed = u > (float)0 ? u * per_piece : (float)0;
-    const float found = passed < last ? passed : last;
-    soft_pad_curve_place place;
-    place.piece = (uint32_t)found;
-    place.way = passed - (float)place.piece;
-    return place;
+    const uint32_t piece = (uint32_t)(passed < last ? passed : last);
+    const float way = passed - (float)piece;
+    const float bent = per_piece > (float)4 ? (float)0.25 * per_piece : (float)1;
+    const float half = way > bent ? bent - (float)0.5 * bent * bent / way : (float)0.5 * way;
+    return (soft_pad_curve_place){piece, way, half};
 }
 
 /* nodes: [n_pieces + 1][2][n_curves], the values and the slopes a piece, at each node; the last row
- * repeats the slopes. values: [n_curves]. */
+ * has the slopes a piece beyond. values: [n_curves]. */
 static inline void soft_pad_curve(const float *nodes, uint32_t n_curves, soft_pad_curve_place place,
                             float *values)
 {
     const float *value = nodes + place.piece * 2 * n_curves;
     const float *slope = value + n_curves;
     const float *next = slope + 2 * n_curves;
-    const float half = (float)0.5 * place.way;
     for (uint32_t i = 0; i < n_curves; i++) {
-        values[i] = value[i] + place.way * (slope[i] + half * (next[i] - slope[i]));
+        values[i] = value[i] + place.way * (slope[i] + place.half * (next[i] - slope[i]));
     }
 }
 
@@ -905,7 +905,7 @@ uint32_t soft_pad_state_size(void)
 
 const char *soft_pad_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"8d66866dfab7abec70f6ff8f17764da36ca12f91bd7f35b3759707931855b4c4\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"0235d2aae2fe5df4cc6de024c6580a56ec1fc9b498ed77698edb7a96e0e7c284\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 8d66866dfab7abec70f6ff8f17764da36ca12f91bd7f35b3759707931855b4c4 */
+/* springpot 0.1.0 0235d2aae2fe5df4cc6de024c6580a56ec1fc9b498ed77698edb7a96e0e7c284 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SOFT_PAD_RATE_HZ:

@@ -133,7 +133,7 @@ def pieces(families: Sequence[Folds]) -> Indices:
     return np.unique(code, return_inverse=True)[1]
 
 
-def geometric_mean(errors: list[float]) -> float:
+def geometric_mean(errors: Sequence[float] | Samples) -> float:
     """Mean that one fold of extrapolation does not decide by itself."""
     return float(np.exp(np.mean(np.log(np.maximum(errors, 1e-12)))))
 

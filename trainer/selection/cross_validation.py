@@ -10,7 +10,8 @@ from springpot.codegen.arrays import Indices, Samples, rms
 from springpot.codegen.model.features import Features
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.folds import fold_families
-from springpot.trainer.models.passive.passive_fit import passive_choice, term_columns
+from springpot.trainer.models.passive.passive_fit import passive_choice
+from springpot.trainer.models.passive.term_values import term_columns
 from springpot.trainer.models.rf_fd import depth_scale, fitted_forest
 from springpot.trainer.models.training_set import TrainingSet
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from springpot.codegen.arrays import Real, Reals
 from springpot.codegen.literals import array_text, constant_text, members_text
-from springpot.codegen.model.formulas import curve_nodes
+from springpot.codegen.model.formulas import curve_nodes, with_beyond
 from springpot.codegen.model.passive import Hammerstein, power_order
 from springpot.codegen.stages.passive.beside import (
     DamageCurves,
@@ -254,10 +254,13 @@ def hammerstein_stage(model: Hammerstein, ticks: SceneTicks, follows: str) -> Ha
     dtype, n_stops = ticks.dtype, len(model.radius_m)
     steps, slopes_n, held_n = branch_steps(model, ticks)
     remembers = model.starts_conditioned if ticks.conditioned is None else ticks.conditioned
-    spring_n = model.elastic_n + model.stop_n.sum(axis=0)
+    springs_n = np.vstack([model.elastic_n, model.stop_n])
+    growth = model.growth
+    spring = curve_nodes(springs_n.sum(axis=0)[None])[:, :, 0]
+    spring[-1] = curve_nodes(springs_n, growth)[-1].sum(axis=1)  # each stop's grows as its curve
     flow = None if model.flow is None else flow_branches(model.flow, ticks)
-    damage = None if model.damage is None else damage_curves(model.damage, ticks)
-    stops = curve_nodes(model.stop_n).astype(dtype)
+    damage = None if model.damage is None else damage_curves(model.damage, growth, ticks)
+    stops = curve_nodes(model.stop_n, growth).astype(dtype)
     return HammersteinStage(
         config=HammersteinConfig(
             origin_m=dtype(model.origin_m),
@@ -267,14 +270,14 @@ def hammerstein_stage(model: Hammerstein, ticks: SceneTicks, follows: str) -> Ha
             n_branches=len(slopes_n),
             n_stops=n_stops,
         ),
-        spring=curve_nodes(spring_n[None])[:, :, 0].astype(dtype),
-        branches=curve_nodes(slopes_n).astype(dtype),
+        spring=spring.astype(dtype),
+        branches=curve_nodes(slopes_n, growth).astype(dtype),
         steps=steps,
         stops=np.moveaxis(stops, 2, 0),
         radius=(model.radius_m / model.span_m).astype(dtype),
         flow=flow,
         damage=damage,
-        surface=_surface(model, spring_n + slopes_n.sum(axis=0), flow, dtype)
+        surface=_surface(model, np.vstack([springs_n, slopes_n]), flow, dtype)
         if ticks.surface and model.recovers
         else None,
         pulls=not ticks.surface,
@@ -294,9 +297,9 @@ def _start(model: Hammerstein, held_n: Reals, dtype: RealType) -> StartMemory:
 def _surface(
     model: Hammerstein, slopes_n: Reals, flow: FlowBranches | None, dtype: RealType
 ) -> RecoveringSurface:
-    beside_n = np.zeros(model.nodes)
+    most_n = with_beyond(slopes_n, model.growth).sum(axis=0)
     if flow is not None:
-        beside_n = beside_n + flow.slopes_n(model.nodes)
+        most_n = most_n + np.append(its_n := flow.slopes_n(model.nodes), its_n[-1])
     if model.damage is not None:
-        beside_n = beside_n + steepest_n(model.damage)
-    return surface_of(slopes_n + beside_n, dtype)
+        most_n = most_n + steepest_n(model.damage, model.growth)
+    return surface_of(most_n, dtype)

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 a7122c28fa44c3648795efa195622124d636a7f71f31c0013c1aaf91f1a725a8 */
+/* springpot 0.1.0 cb54060e434675eaff187c671a7c4cb0a5bb9c4921d4113f121cdefac8dc7f4c */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:

@@ -26,9 +26,9 @@ from springpot.trainer.models.passive.passive_fit import (
     PassiveChoice,
     better,
     passive_choice,
-    term_columns,
 )
 from springpot.trainer.models.passive.passive_terms import plain_terms, to_model
+from springpot.trainer.models.passive.term_values import term_columns
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.models.training_set import training_set
 from springpot.trainer.recordings.recording_file import read_recordings
@@ -111,6 +111,24 @@ def test_slopes_that_no_row_saw_go_on_as_the_last_ones_seen() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.parametrize(("stiffening", "deeper"), [(4.0, 1.1), (2.0, 1.2), (-1.0, 1.2)])
+def test_an_object_is_pressed_deeper_than_it_was_trained(stiffening: float, deeper: float) -> None:
+    """Slopes of what stiffens grow; a constant one errs by more than three times as much."""
+    presses = [(share, hz) for share in (0.4, 0.7, 1.0) for hz in (0.5, 2.0)]
+    training = [tissue(f"{k}", press(hz, share * DEPTH_M), stiffening)
+                for k, (share, hz) in enumerate(presses)]  # fmt: skip
+    model = fit_model("hammerstein", "x", training, FitOptions()).model
+    assert model.hammerstein is not None
+    assert (model.hammerstein.growth > 0.0) is (stiffening > 0.0)
+    deep = tissue("deep", press(1.0, deeper * DEPTH_M), stiffening)
+    constant = replace(model, hammerstein=replace(model.hammerstein, growth=0.0))
+    error_n, its_n = (
+        np.abs(predict_n(each, deep) - deep.force_n).max() for each in (model, constant)
+    )
+    assert error_n < 0.03 * deep.force_n.max()
+    assert stiffening < 0.0 or error_n < its_n / 3.0
+
+
 def test_an_object_that_flows_is_fitted_by_flow() -> None:
     recordings = []
     for hz, share in product((0.3, 1.0, 3.0), (0.3, 0.6, 1.0)):

@@ -127,6 +127,7 @@ def random_model(seed: int, surface: bool = False) -> Hammerstein:
             curve_n=weights(damage, n),
         ),
         recovers=surface,
+        growth=float(rng.choice([0.0, 1.0, 2.0])),
     )
 
 

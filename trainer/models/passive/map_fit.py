@@ -12,9 +12,10 @@ from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.passive.map_grid import Grid, grid_of
 from springpot.trainer.models.passive.map_problem import MapProblem
 from springpot.trainer.models.passive.nonnegative import Normal
-from springpot.trainer.models.passive.passive_fit import NODES, passive_choice, term_columns
+from springpot.trainer.models.passive.passive_fit import NODES, passive_choice
 from springpot.trainer.models.passive.passive_rows import PassiveRows
 from springpot.trainer.models.passive.passive_terms import Terms, plain_terms
+from springpot.trainer.models.passive.term_values import term_columns
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.recording import Recording, sites_of
 

@@ -12,9 +12,10 @@ from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.model.passive import Hammerstein
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.folds import Folds, geometric_mean
+from springpot.trainer.models.passive.growth import growing
 from springpot.trainer.models.passive.nonnegative import Normal, sparse_solve
 from springpot.trainer.models.passive.passive_force import with_memory
-from springpot.trainer.models.passive.passive_rows import PassiveRows, passive_rows
+from springpot.trainer.models.passive.passive_rows import NEGLIGIBLE, PassiveRows, passive_rows
 from springpot.trainer.models.passive.passive_terms import (
     DEPTH_POLES,
     Terms,
@@ -25,7 +26,7 @@ from springpot.trainer.models.passive.passive_terms import (
     with_rates,
 )
 from springpot.trainer.models.passive.recovery import SPARSE_LOSS, recovering
-from springpot.trainer.models.passive.term_values import added_columns, columns
+from springpot.trainer.models.passive.term_values import added_columns, term_columns
 from springpot.trainer.models.training_set import TrainingSet
 
 NODES = (9, 13, 25)  # of each curve; the last where a layer is pressed flat within a few hundredths
@@ -34,9 +35,6 @@ _ROUGHER = 1.01  # times less error is what a penalty ten times lower has to bri
 _UNCOVERED = 13  # nodes, between which rows may be missing
 _FINER = (1.0, 1.01, 1.1)  # and more nodes: 25 cost flash
 BETTER, NO_WORSE = 0.9, 1.02  # times the error, in all and in each family, of a richer law
-# Of the peak: what errors gain far below it no hand can tell, and a richer law pays for it where
-# recordings end. A silicone in short presses: 0.11 -> 0.08 % held out, 0.23 -> 0.51 % in long ones.
-_NEGLIGIBLE = 0.002
 RATE_RATIOS = (16.0, 1.0 / 16.0)  # relaxing faster at the surface, or deep inside
 
 
@@ -70,9 +68,10 @@ class PassiveChoice:
         return self.rows.peak_n * sparse_solve(normal, self.terms.blocks, SPARSE_LOSS)
 
     def model(self, data: TrainingSet) -> Hammerstein:
-        """Of `weights`; with a surface that recovers, if the object's does."""
-        model = to_model(self.terms, self.weights())
-        model = recovering(model, self.terms, self.penalty, self.rows, data)
+        """Of `weights`; with a surface that recovers and slopes that grow, if the object's do."""
+        weights = self.weights()
+        model = recovering(to_model(self.terms, weights), self.terms, self.penalty, self.rows, data)
+        model = growing(model, self.terms, weights, self.penalty, self.rows, data)
         return with_memory(model, data)
 
     def weights_without(self, family: int, fold: int) -> Samples | None:
@@ -105,11 +104,6 @@ def timed_passive(
     key = ("passive model", options.fraction, options.seed, options.poles)
     model, model_s = data.once(key, lambda: choice.model(data))
     return (model, len(choice.rows.rows), choice.error_n), chosen_s + model_s
-
-
-def term_columns(terms: Terms, data: TrainingSet, rows: Indices) -> Samples:
-    """Values of all terms at rows of all recordings, (rows, terms)."""
-    return data.along_motions(rows, lambda motion, at: columns(terms, motion, data.dt_s, at))
 
 
 def passive_choice(data: TrainingSet, options: FitOptions) -> tuple[PassiveChoice, float]:
@@ -223,7 +217,7 @@ def _smooth_error_n(choice: PassiveChoice) -> float:
 def better(best: PassiveChoice, other: PassiveChoice) -> PassiveChoice:
     """The richer law if it has less error in all, and no more in any family of folds."""
     pairs = zip(other.errors_n, best.errors_n, strict=True)
-    negligible_n = _NEGLIGIBLE * best.rows.peak_n
+    negligible_n = NEGLIGIBLE * best.rows.peak_n
     gains = hypot(other.error_n, negligible_n) < BETTER * hypot(best.error_n, negligible_n)
     return other if gains and all(its <= NO_WORSE * bests for its, bests in pairs) else best
 

@@ -18,6 +18,9 @@ from springpot.trainer.models.folds import (
 from springpot.trainer.models.passive.nonnegative import Normal, normal_equations
 from springpot.trainer.models.training_set import TrainingSet
 
+# Of the peak: what errors gain far below it no hand can tell, and a richer law pays for it where
+# recordings end. A silicone in short presses: 0.11 -> 0.08 % held out, 0.23 -> 0.51 % in long ones.
+NEGLIGIBLE = 0.002
 _ROWS = 12_000
 _LET_GO = 0.02  # of the peak: so little force is none
 _ROUNDS = 3  # until the same samples are let go

@@ -21,6 +21,7 @@ from springpot.codegen.stages.passive.beside import FUNCTIONS
 from springpot.trainer.features import highpass, highpass_by_depth
 from springpot.trainer.models.depths import DepthMotion
 from springpot.trainer.models.passive.passive_terms import Terms
+from springpot.trainer.models.training_set import TrainingSet
 
 _AT_ONCE = 1 << 18  # samples of functions along a motion: those of a press fit into a cache
 _CHUNK = 1 << 16  # samples that stand as Python's numbers at once
@@ -43,6 +44,11 @@ def columns(terms: Terms, motion: DepthMotion, dt_s: float, rows: Indices) -> Sa
     values = _by_function(terms, place, curves_of)
     bias = np.tile([1.0, -1.0], (len(rows), 1)) if terms.bias else np.empty((len(rows), 0))
     return np.concatenate([values, bias, _added(terms, motion, dt_s, rows, place)], axis=1)
+
+
+def term_columns(terms: Terms, data: TrainingSet, rows: Indices) -> Samples:
+    """Values of all terms at rows of all recordings, (rows, terms)."""
+    return data.along_motions(rows, lambda motion, at: columns(terms, motion, data.dt_s, at))
 
 
 def added_columns(terms: Terms, motion: DepthMotion, dt_s: float, rows: Indices) -> Samples:
