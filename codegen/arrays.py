@@ -28,8 +28,7 @@ def given_numbers(values: Any, argument: str) -> Samples:
         if texts or given.dtype.kind in "US":
             what = "text"
         elif given.dtype.kind in "iufO":
-            found: Samples = given.astype(np.float64, copy=False)
-            return found
+            return given.astype(np.float64, copy=False)
         else:
             what = str(given.dtype)  # truths, dates, complex numbers
     except (TypeError, ValueError):

@@ -68,8 +68,7 @@ def transition(
         c = decay * math.cos(root * dt_s)
         s = decay * (math.sin(root * dt_s) / root if root > 0.0 else dt_s)
     matrix = np.array([[0.0, 1.0], [-stiffness_npm / mass_kg, -damping_nspm / mass_kg]])
-    phi: NDArray[np.float64] = c * np.eye(2) + s * (matrix - a * np.eye(2))
-    return phi
+    return c * np.eye(2) + s * (matrix - a * np.eye(2))
 
 
 def couple_config(coupling: Coupling, dt_s: float, real: Callable[[float], Real]) -> CoupleConfig:

@@ -63,8 +63,7 @@ def rates_by_depth(tau_s: Samples, rate_ratio: float, nodes: int) -> Samples:
     ratio^(1/2 - u)/tau: `rate_ratio` is the rate at the surface over that at the trained depth.
     """
     u = np.linspace(0.0, 1.0, nodes)
-    rates: Samples = rate_ratio ** (0.5 - np.append(u, u[-1])[:, None]) / tau_s
-    return rates
+    return rate_ratio ** (0.5 - np.append(u, u[-1])[:, None]) / tau_s
 
 
 def loss_by_depth(tau_s: Samples, rate_ratio: float, dt_s: float, nodes: int) -> Samples:
@@ -83,8 +82,7 @@ def flow_functions(u: Reals) -> Reals:
 
 def flow_loss(rate_ps: Samples, power: NDArray[np.int64], dt_s: float) -> Samples:
     """(p - 1) rate dt of each flowing branch, (F,)."""
-    loss: Samples = (power - 1.0) * rate_ps * dt_s
-    return loss
+    return (power - 1.0) * rate_ps * dt_s
 
 
 def flow_grown(held: Reals, loss: Reals, n_cubic: int) -> Reals:

@@ -142,8 +142,7 @@ class Flow:
     @property
     def tau_s(self) -> NDArray[np.float64]:
         """Time constant of each branch while it holds FLOW_SHARE, (F,), s."""
-        tau_s: NDArray[np.float64] = 1.0 / (self.rate_ps * FLOW_SHARE ** (self.power - 1.0))
-        return tau_s
+        return 1.0 / (self.rate_ps * FLOW_SHARE ** (self.power - 1.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -265,8 +264,7 @@ class Hammerstein:
     def slowest_s(self) -> NDArray[np.float64]:
         """Longest time constant of each branch at any depth, (P,), s."""
         slower = np.sqrt(max(self.rate_ratio, 1.0 / self.rate_ratio))
-        slowest_s: NDArray[np.float64] = self.tau_s * np.where(self.by_depth, slower, 1.0)
-        return slowest_s
+        return self.tau_s * np.where(self.by_depth, slower, 1.0)
 
     @property
     def memory_s(self) -> float:

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from springpot import Model, Recording, Scene, SpringpotError, read_model
-from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.model_file import model_bytes, model_hash
 from springpot.codegen.plan import Plan, state_bytes
@@ -195,9 +194,7 @@ def hot_ns(plan: Plan, library: SceneLibrary, recordings: Sequence[Recording]) -
     Fits keep all cores busy, and other programs may use them too.
     """
     longest = max(recordings, key=lambda recording: len(recording.position_m))
-    position = longest.position_m.astype(plan.dtype)
-    velocity = backward_velocity(position, plan.dt_s)
-    return min(Replay(library).hot_ns(position, velocity) for _ in range(_HOT_REPEATS))
+    return min(Replay(library).hot_ns(longest.position_m) for _ in range(_HOT_REPEATS))
 
 
 def target_compiler(target: Target) -> str | None:

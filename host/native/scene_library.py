@@ -82,8 +82,12 @@ class SceneLibrary:
         """0, or 1 + the first golden tick whose bits differ."""
         return int(self.function("selftest")())
 
-    def new_state(self) -> "SceneState":
-        return SceneState(self)
+    def new_state(self, place_m: tuple[float, float] | None = None) -> "SceneState":
+        """A fresh state; place_m: x and y where it is pressed, m, if the scene has a map."""
+        state = SceneState(self)
+        if place_m is not None:
+            state.place(place_m)
+        return state
 
 
 class SceneState:
@@ -126,7 +130,9 @@ class SceneState:
     def idle(self, dt_s: float) -> tuple[float, int]:
         """No sample came for dt_s: force (N) and notes. Raises UsageError for a bad dt_s."""
         notes = self._library.function("idle")(self._state, dt_s, self._force)
-        return self._force[0], _taken(notes, dt_s)
+        if notes < 0:
+            raise UsageError(f"dt_s = {dt_s}: give a positive time step in s")
+        return self._force[0], notes
 
     def run(self, position_m: Reals, velocity_mps: Reals | None = None) -> tuple[Reals, int]:
         """A batch: forces, shape (n,), N, and all notes. Inputs are rounded to the scene's type."""
@@ -148,13 +154,6 @@ class SceneState:
         if notes < 0:
             raise UsageError("this scene reads the device's velocity: give velocity_mps")
         return force, notes
-
-
-def _taken(notes: int, dt_s: float) -> int:
-    """Notes of a call that takes dt_s. Raises UsageError if it took none."""
-    if notes < 0:
-        raise UsageError(f"dt_s = {dt_s}: give a positive time step in s")
-    return notes
 
 
 @contextmanager

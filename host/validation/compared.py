@@ -173,9 +173,7 @@ def proxy_positions(
     if not plan.at_proxy:
         return None
     offset = member_offset(plan, "couple")
-    state = library.new_state()
-    if place_m is not None:
-        state.place(place_m)
+    state = library.new_state(place_m)
     found = np.zeros_like(position)
     for i in range(len(position) - 1):
         state.step(float(position[i]), float(velocity[i]))

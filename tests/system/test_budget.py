@@ -25,11 +25,11 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
 @pytest.mark.parametrize(
     ("what", "most"),
     [
-        ("codegen/*.py", 6620),
-        ("trainer/*.py", 8610),
-        ("host/*.py", 13420),
+        ("codegen/*.py", 6612),
+        ("trainer/*.py", 8583),
+        ("host/*.py", 13379),
         ("runtime_c/*.[ch] codegen/*.j2", 7880),
-        ("tests/*.py", 20160),
+        ("tests/*.py", 20152),
     ],
 )
 def test_lines(what: str, most: int) -> None:

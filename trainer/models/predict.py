@@ -66,8 +66,7 @@ def _forest_force(forest: Forest, values: Samples) -> Samples:
     features = values.astype(np.float32)
     if forest.quantisation is not None:
         features = rounded(forest.quantisation, features)
-    force_n: Samples = forest_force(forest, quantised_leaves(forest), features, np.float64)
-    return force_n
+    return forest_force(forest, quantised_leaves(forest), features, np.float64)
 
 
 @regressor_force.register

@@ -132,8 +132,7 @@ def _held_out_rmse(system: Samples, force_n: Samples, fold: np.ndarray) -> float
 
 def _ridge_solve(matrix: Samples, vector: Samples) -> Samples:
     ridge = _RIDGE * np.trace(matrix) / len(matrix) * np.eye(len(matrix))
-    weights: Samples = np.linalg.solve(matrix + ridge, vector)
-    return weights
+    return np.linalg.solve(matrix + ridge, vector)
 
 
 def _paper_errors(

@@ -48,8 +48,7 @@ class MapProblem:
     def amounts(self) -> Samples:
         """Amount of one material at each site, (sites,)."""
         amounts, _ = self.fitted(range(len(self.sites)), 1)
-        found: Samples = (self.grid.weights @ amounts)[:, 0]
-        return found
+        return (self.grid.weights @ amounts)[:, 0]
 
     def sparse(self) -> "MapProblem":
         """The same with as few branches, stops and curves as serve a map of one material."""

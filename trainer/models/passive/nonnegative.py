@@ -52,8 +52,7 @@ class Normal:
         weights[chosen] = _nonnegative(
             scaled + _RIDGE * np.eye(len(scaled)), (self.vector / size)[chosen], begin
         )
-        result: Samples = weights / size
-        return result
+        return weights / size
 
     @property
     def _size(self) -> Samples:
@@ -98,8 +97,7 @@ def _nonnegative(matrix: Samples, vector: Samples, free: NDArray[np.bool_]) -> S
             wrong[: np.flatnonzero(wrong)[-1]] = False
         free = free ^ wrong
     factor = np.linalg.cholesky(matrix)
-    found: Samples = nnls(factor.T, np.linalg.solve(factor, vector), maxiter=30 * len(vector))[0]
-    return found
+    return nnls(factor.T, np.linalg.solve(factor, vector), maxiter=30 * len(vector))[0]
 
 
 def normal_equations(columns: Samples, target: Samples) -> Normal:
