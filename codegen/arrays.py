@@ -9,6 +9,7 @@ from springpot.codegen.errors import DataError
 
 Samples = NDArray[np.float64]
 Indices = NDArray[np.intp]  # indices of samples
+Flags = NDArray[np.bool_]
 Real = np.float32 | np.float64
 Reals = NDArray[Any]  # of a scene's number type
 

@@ -4,9 +4,8 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Reals
+from springpot.codegen.arrays import Flags, Reals
 from springpot.codegen.coupling.gains import CoupleConfig
 from springpot.codegen.plan import Plan
 from springpot.codegen.stages.model_stages import RangeConfig
@@ -14,7 +13,7 @@ from springpot.codegen.stages.stage import Starts, bounded
 from springpot.codegen.tool_motion import Followed
 from springpot.codegen.types import Scalar
 
-ModelForce = Callable[[int, Reals, Starts, NDArray[np.bool_]], Reals]
+ModelForce = Callable[[int, Reals, Starts, Flags], Reals]
 _CHUNK = 1024  # ticks predicted at a time, at most
 _MIN = 8  # at least: a pass has a cost of its own
 _AHEAD = 4  # times the ticks that the last pass verified
@@ -25,10 +24,10 @@ class ContactTrace:
     """Run as the coupling sees it: the tool's motion, and whether it is in contact, (rows,)."""
 
     motion: Followed
-    contact: NDArray[np.bool_]
+    contact: Flags
 
     @property
-    def placed(self) -> NDArray[np.bool_]:
+    def placed(self) -> Flags:
         """Rows, (rows,), that set the proxy to the tool: contact begins, or history restarts."""
         begins = self.contact & ~np.concatenate([[False], self.contact[:-1]])
         starts = self.motion.starts

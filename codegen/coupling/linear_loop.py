@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.coupling.gains import transition
 from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE, LoopDevice
 from springpot.codegen.scene import Coupling
@@ -13,7 +13,7 @@ from springpot.codegen.stages.windows import TIME_S as VELOCITY_S
 from springpot.codegen.types import Scalar
 
 _LIMIT_WITHIN = 1.001  # of the first unstable stiffness
-Matrices = NDArray[np.float64]
+Matrices = Samples
 HandName = Literal["mid", "firm", "light"]
 
 
@@ -52,20 +52,20 @@ class LinearLoop:
     device: LoopDevice = ASSUMED_DEVICE
     smoothing: float = 1.0
 
-    def spectral_radius(self, stiffness_npm: float | NDArray[np.float64]) -> NDArray[np.float64]:
+    def spectral_radius(self, stiffness_npm: float | Samples) -> Samples:
         """Maximum |eigenvalue| of one tick for each object stiffness (n,), N/m: shape (n,)."""
         matrices = self._tick(np.atleast_1d(np.asarray(stiffness_npm, dtype=np.float64)))
-        radius: NDArray[np.float64] = np.abs(np.linalg.eigvals(matrices)).max(axis=1)
+        radius: Samples = np.abs(np.linalg.eigvals(matrices)).max(axis=1)
         return radius
 
-    def swing_radius(self, stiffness_npm: float | NDArray[np.float64]) -> NDArray[np.float64]:
+    def swing_radius(self, stiffness_npm: float | Samples) -> Samples:
         """As `spectral_radius`, of what swings: without the positive eigenvalues below 1.
 
         Those creep to their end, however slowly, and no hand feels them vibrate.
         """
         values = np.linalg.eigvals(self._tick(np.atleast_1d(np.asarray(stiffness_npm, np.float64))))
         creeps = (values.imag == 0.0) & (values.real > 0.0) & (values.real < 1.0)
-        radius: NDArray[np.float64] = np.where(creeps, 0.0, np.abs(values)).max(axis=1)
+        radius: Samples = np.where(creeps, 0.0, np.abs(values)).max(axis=1)
         return radius
 
     def max_stiffness_npm(self) -> float:
@@ -85,7 +85,7 @@ class LinearLoop:
             grid = np.linspace(low, high, 20)
         return 1e7
 
-    def _tick(self, stiffness_npm: NDArray[np.float64]) -> Matrices:
+    def _tick(self, stiffness_npm: Samples) -> Matrices:
         """One tick applied to each unit vector of the state: shape (n, states, states)."""
         mode = self.coupling.mode
         step = _Step(len(stiffness_npm), 4 + 2 * (mode != "off") + 1 + self.device.delay_samples)
@@ -138,5 +138,5 @@ class _Step:
         self._n = n
         self._unit = np.eye(states)
 
-    def row(self, state: int) -> NDArray[np.float64]:
+    def row(self, state: int) -> Samples:
         return np.broadcast_to(self._unit[state], (self._n, len(self._unit)))

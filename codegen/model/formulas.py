@@ -7,14 +7,12 @@ relaxation change with the depth along the same nodes. Filters follow a motion.
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Real, Reals, Samples
+from springpot.codegen.arrays import Indices, Real, Reals, Samples
 
-Place = tuple[
-    NDArray[np.intp], Reals
-]  # piece of a curve and share of the way through it, both (n,)
+Place = tuple[Indices, Reals]  # piece of a curve and share of the way through it, both (n,)
 
 
-def curve_nodes(slopes_n: Reals) -> NDArray[np.float64]:
+def curve_nodes(slopes_n: Reals) -> Samples:
     """Values and slopes a piece at the nodes: (J + 1, 2, curves); the last row repeats the slopes.
 
     slopes_n: (curves, J), for u from 0 to 1, straight between the nodes.
@@ -93,7 +91,7 @@ def flow_grown(held: Reals, loss: Reals, n_cubic: int) -> Reals:
     return np.concatenate([cubic, np.sqrt(np.sqrt(real(1) + loss[n_cubic:] * fifth))], axis=-1)
 
 
-def loss_and_gain(tau_s: NDArray[np.float64], dt_s: float) -> tuple[Reals, Reals]:
+def loss_and_gain(tau_s: Samples, dt_s: float) -> tuple[Reals, Reals]:
     """1 - exp(-dt/tau), and the gain of an input that is linear within the step: both (poles,)."""
     loss = -np.expm1(-dt_s / tau_s)
     return loss, loss * tau_s / dt_s

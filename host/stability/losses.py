@@ -8,7 +8,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from springpot.codegen import notes
-from springpot.codegen.arrays import Samples
+from springpot.codegen.arrays import Flags, Samples
 from springpot.codegen.plan import Plan
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.simulation.cases import LATE, TAKEN
@@ -97,7 +97,7 @@ def ended(plan: Plan, trace: Trace) -> bool:
     return fallen < len(trace.force_n) and not trace.force_n[fallen:].any()
 
 
-def _taken(scenario: Scenario) -> NDArray[np.bool_]:
+def _taken(scenario: Scenario) -> Flags:
     return np.asarray((scenario.dropped == TAKEN) & np.isfinite(scenario.error_m))
 
 

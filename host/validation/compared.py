@@ -4,9 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Reals, Samples
+from springpot.codegen.arrays import Flags, Reals, Samples
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.messages import caution, counted
 from springpot.codegen.plan import Plan, member_offset
@@ -36,14 +35,12 @@ def at_ticks(recording: Recording, dt_s: float) -> Recording:
     )
 
 
-def at_samples(
-    force_n: NDArray[np.float64], recording: Recording, dt_s: float
-) -> NDArray[np.float64]:
+def at_samples(force_n: Samples, recording: Recording, dt_s: float) -> Samples:
     """Forces of a scene's ticks, (ticks,), N, at the recording's samples, (samples,)."""
     if len(force_n) == len(recording.position_m):
         return force_n
     own_s = np.arange(len(recording.position_m)) * recording.dt_s
-    found_n: NDArray[np.float64] = np.interp(own_s, np.arange(len(force_n)) * dt_s, force_n)
+    found_n: Samples = np.interp(own_s, np.arange(len(force_n)) * dt_s, force_n)
     return found_n
 
 
@@ -181,10 +178,10 @@ def proxy_positions(
     return found
 
 
-def bits_differ(one: Reals, other: Reals) -> NDArray[np.bool_]:
+def bits_differ(one: Reals, other: Reals) -> Flags:
     """Return where two arrays of one type have other bits."""
     bits = np.uint32 if one.dtype == np.float32 else np.uint64
-    result: NDArray[np.bool_] = one.view(bits) != other.view(bits)
+    result: Flags = one.view(bits) != other.view(bits)
     return result
 
 

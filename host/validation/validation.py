@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.errors import DataError, MismatchError
@@ -70,7 +69,7 @@ class Validation:
     mismatches: int
     notes: dict[str, int]
     ticks: TickTimes
-    predicted_n: tuple[NDArray[np.float64], ...]
+    predicted_n: tuple[Samples, ...]
     manifest: JsonObject
     floor: NoiseFloor
     recordings: tuple[Recording, ...]

@@ -132,7 +132,7 @@ def fitted_forest(options: FitOptions, values: NDArray[np.float32], force_n: Sam
 
 def fit_forest(
     features: Samples, force_n: Samples, scale: float, options: FitOptions
-) -> tuple[Forest, NDArray[np.float64]]:
+) -> tuple[Forest, Samples]:
     """Random forest on scaled features, unscaled, and each feature's importance, (features,)."""
     regressor = fitted_forest(options, (scale * features).astype(np.float32), force_n)
     return forest_ir(regressor).on_scaled(scale), regressor.feature_importances_

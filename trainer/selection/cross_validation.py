@@ -4,9 +4,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Indices, Samples, rms
+from springpot.codegen.arrays import Flags, Indices, Samples, rms
 from springpot.codegen.model.features import Features
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.folds import fold_families
@@ -25,8 +24,8 @@ class RowFold:
     """
 
     family: int
-    kept: NDArray[np.bool_]
-    held: NDArray[np.bool_]
+    kept: Flags
+    held: Flags
     left_n: Samples
 
 

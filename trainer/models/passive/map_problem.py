@@ -12,9 +12,8 @@ from math import inf
 from operator import add
 
 import numpy as np
-from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Samples
+from springpot.codegen.arrays import Flags, Samples
 from springpot.codegen.model.passive import Hammerstein, Places
 from springpot.trainer.models.passive.map_grid import FINER, Grid
 from springpot.trainer.models.passive.nonnegative import Normal, sparse_solve
@@ -145,7 +144,7 @@ def _kron(one: Samples, other: Samples) -> Samples:
     return np.asarray(np.kron(one, other), dtype=np.float64)
 
 
-def _of_columns(site: Normal, columns: NDArray[np.bool_]) -> Normal:
+def _of_columns(site: Normal, columns: Flags) -> Normal:
     return Normal(
         site.matrix[np.ix_(columns, columns)], site.vector[columns], site.square, site.rows
     )

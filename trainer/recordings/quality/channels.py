@@ -8,9 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Indices, Samples
+from springpot.codegen.arrays import Flags, Indices, Samples
 from springpot.codegen.messages import number_of
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
 from springpot.trainer.recordings.recording import Recording
@@ -280,7 +279,7 @@ def _wraps(samples: Samples, other: Samples) -> list[int]:
     return wraps if len(wraps) > max(1, _MOST_JUMPS * len(jumps)) else []
 
 
-def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
+def _runs(flags: Flags) -> list[tuple[int, int]]:
     """Begin and end (exclusive) of each run of true."""
     edges = np.diff(np.concatenate(([0], flags.astype(np.int8), [0])))
     return list(zip(*(np.flatnonzero(edges == e).tolist() for e in (1, -1)), strict=True))
