@@ -63,6 +63,16 @@ def require_positive(name: str, values: Samples, shape: tuple[int, ...]) -> None
     require(bool(np.all(values > 0.0)), f"{name}: not above 0")
 
 
+def runs(flags: Flags) -> list[tuple[int, int]]:
+    """Begin and end (exclusive) of each run of true.
+
+    >>> runs(np.array([True, False, True, True]))
+    [(0, 1), (2, 4)]
+    """
+    edges = np.flatnonzero(np.diff(flags.astype(np.int8), prepend=0, append=0)).tolist()
+    return list(zip(edges[::2], edges[1::2], strict=True))
+
+
 def rms(values: Samples) -> float:
     """Root mean square.
 

@@ -188,11 +188,8 @@ def _unlike_recordings(fit: "Fit", data: "TrainingSet") -> Iterator[str]:
         (each, np.arange(0, len(each.force_n), max(1, len(each.force_n) // _ROWS_COMPARED)))
         for each in data.recordings
     ]
-    parts_n = np.split(
-        predict_each_n(fit.model, pieces), np.cumsum([len(rows) for _, rows in pieces])[:-1]
-    )
     factors, off_n = {}, 0.0
-    for (recording, rows), part_n in zip(pieces, parts_n, strict=True):
+    for (recording, rows), part_n in zip(pieces, predict_each_n(fit.model, pieces), strict=True):
         if part_n.any():
             factor = float(part_n @ recording.force_n[rows]) / float(part_n @ part_n)
             factors[recording.name] = factor

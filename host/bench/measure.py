@@ -119,7 +119,7 @@ def measure_point(
         with built(plan) as library:
             found = {
                 **prediction_errors(plan, library, data.validation),
-                "tick_ns_hot": hot_ns(plan, library, data.validation),
+                "tick_ns_hot": hot_ns(library, data.validation),
                 "ram_bytes": state_bytes(plan),
                 **small_signal_map(plan, library, 0).as_dict(),
                 **_sizes(model, candidate.number, target),
@@ -188,7 +188,7 @@ def prediction_errors(
     }
 
 
-def hot_ns(plan: Plan, library: SceneLibrary, recordings: Sequence[Recording]) -> float:
+def hot_ns(library: SceneLibrary, recordings: Sequence[Recording]) -> float:
     """Return median time of a tick on the longest recording, in a tight loop; the lowest of five.
 
     Fits keep all cores busy, and other programs may use them too.

@@ -25,9 +25,9 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
 @pytest.mark.parametrize(
     ("what", "most"),
     [
-        ("codegen/*.py", 6605),
-        ("trainer/*.py", 8566),
-        ("host/*.py", 13375),
+        ("codegen/*.py", 6615),
+        ("trainer/*.py", 8537),
+        ("host/*.py", 13379),
         ("runtime_c/*.[ch] codegen/*.j2", 7880),
         ("tests/*.py", 20152),
     ],

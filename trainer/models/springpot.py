@@ -9,7 +9,6 @@ rendered as a continuum of Maxwell branches, whose spectrum is known in closed f
 import time
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from itertools import product
 
 import numpy as np
@@ -119,12 +118,13 @@ def _table(data: TrainingSet, rows: Indices) -> _Table:
     """Rows of a set; branches from a quarter of a time step to ten times the longest recording."""
     fast_s, slow_s = _FASTEST_STEPS * data.dt_s, _BEYOND * data.longest_s
     tau_s = np.geomspace(fast_s, slow_s, 2 + int(np.log10(slow_s / fast_s) * _PER_DECADE))
-    depth_m = data.along(rows, lambda depth, at: depth[at]) - data.trained.min_m
-    columns = [depth_m]
-    for tau in tau_s.tolist():
-        columns.append(data.along(rows, partial(_branch, tau_s=tau, dt_s=data.dt_s)))
-    columns.append(data.force_n(rows))
-    table, means = np.stack(columns, axis=1), np.zeros(len(columns))
+
+    def branches(depth_m: Samples, at: Indices) -> Samples:
+        held = (highpass(depth_m, tau, data.dt_s)[at] for tau in tau_s.tolist())
+        return np.stack([depth_m[at] - data.trained.min_m, *held], axis=1)
+
+    table = np.column_stack([data.along(rows, branches), data.force_n(rows)])
+    means = np.zeros(table.shape[1])
     owner, many = data.owner(rows), len(data.recordings)
     for its in (owner == number for number in np.unique(owner)):
         if data.contact == "always":
@@ -133,10 +133,6 @@ def _table(data: TrainingSet, rows: Indices) -> _Table:
         table[its] /= np.sqrt(its.sum())
     unit = owner if many >= _MIN_UNITS else np.arange(len(rows)) * _BLOCKS // len(rows)
     return _Table(tau_s, table, means, unit)
-
-
-def _branch(depth_m: Samples, rows: Indices, tau_s: float, dt_s: float) -> Samples:
-    return highpass(depth_m, tau_s, dt_s)[rows]
 
 
 def _own_way(data: TrainingSet, rows: Indices) -> tuple[TrainingSet, Indices]:

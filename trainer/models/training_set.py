@@ -148,15 +148,10 @@ def choose_rows(rows_total: int, fraction: float | None, rng: np.random.Generato
     return np.sort(rng.choice(rows_total, size=wanted, replace=False))
 
 
-def training_set(
-    recordings: Sequence[Recording], smooth_s: float, contact: Contact | None = None
-) -> TrainingSet:
-    """Prepare recordings. Raises DataError where they do not fit together.
-
-    contact: of the whole that these are a part of; by default what these show.
-    """
+def training_set(recordings: Sequence[Recording], smooth_s: float) -> TrainingSet:
+    """Prepare recordings. Raises DataError where they do not fit together."""
     dt_s = common_time_step(recordings)
-    contact, warning = (contact, "") if contact else contact_of(recordings)
+    contact, warning = contact_of(recordings)
     shortest = min(recordings, key=lambda recording: len(recording.force_n))
     if smooth_s > MAX_SMOOTHED * shortest.duration_s:
         raise UsageError(
