@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from importlib import import_module
+from pkgutil import resolve_name
 from typing import TYPE_CHECKING
 
 from springpot.codegen.entry_points import blaming, registered
@@ -41,7 +41,10 @@ class Kind:
 
     def function(self) -> Callable[..., "Fit"]:
         """What `fit` names, loaded."""
-        return _loaded(self.fit) if isinstance(self.fit, str) else self.fit
+        if not isinstance(self.fit, str):
+            return self.fit
+        found: Callable[..., Fit] = resolve_name(self.fit)
+        return found
 
 
 _MODELS = "springpot.trainer.models"
@@ -143,7 +146,7 @@ def fit_kind(
     # machine that has other work.
     with threadpool_limits(1, user_api="blas"):
         if kind == AUTO:
-            fit = _loaded(_AUTO_FIT)(name, data, options, validation)
+            fit: Fit = resolve_name(_AUTO_FIT)(name, data, options, validation)
         else:
             fit = _fitted(kind, name, data, options, validation)
     warnings = dict.fromkeys(
@@ -230,13 +233,6 @@ def _require_name(what: str, name: str, entry: str) -> None:
     """Raise TypeError for a name by which commands would look for a kind that is not there."""
     if name != entry:
         raise TypeError(f"{what} has the name {name!r}: give that of its entry point")
-
-
-def _loaded(path: str) -> Callable[..., "Fit"]:
-    """Return the function that "module:name" names."""
-    module, _, name = path.partition(":")
-    found: Callable[..., Fit] = getattr(import_module(module), name)
-    return found
 
 
 def _short_recordings(data: "TrainingSet", options: "FitOptions") -> tuple[str, ...]:

@@ -137,11 +137,10 @@ def build_batch(folder: Path, board: Board, out: Path) -> Path:
     """Build the program that makes calls out of a file, for the emulator (sp_batch.c)."""
     plan = read_emission(folder).plan
     _copy(folder, out, plan)
-    for name in ("sp_batch.c", "sp_port.c", "sp_transducer.c", *_headers(), *board.sources):
+    ports = ("sp_batch.c", "sp_port.c", TRANSDUCER, *board.sources)
+    for name in (*ports, *_headers()):
         _port_file(name, plan, out)
-    ports = ("sp_batch.c", "sp_port.c", "sp_transducer.c", *board.sources)
-    sources = (f"{scene_prefix(folder)}.c", *ports)
-    return _linked(board, out, sources, state_bytes(plan))
+    return _linked(board, out, (f"{scene_prefix(folder)}.c", *ports), state_bytes(plan))
 
 
 def _headers() -> list[str]:
