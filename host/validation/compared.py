@@ -88,15 +88,20 @@ def compared_all(
         first = recordings[number]
         position = motion.depth_m.astype(plan.dtype)
         velocity = backward_velocity(position, plan.dt_s)
-        force, notes, differs = _pressed(plan, library, replay, position, velocity, first)
+        place_m = first.place_m if plan.has_places else None
+        force, notes = replay.run(position, velocity, place_m=place_m)
+        predicted_m = proxy_positions(plan, library, position, velocity, place_m)
+        places = [] if place_m is None else [(0, place_m)]
+        reference = run_reference(plan, position, velocity, predicted_m, places)
+        other = bits_differ(force, reference.force_n) | (notes != reference.notes)
+        mismatches += int(np.sum(other))
         again = repeat_session(replay, first, scene_hash)
         if again is None:
             ramps[number] = samples_of(start_up_ramp(notes), first, plan.dt_s)
         else:
             logs.add(number)
             force, notes, others = again
-            differs += others
-        mismatches += differs
+            mismatches += others
         low += int(clamped_low(notes, force, float(plan.output.min_n)).sum())
         for bit, name in NOTE_NAMES.items():
             counts[name] += int(np.sum(notes & bit != 0))
@@ -107,24 +112,6 @@ def compared_all(
         tuple(predicted[k] for k in range(len(recordings))), tuple(ramps), frozenset(logs),
         counts, low, mismatches,
     )  # fmt: skip
-
-
-def _pressed(
-    plan: Plan,
-    library: SceneLibrary,
-    replay: Replay,
-    position: Reals,
-    velocity: Reals,
-    first: Recording,
-) -> tuple[Reals, Reals, int]:
-    """Forces (N) and notes of the C, (n,), and ticks in which the reference differs."""
-    place_m = first.place_m if plan.has_places else None
-    force, notes = replay.run(position, velocity, place_m=place_m)
-    predicted_m = proxy_positions(plan, library, position, velocity, place_m)
-    places = [] if place_m is None else [(0, place_m)]
-    reference = run_reference(plan, position, velocity, predicted_m, places)
-    other = bits_differ(force, reference.force_n) | (notes != reference.notes)
-    return force, notes, int(np.sum(other))
 
 
 def is_log_of(recording: Recording, scene_hash: str) -> bool:

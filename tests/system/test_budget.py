@@ -26,10 +26,10 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
     ("what", "most"),
     [
         ("codegen/*.py", 6590),
-        ("trainer/*.py", 8523),
-        ("host/*.py", 13368),
+        ("trainer/*.py", 8512),
+        ("host/*.py", 13349),
         ("runtime_c/*.[ch] codegen/*.j2", 7880),
-        ("tests/*.py", 20152),
+        ("tests/*.py", 20140),
     ],
 )
 def test_lines(what: str, most: int) -> None:

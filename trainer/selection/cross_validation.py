@@ -62,9 +62,7 @@ def folded_rows(data: TrainingSet, options: FitOptions) -> FoldedRows:
 
     A fold without rows on either side is none.
     """
-    count = min(data.rows_total, _TEST_ROWS)
-    fitted = data.rows(options.fraction, options.seed)
-    tested = np.linspace(0, data.rows_total - 1, count).astype(np.intp)
+    fitted, tested = data.rows(options.fraction, options.seed), data.even_rows(_TEST_ROWS)
     passive = passive_choice(data, options)[0]
     test_values = term_columns(passive.terms, data, tested)
     test_n = data.force_n(tested)
