@@ -2,7 +2,7 @@
 
 import json
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -11,6 +11,7 @@ import numpy as np
 
 from springpot.codegen.arrays import Reals
 from springpot.codegen.emit.files import emit_files
+from springpot.codegen.emit.header import prefixed
 from springpot.codegen.emit.source import ABI_VERSION
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.make_plan import make_plan
@@ -38,14 +39,20 @@ def scene_prefix(folder: Path) -> str:
         ) from None
 
 
-def port_headers(folder: Path, real: str) -> dict[str, str]:
-    """Name -> text of the headers that a port includes beside the scene's own."""
+def write_port(folder: Path, real: str, files: Iterable[Path], out: Path) -> None:
+    """Write a port's files for the C of an emitted folder, and two headers that they include.
+
+    Where a file speaks of the scene it gets the scene's prefix. real: "float" or "double".
+    """
     prefix = scene_prefix(folder)
-    return {
-        f"{prefix}_scene.h": f'#include "{prefix}.h"\n#include "sp_real.h"\n\n'
-        f"#define SP_PERIOD_S {prefix.upper()}_DT_S\n",
-        "sp_real.h": (INCLUDE / real / "sp_real.h").read_text(),
-    }
+    for file in files:
+        text = file.read_text().replace('"sp_scene.h"', f'"{prefix}_scene.h"')
+        (out / file.name).write_text(prefixed(text, prefix))
+    (out / f"{prefix}_scene.h").write_text(
+        f'#include "{prefix}.h"\n#include "sp_real.h"\n\n'
+        f"#define SP_PERIOD_S {prefix.upper()}_DT_S\n"
+    )
+    (out / "sp_real.h").write_text((INCLUDE / real / "sp_real.h").read_text())
 
 
 def build_scene(folder: Path) -> Path:

@@ -27,9 +27,9 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
     [
         ("codegen/*.py", 6590),
         ("trainer/*.py", 8512),
-        ("host/*.py", 13349),
+        ("host/*.py", 13336),
         ("runtime_c/*.[ch] codegen/*.j2", 7880),
-        ("tests/*.py", 20103),
+        ("tests/*.py", 20102),
     ],
 )
 def test_lines(what: str, most: int) -> None:
