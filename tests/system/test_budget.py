@@ -29,7 +29,7 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
         ("trainer/*.py", 8512),
         ("host/*.py", 13336),
         ("runtime_c/*.[ch] codegen/*.j2", 7880),
-        ("tests/*.py", 20102),
+        ("tests/*.py", 20100),
     ],
 )
 def test_lines(what: str, most: int) -> None:
