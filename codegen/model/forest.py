@@ -134,7 +134,8 @@ def quantisation_over(features: Samples) -> Quantisation:
 
 def fewer_trees(forest: Forest, count: int) -> Forest:
     """The first `count` trees; where the force was the mean of the trees, their mean."""
-    weight = forest.weight * len(forest.roots) / count if forest.is_mean else forest.weight
+    total = forest.weight * len(forest.roots)
+    weight = total / count if np.isclose(total, 1.0) else forest.weight
     return _reachable(replace(forest, roots=forest.roots[:count], weight=weight))
 
 

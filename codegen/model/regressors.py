@@ -88,11 +88,6 @@ class Forest(Regressor):
         if self.quantisation is not None:
             self.quantisation.require_valid(n_features)
 
-    @property
-    def is_mean(self) -> bool:
-        """Whether the force is the mean of the trees, and not their sum."""
-        return bool(np.isclose(self.weight * len(self.roots), 1.0))
-
     def on_scaled(self, scale: float) -> "Forest":
         if self.quantisation is not None:
             return replace(self, quantisation=self.quantisation.on_scaled(scale))

@@ -38,10 +38,6 @@ class FoldedRows:
     tested: Indices
     folds: tuple[RowFold, ...]
 
-    def passive_errors_n(self) -> list[float]:
-        """RMSE of the passive part alone on each fold, N."""
-        return [rms(fold.left_n[fold.held]) for fold in self.folds]
-
     def tree_errors_n(self, features: Features, options: FitOptions) -> Iterator[float]:
         """RMSE of a forest on each fold, N, one after another."""
         data, trained = self.data, self.data.trained

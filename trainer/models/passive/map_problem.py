@@ -13,7 +13,7 @@ from operator import add
 
 import numpy as np
 
-from springpot.codegen.arrays import Flags, Samples
+from springpot.codegen.arrays import Samples
 from springpot.codegen.model.passive import Hammerstein, Places
 from springpot.trainer.models.passive.map_grid import FINER, Grid
 from springpot.trainer.models.passive.nonnegative import Normal, sparse_solve
@@ -57,7 +57,11 @@ class MapProblem:
         kept = np.bincount(self.terms.blocks, weights) > 0.0
         kept[0] = True  # the spring
         columns = kept[self.terms.blocks]
-        sites = [_of_columns(its, columns) for its in self.sites]
+        square = np.ix_(columns, columns)
+        sites = [
+            replace(its, matrix=its.matrix[square], vector=its.vector[columns])
+            for its in self.sites
+        ]
         return replace(self, terms=reduced(self.terms, weights), sites=sites)
 
     def chosen(self, seed: int) -> tuple[int, float]:
@@ -142,9 +146,3 @@ def _scaled(site: Normal, amounts: Samples) -> Normal:
 
 def _kron(one: Samples, other: Samples) -> Samples:
     return np.asarray(np.kron(one, other), dtype=np.float64)
-
-
-def _of_columns(site: Normal, columns: Flags) -> Normal:
-    return Normal(
-        site.matrix[np.ix_(columns, columns)], site.vector[columns], site.square, site.rows
-    )
