@@ -235,14 +235,13 @@ def _require_name(what: str, name: str, entry: str) -> None:
         raise TypeError(f"{what} has the name {name!r}: give that of its entry point")
 
 
-def _short_recordings(data: "TrainingSet", options: "FitOptions") -> tuple[str, ...]:
+def _short_recordings(data: "TrainingSet", options: "FitOptions") -> Iterator[str]:
     window_s = options.window_s
-    if window_s is None or data.longest_s >= WINDOWS * window_s:
-        return ()
-    return (
-        f"--window-s {window_s:g}: the longest recording lasts {data.longest_s:.3g} s, under "
-        f"{WINDOWS} windows: memory that long is guessed, not learned; record longer holds",
-    )
+    if window_s is not None and data.longest_s < WINDOWS * window_s:
+        yield (
+            f"--window-s {window_s:g}: the longest recording lasts {data.longest_s:.3g} s, under "
+            f"{WINDOWS} windows: memory that long is guessed, not learned; record longer holds"
+        )
 
 
 # Entry points of the group springpot.kinds, by name; a package's module may import the above.
