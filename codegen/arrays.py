@@ -9,6 +9,7 @@ from springpot.codegen.errors import DataError
 
 Samples = NDArray[np.float64]
 Indices = NDArray[np.intp]  # indices of samples
+Flags = NDArray[np.bool_]
 Real = np.float32 | np.float64
 Reals = NDArray[Any]  # of a scene's number type
 
@@ -28,8 +29,7 @@ def given_numbers(values: Any, argument: str) -> Samples:
         if texts or given.dtype.kind in "US":
             what = "text"
         elif given.dtype.kind in "iufO":
-            found: Samples = given.astype(np.float64, copy=False)
-            return found
+            return given.astype(np.float64, copy=False)
         else:
             what = str(given.dtype)  # truths, dates, complex numbers
     except (TypeError, ValueError):
@@ -61,6 +61,16 @@ def require_positive(name: str, values: Samples, shape: tuple[int, ...]) -> None
     """Raise DataError for an array of another shape, or with numbers at or below 0."""
     require_shape(name, values, shape)
     require(bool(np.all(values > 0.0)), f"{name}: not above 0")
+
+
+def runs(flags: Flags) -> list[tuple[int, int]]:
+    """Begin and end (exclusive) of each run of true.
+
+    >>> runs(np.array([True, False, True, True]))
+    [(0, 1), (2, 4)]
+    """
+    edges = np.flatnonzero(np.diff(flags.astype(np.int8), prepend=0, append=0)).tolist()
+    return list(zip(edges[::2], edges[1::2], strict=True))
 
 
 def rms(values: Samples) -> float:

@@ -4,17 +4,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Reals
+from springpot.codegen.arrays import Flags, Reals
 from springpot.codegen.coupling.gains import CoupleConfig
 from springpot.codegen.plan import Plan
-from springpot.codegen.stages.model_stages import RangeConfig
 from springpot.codegen.stages.stage import Starts, bounded
 from springpot.codegen.tool_motion import Followed
 from springpot.codegen.types import Scalar
 
-ModelForce = Callable[[int, Reals, Starts, NDArray[np.bool_]], Reals]
+ModelForce = Callable[[int, Reals, Starts, Flags], Reals]
 _CHUNK = 1024  # ticks predicted at a time, at most
 _MIN = 8  # at least: a pass has a cost of its own
 _AHEAD = 4  # times the ticks that the last pass verified
@@ -25,21 +23,15 @@ class ContactTrace:
     """Run as the coupling sees it: the tool's motion, and whether it is in contact, (rows,)."""
 
     motion: Followed
-    contact: NDArray[np.bool_]
+    contact: Flags
 
     @property
-    def placed(self) -> NDArray[np.bool_]:
+    def placed(self) -> Flags:
         """Rows, (rows,), that set the proxy to the tool: contact begins, or history restarts."""
         begins = self.contact & ~np.concatenate([[False], self.contact[:-1]])
         starts = self.motion.starts
         begins[starts] = self.contact[starts]
         return np.asarray(begins)
-
-    def restart_before(self, tick: int) -> int:
-        """The last restart at or before a tick; the first tick where there was none."""
-        starts = self.motion.starts
-        found = int(np.searchsorted(starts, tick, side="right"))
-        return int(starts[found - 1]) if found else 0
 
 
 def proxy_motion(
@@ -67,10 +59,10 @@ def proxy_motion(
     done, chunk = 0, _CHUNK if predicted_m is None else total
     while done < total:
         end = min(total, done + chunk)
-        begin = trace.restart_before(done)
+        starts = trace.motion.starts
+        begin = int(starts[starts <= done].max(initial=0))
         asked = trace.contact[begin:end].copy()
         asked[: done - begin] = False  # verified: only the features' past
-        starts = trace.motion.starts
         starts = starts[(starts >= begin) & (starts < end)] - begin
         motion = pressed[begin:end]
         model_n = shaped(plan, motion, force(begin, motion, starts, asked))
@@ -84,7 +76,7 @@ def shaped(plan: Plan, pressed: Reals, model_n: Reals) -> Reals:
     """sp_range_fade and sp_contact.h: the model's force at border and surface, (n,), N."""
     zero, one = model_n.dtype.type(0), model_n.dtype.type(1)
     if plan.per_fade is not None:
-        beyond = _beyond(plan.range, pressed)
+        beyond = np.maximum(pressed - plan.range.max_m, plan.range.min_m - pressed)
         share = one - beyond * plan.per_fade
         fading = np.where(share > 0, model_n * share, zero)
         model_n = np.where(beyond > 0, fading, model_n)
@@ -93,11 +85,6 @@ def shaped(plan: Plan, pressed: Reals, model_n: Reals) -> Reals:
         rising = np.where(share < 1, model_n * share, model_n)
         model_n = np.where(share > 0, rising, zero)
     return model_n
-
-
-def _beyond(config: RangeConfig, x: Reals) -> Reals:
-    above, below = x - config.max_m, config.min_m - x
-    return np.where(above > below, above, below)
 
 
 class Coupled:

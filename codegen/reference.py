@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Reals
+from springpot.codegen.arrays import Flags, Reals
 from springpot.codegen.notes import CLAMPED, HELD, LATCHED, LIMITED, OUTSIDE, RAMPED, RESYNC, Notes
 from springpot.codegen.plan import Plan
 from springpot.codegen.proxy_motion import ContactTrace, Coupled, proxy_motion, shaped
@@ -48,9 +47,7 @@ def run_reference(
         taken = _taken(plan, motion, contact, places)
         if plan.at_proxy:
 
-            def at_proxy(
-                first: int, proxy: Reals, begun: Starts, asked: NDArray[np.bool_]
-            ) -> Reals:
+            def at_proxy(first: int, proxy: Reals, begun: Starts, asked: Flags) -> Reals:
                 since = [(max(row - first, 0), place_m) for row, place_m in taken]
                 return model_force(plan, _depths(plan, proxy)[0], begun, asked, since)
 
@@ -68,7 +65,7 @@ def run_reference(
     return Run(force_n=force_n, notes=notes)
 
 
-def _taken(plan: Plan, motion: Followed, contact: NDArray[np.bool_], places: Taken) -> Taken:
+def _taken(plan: Plan, motion: Followed, contact: Flags, places: Taken) -> Taken:
     """Rows in which a place is taken: once the tool is off the object, or the history restarts."""
     if plan.passive is None or plan.passive.placed is None:
         return ()
@@ -81,7 +78,7 @@ def _taken(plan: Plan, motion: Followed, contact: NDArray[np.bool_], places: Tak
     )
 
 
-def _depths(plan: Plan, pressed: Reals) -> tuple[dict[str, Reals], NDArray[np.bool_]]:
+def _depths(plan: Plan, pressed: Reals) -> tuple[dict[str, Reals], Flags]:
     """`penetration` and `clipped` of sp_step, each (n,), m, and where the depth was clipped."""
     minimum = plan.dtype(0) if plan.contact else plan.range.min_m
     penetration = np.where(pressed > minimum, pressed, minimum)
@@ -89,9 +86,7 @@ def _depths(plan: Plan, pressed: Reals) -> tuple[dict[str, Reals], NDArray[np.bo
     return {"penetration": penetration, "clipped": clipped}, outside
 
 
-def _device_velocity(
-    plan: Plan, velocity_mps: Reals | None, length: int
-) -> tuple[Reals, NDArray[np.bool_]]:
+def _device_velocity(plan: Plan, velocity_mps: Reals | None, length: int) -> tuple[Reals, Flags]:
     """The device's velocities, (n,), m/s, and where sp_guard_velocity.h believes them."""
     if not plan.needs_device_velocity or velocity_mps is None:
         return np.zeros(length, dtype=plan.dtype), np.ones(length, dtype=bool)
@@ -110,7 +105,7 @@ class OutputStage:
 
     def run(
         self, guarded: Guarded, followed: Followed, pressed: Reals, model_n: Reals,
-        contact: NDArray[np.bool_], notes: Notes,
+        contact: Flags, notes: Notes,
     ) -> Reals:  # fmt: skip
         """Force of each tick, (n,), N; adds its notes to `notes`, (n,).
 

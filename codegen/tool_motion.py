@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Reals
+from springpot.codegen.arrays import Flags, Reals
 from springpot.codegen.plan import Plan
 from springpot.codegen.stages.stage import SMALLEST, Starts
 
@@ -24,12 +24,12 @@ class Guarded:
     position: Reals
     ticks: NDArray[np.int64]
     share: Reals
-    resync: NDArray[np.bool_]
-    latched: NDArray[np.bool_]
+    resync: Flags
+    latched: Flags
     fall: Reals
 
 
-def guarded(plan: Plan, raw: Reals, believed: NDArray[np.bool_]) -> Guarded:
+def guarded(plan: Plan, raw: Reals, believed: Flags) -> Guarded:
     """sp_guard.h and sp_silence.h over a run from a fresh state.
 
     raw: (n,), m. believed: (n,), whether the device's own velocity is.
@@ -93,7 +93,7 @@ class Followed:
 
     position: Reals
     velocity: Reals
-    missed: NDArray[np.bool_]
+    missed: Flags
     row: NDArray[np.int64]
     starts: Starts
 
@@ -124,7 +124,7 @@ def followed(plan: Plan, samples: Guarded, device_mps: Reals) -> Followed:
     return Followed(position, velocity, missed, row, starts)
 
 
-def at_rows(of_ticks: Reals, row: NDArray[np.int64], missed: NDArray[np.bool_]) -> Reals:
+def at_rows(of_ticks: Reals, row: NDArray[np.int64], missed: Flags) -> Reals:
     """Values of ticks, (n,), at the rows of their samples and of the ticks missed before."""
     taken = np.flatnonzero(row >= 0)
     return of_ticks[taken[np.cumsum(~missed) - ~missed]]

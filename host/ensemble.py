@@ -80,7 +80,7 @@ def from_ensemble(
     held = [hold_spikes(recording)[0] for recording in given_recordings(recordings)]
     data = training_set(held, smooth_s)
     features = _features(features, data.dt_s)
-    rows = np.unique(np.linspace(0, data.rows_total - 1, _CHECKED_ROWS).astype(np.intp))
+    rows = data.even_rows(_CHECKED_ROWS)
     scale = _scale(data)
     forest = ensemble_ir(regressor).on_scaled(scale)  # a power of two: exact
     values = _scaled(data, features, rows)

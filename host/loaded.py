@@ -1,7 +1,6 @@
 """The C of an emitted folder, built and loaded, on arrays."""
 
 import warnings
-from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,7 +16,6 @@ from springpot.trainer.models.predict import stiffest_words
 from springpot.trainer.recordings.recording import Recording
 
 if TYPE_CHECKING:
-    from springpot.host.native.replay import Replay
     from springpot.host.native.scene_library import SceneState
 
 _FARTHEST_M = 1.0  # of a place, as in a `Recording`
@@ -49,11 +47,13 @@ class LoadedScene:
     def __init__(self, folder: Path) -> None:
         from springpot.host.emission.checksums import edited_files
         from springpot.host.emission.emission import read_manifest, require_emission
+        from springpot.host.native.replay import Replay
         from springpot.host.native.scene_library import SceneLibrary
 
         require_emission(folder)
         self.edited = edited_files(folder)
         self._folder, self._library = folder, SceneLibrary(folder)
+        self._replay = Replay(self._library)
         # What the library says of itself is true of what runs, whatever was edited in the file.
         self.manifest: JsonObject = read_manifest(folder) | self._library.manifest
 
@@ -127,9 +127,3 @@ class LoadedScene:
     def new_state(self) -> "SceneState":
         """Memory of one object, for single ticks: `step(position_m)` gives force, N, and notes."""
         return self._library.new_state()
-
-    @cached_property
-    def _replay(self) -> "Replay":
-        from springpot.host.native.replay import Replay
-
-        return Replay(self._library)

@@ -144,8 +144,7 @@ def ratio_rows(ratios: JsonObject) -> dict[str, str]:
 
 def just_noticeable_n(force_n: Samples) -> Samples:
     """Just noticeable difference, N: 10 % of the force from 2 N on, 0.2 N below."""
-    noticeable: Samples = WEBER_FRACTION * np.maximum(np.abs(force_n), SCORED_ABOVE_N)
-    return noticeable
+    return WEBER_FRACTION * np.maximum(np.abs(force_n), SCORED_ABOVE_N)
 
 
 def _below_jnd(measured_n: Samples, error_n: Samples) -> float | None:

@@ -1,11 +1,11 @@
 """Types of options that click does not bring, and groups of commands that load when used."""
 
 import difflib
-import importlib
 import math
 from collections.abc import Callable, Mapping
 from functools import wraps
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import Any
 
 import click
@@ -87,8 +87,7 @@ class CommandGroup(click.Group):
         return list(self._table)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        module, _, name = self._table.get(cmd_name, "").partition(":")
-        command = getattr(importlib.import_module(module), name) if module else None
+        command = resolve_name(self._table[cmd_name]) if cmd_name in self._table else None
         assert command is None or isinstance(command, click.Command)
         return command
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from importlib import import_module
+from pkgutil import resolve_name
 from typing import TYPE_CHECKING
 
 from springpot.codegen.entry_points import blaming, registered
@@ -41,7 +41,10 @@ class Kind:
 
     def function(self) -> Callable[..., "Fit"]:
         """What `fit` names, loaded."""
-        return _loaded(self.fit) if isinstance(self.fit, str) else self.fit
+        if not isinstance(self.fit, str):
+            return self.fit
+        found: Callable[..., Fit] = resolve_name(self.fit)
+        return found
 
 
 _MODELS = "springpot.trainer.models"
@@ -143,7 +146,7 @@ def fit_kind(
     # machine that has other work.
     with threadpool_limits(1, user_api="blas"):
         if kind == AUTO:
-            fit = _loaded(_AUTO_FIT)(name, data, options, validation)
+            fit: Fit = resolve_name(_AUTO_FIT)(name, data, options, validation)
         else:
             fit = _fitted(kind, name, data, options, validation)
     warnings = dict.fromkeys(
@@ -188,11 +191,8 @@ def _unlike_recordings(fit: "Fit", data: "TrainingSet") -> Iterator[str]:
         (each, np.arange(0, len(each.force_n), max(1, len(each.force_n) // _ROWS_COMPARED)))
         for each in data.recordings
     ]
-    parts_n = np.split(
-        predict_each_n(fit.model, pieces), np.cumsum([len(rows) for _, rows in pieces])[:-1]
-    )
     factors, off_n = {}, 0.0
-    for (recording, rows), part_n in zip(pieces, parts_n, strict=True):
+    for (recording, rows), part_n in zip(pieces, predict_each_n(fit.model, pieces), strict=True):
         if part_n.any():
             factor = float(part_n @ recording.force_n[rows]) / float(part_n @ part_n)
             factors[recording.name] = factor
@@ -235,21 +235,13 @@ def _require_name(what: str, name: str, entry: str) -> None:
         raise TypeError(f"{what} has the name {name!r}: give that of its entry point")
 
 
-def _loaded(path: str) -> Callable[..., "Fit"]:
-    """Return the function that "module:name" names."""
-    module, _, name = path.partition(":")
-    found: Callable[..., Fit] = getattr(import_module(module), name)
-    return found
-
-
-def _short_recordings(data: "TrainingSet", options: "FitOptions") -> tuple[str, ...]:
+def _short_recordings(data: "TrainingSet", options: "FitOptions") -> Iterator[str]:
     window_s = options.window_s
-    if window_s is None or data.longest_s >= WINDOWS * window_s:
-        return ()
-    return (
-        f"--window-s {window_s:g}: the longest recording lasts {data.longest_s:.3g} s, under "
-        f"{WINDOWS} windows: memory that long is guessed, not learned; record longer holds",
-    )
+    if window_s is not None and data.longest_s < WINDOWS * window_s:
+        yield (
+            f"--window-s {window_s:g}: the longest recording lasts {data.longest_s:.3g} s, under "
+            f"{WINDOWS} windows: memory that long is guessed, not learned; record longer holds"
+        )
 
 
 # Entry points of the group springpot.kinds, by name; a package's module may import the above.

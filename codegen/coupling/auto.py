@@ -22,6 +22,11 @@ GAIN_MARGIN = 0.8
 _STIFFNESSES_NPM = np.geomspace(10.0, 40_000.0, 56)
 _DAMPINGS_NSPM = np.geomspace(0.5, 500.0, 61)
 _MASSES_KG = (0.003, 0.01, 0.05)  # the lightest first: it passes on the least noise
+_SOFTEST = [
+    Coupling("proxy", float(_STIFFNESSES_NPM[0]), float(f"{damping_nspm:.3g}"), mass_kg)
+    for mass_kg in _MASSES_KG
+    for damping_nspm in _DAMPINGS_NSPM
+]
 _WITHIN = 1.01  # of the stiffest
 
 
@@ -104,13 +109,9 @@ class _ProxySearch:
         None if no damping is stable even with the softest spring.
         """
         found: Coupling | None = None
-        for mass_kg in _MASSES_KG:
-            for damping_nspm in _DAMPINGS_NSPM:
-                softest = Coupling(
-                    "proxy", float(_STIFFNESSES_NPM[0]), float(f"{damping_nspm:.3g}"), mass_kg
-                )
-                least_npm = _WITHIN * found.stiffness_npm if found else softest.stiffness_npm
-                found = self._stiffest_of(softest, least_npm) or found
+        for softest in _SOFTEST:
+            least_npm = _WITHIN * found.stiffness_npm if found else softest.stiffness_npm
+            found = self._stiffest_of(softest, least_npm) or found
         if found is None:
             return None
         softer = replace(found, stiffness_npm=float(f"{GAIN_MARGIN * found.stiffness_npm:.3g}"))
@@ -118,12 +119,7 @@ class _ProxySearch:
 
     def calmest_of_softest(self) -> Coupling:
         """Return the softest proxy that swings least, for an object that none holds."""
-        softest = [
-            Coupling("proxy", float(_STIFFNESSES_NPM[0]), float(f"{damping_nspm:.3g}"), mass_kg)
-            for mass_kg in _MASSES_KG
-            for damping_nspm in _DAMPINGS_NSPM
-        ]
-        plausible = [one for one in softest if not is_unit_error(one)]
+        plausible = [one for one in _SOFTEST if not is_unit_error(one)]
         return min(plausible, key=lambda one: max(self.radii(one)))
 
     def _stiffest_of(self, softest: Coupling, least_npm: float) -> Coupling | None:

@@ -5,9 +5,8 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Real, Reals
+from springpot.codegen.arrays import Real, Reals, Samples
 from springpot.codegen.errors import UnsafeError
 from springpot.codegen.scene import Coupling
 
@@ -46,9 +45,7 @@ def max_published_damping_nspm(coupling: Coupling, dt_s: float) -> float:
     return max(0.0, (4.0 * m - k * dt_s**2) / (2.0 * dt_s))
 
 
-def transition(
-    stiffness_npm: float, damping_nspm: float, mass_kg: float, dt_s: float
-) -> NDArray[np.float64]:
+def transition(stiffness_npm: float, damping_nspm: float, mass_kg: float, dt_s: float) -> Samples:
     """exp(A dt) for A = [[0, 1], [-k/m, -b/m]], (2, 2), in closed form.
 
     With A = a I + N, a = -b/2m, N^2 = (a^2 - k/m) I: exp = e^(a dt) (c I + s N), where c and s are
@@ -68,8 +65,7 @@ def transition(
         c = decay * math.cos(root * dt_s)
         s = decay * (math.sin(root * dt_s) / root if root > 0.0 else dt_s)
     matrix = np.array([[0.0, 1.0], [-stiffness_npm / mass_kg, -damping_nspm / mass_kg]])
-    phi: NDArray[np.float64] = c * np.eye(2) + s * (matrix - a * np.eye(2))
-    return phi
+    return c * np.eye(2) + s * (matrix - a * np.eye(2))
 
 
 def couple_config(coupling: Coupling, dt_s: float, real: Callable[[float], Real]) -> CoupleConfig:

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.coupling.gains import transition
 from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE, LoopDevice
 from springpot.codegen.scene import Coupling
@@ -13,7 +13,7 @@ from springpot.codegen.stages.windows import TIME_S as VELOCITY_S
 from springpot.codegen.types import Scalar
 
 _LIMIT_WITHIN = 1.001  # of the first unstable stiffness
-Matrices = NDArray[np.float64]
+Matrices = Samples
 HandName = Literal["mid", "firm", "light"]
 
 
@@ -52,20 +52,20 @@ class LinearLoop:
     device: LoopDevice = ASSUMED_DEVICE
     smoothing: float = 1.0
 
-    def spectral_radius(self, stiffness_npm: float | NDArray[np.float64]) -> NDArray[np.float64]:
+    def spectral_radius(self, stiffness_npm: float | Samples) -> Samples:
         """Maximum |eigenvalue| of one tick for each object stiffness (n,), N/m: shape (n,)."""
         matrices = self._tick(np.atleast_1d(np.asarray(stiffness_npm, dtype=np.float64)))
-        radius: NDArray[np.float64] = np.abs(np.linalg.eigvals(matrices)).max(axis=1)
+        radius: Samples = np.abs(np.linalg.eigvals(matrices)).max(axis=1)
         return radius
 
-    def swing_radius(self, stiffness_npm: float | NDArray[np.float64]) -> NDArray[np.float64]:
+    def swing_radius(self, stiffness_npm: float | Samples) -> Samples:
         """As `spectral_radius`, of what swings: without the positive eigenvalues below 1.
 
         Those creep to their end, however slowly, and no hand feels them vibrate.
         """
         values = np.linalg.eigvals(self._tick(np.atleast_1d(np.asarray(stiffness_npm, np.float64))))
         creeps = (values.imag == 0.0) & (values.real > 0.0) & (values.real < 1.0)
-        radius: NDArray[np.float64] = np.where(creeps, 0.0, np.abs(values)).max(axis=1)
+        radius: Samples = np.where(creeps, 0.0, np.abs(values)).max(axis=1)
         return radius
 
     def max_stiffness_npm(self) -> float:
@@ -85,11 +85,12 @@ class LinearLoop:
             grid = np.linspace(low, high, 20)
         return 1e7
 
-    def _tick(self, stiffness_npm: NDArray[np.float64]) -> Matrices:
+    def _tick(self, stiffness_npm: Samples) -> Matrices:
         """One tick applied to each unit vector of the state: shape (n, states, states)."""
         mode = self.coupling.mode
-        step = _Step(len(stiffness_npm), 4 + 2 * (mode != "off") + 1 + self.device.delay_samples)
-        x, v, x_before, v_held = (step.row(i) for i in range(4))
+        states, n = 4 + 2 * (mode != "off") + 1 + self.device.delay_samples, len(stiffness_npm)
+        unit = np.broadcast_to(np.eye(states)[:, None], (states, n, states))
+        x, v, x_before, v_held = unit[:4]
         weight = self.dt_s / (self.dt_s + VELOCITY_S)
         v_held = v_held + weight * ((x - x_before) / self.dt_s - v_held)
         proxy: tuple[Scalar, ...] = ()
@@ -98,12 +99,12 @@ class LinearLoop:
             force = k * x
             v_held = 0.0 * v_held
         else:
-            x_p, v_p = step.row(4), step.row(5)
+            x_p, v_p = unit[4:6]
             force, *moved = self._couple(x, v_held, x_p, v_p, k * (x_p if mode == "proxy" else x))
             proxy = tuple(moved)
         at = 4 + len(proxy)
-        smoothed = self.smoothing * force + (1.0 - self.smoothing) * step.row(at)
-        queue = [smoothed, *(step.row(at + i) for i in range(self.device.delay_samples))]
+        smoothed = self.smoothing * force + (1.0 - self.smoothing) * unit[at]
+        queue = [smoothed, *unit[at : at + self.device.delay_samples]]
         moved_x, moved_v = self._move(x, v, queue[-1])
         return np.stack([moved_x, moved_v, x, v_held, *proxy, *queue], axis=1)
 
@@ -131,12 +132,3 @@ class LinearLoop:
         )
         rest = -force / hand.stiffness_npm
         return rest + phi[0, 0] * (x - rest) + phi[0, 1] * v, phi[1, 0] * (x - rest) + phi[1, 1] * v
-
-
-class _Step:
-    def __init__(self, n: int, states: int) -> None:
-        self._n = n
-        self._unit = np.eye(states)
-
-    def row(self, state: int) -> NDArray[np.float64]:
-        return np.broadcast_to(self._unit[state], (self._n, len(self._unit)))

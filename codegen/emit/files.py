@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-from collections.abc import Mapping
 from dataclasses import asdict
 from importlib.metadata import version
 
@@ -30,21 +29,11 @@ def emit_files(plan: Plan) -> dict[str, str]:
         "Makefile": rendered("Makefile.j2", prefix=prefix, flags=" ".join(flags("SP_CFLAGS"))),
     }
     files = {name: stamp(name) + text for name, text in files.items()}
-    files["manifest.json"] = manifest_text(plan)
-    return hashed(files)
-
-
-def hashed(files: Mapping[str, str]) -> dict[str, str]:
-    """The files with the hash of them all in the place of its mark."""
+    files["manifest.json"] = json.dumps(_manifest(plan), indent=2, sort_keys=True) + "\n"
     digest = hashlib.sha256()
     for name in sorted(files):
         digest.update(f"{name}\n{files[name]}".encode())
     return {name: text.replace(_HASH, digest.hexdigest()) for name, text in files.items()}
-
-
-def manifest_text(plan: Plan) -> str:
-    """Write manifest.json."""
-    return json.dumps(_manifest(plan), indent=2, sort_keys=True) + "\n"
 
 
 def _manifest(plan: Plan) -> JsonObject:

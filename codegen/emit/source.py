@@ -23,14 +23,12 @@ from springpot.runtime_c.paths import INCLUDE
 
 ABI_VERSION = 1
 _WIDTH = 100
+_MANIFEST = "@MANIFEST@"  # in whose place the short manifest comes at the end
 LATCHED_S = 0.05  # after which a latched force is 0
 
 
-def step_functions(plan: Plan, manifest: str) -> str:
-    """The functions of a scene: its step, and what the header declares.
-
-    manifest: JSON that the image holds.
-    """
+def step_functions(plan: Plan) -> str:
+    """The functions of a scene: its step, and what the header declares."""
     in_order = stages(plan)
     model = [stage for stage in in_order if stage is not plan.velocity]
     restarting = "\n".join(block_text(stage, "restart") for stage in in_order)
@@ -50,7 +48,7 @@ def step_functions(plan: Plan, manifest: str) -> str:
         tick_needs=_needs(plan, f"{ticking}\n{' '.join(terms)}", always=plan.contact),
         start_m=_start_m(plan),
         abi_version=ABI_VERSION,
-        manifest=manifest.replace("\\", "\\\\").replace('"', '\\"'),
+        manifest=_MANIFEST,
     )
 
 
@@ -98,7 +96,7 @@ def source_text(plan: Plan, manifest: str) -> str:
     parts += [_rule("constants of this scene"), constants(plan)]
     parts += top_level_blocks("\n".join(_tables(plan)))
     parts += [_rule("the tick, and the functions of the header")]
-    parts += top_level_blocks(step_functions(plan, "@MANIFEST@"))
+    parts += top_level_blocks(step_functions(plan))
     parts += [_rule("self-test"), "#ifndef SP_NO_SELFTEST /* to leave it out of an image */"]
     parts += ["\n".join(golden_arrays(plan)), *top_level_blocks(_selftest(plan)), "#endif"]
     text = rendered(
@@ -109,7 +107,7 @@ def source_text(plan: Plan, manifest: str) -> str:
         body="\n\n".join(without_unused(parts)),
     )
     escaped = manifest.replace("\\", "\\\\").replace('"', '\\"')
-    return named(text, prefix, plan.real).replace("@MANIFEST@", escaped)
+    return named(text, prefix, plan.real).replace(_MANIFEST, escaped)
 
 
 def constants(plan: Plan) -> str:

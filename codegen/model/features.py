@@ -9,10 +9,7 @@ from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar, Self
 
-import numpy as np
-from numpy.typing import NDArray
-
-from springpot.codegen.arrays import require, require_positive, require_shape
+from springpot.codegen.arrays import Indices, Samples, require, require_positive, require_shape
 from springpot.codegen.messages import short_repr
 
 
@@ -53,7 +50,7 @@ class Features(ABC):
     def stiffened(self, factor: float) -> tuple[Self, float]:
         """Features f' and a scale s with s f'(x) = f(factor x) for every motion x."""
 
-    def take(self, columns: NDArray[np.intp]) -> Self:
+    def take(self, columns: Indices) -> Self:
         """Only these features. Raises NotImplementedError where they cannot stand alone."""
         raise NotImplementedError
 
@@ -89,7 +86,7 @@ class FractionalBank(Features):
     def stiffened(self, factor: float) -> tuple[Self, float]:
         return self._with_table(getattr(self, self.table) * factor), 1.0
 
-    def take(self, columns: NDArray[np.intp]) -> Self:
+    def take(self, columns: Indices) -> Self:
         taken = self._with_table(getattr(self, self.table)[:, columns])
         return replace(taken, orders=tuple(self.orders[i] for i in columns))
 
@@ -98,7 +95,7 @@ class FractionalBank(Features):
         require(fits, f"orders: {self.orders[:12]} are not within 0 .. 1")
         require_shape(self.table, getattr(self, self.table), (self.table_rows, len(self.orders)))
 
-    def _with_table(self, values: NDArray[np.float64]) -> Self:
+    def _with_table(self, values: Samples) -> Self:
         changes: dict[str, Any] = {self.table: values}
         return replace(self, **changes)
 
@@ -110,7 +107,7 @@ class FirBank(FractionalBank):
     taps: shape (length, orders), newest sample first, float64; feature = taps.T @ window, m/s^r.
     """
 
-    taps: NDArray[np.float64]
+    taps: Samples
     __repr__ = short_repr
 
     table = "taps"
@@ -128,9 +125,9 @@ class FastFirBank(FractionalBank):
     (older rises, decaying, forgotten at the window's end), and of the window's oldest sample.
     """
 
-    tau_ticks: NDArray[np.float64]
+    tau_ticks: Samples
     length: int
-    weights: NDArray[np.float64]
+    weights: Samples
 
     engine = "fir-fast"
 
@@ -153,8 +150,8 @@ class RecursiveBank(FractionalBank):
     tau_s: shape (poles,). weights: (poles, orders), s^-r.
     """
 
-    tau_s: NDArray[np.float64]
-    weights: NDArray[np.float64]
+    tau_s: Samples
+    weights: Samples
 
     engine = "recursive"
     exact_at_any_rate = True

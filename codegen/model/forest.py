@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Reals
+from springpot.codegen.arrays import Reals, Samples
 from springpot.codegen.model.regressors import Forest, Quantisation
 from springpot.codegen.types import RealType
 
@@ -84,7 +84,7 @@ def used_features(forest: Forest) -> NDArray[np.int32]:
     return np.unique(forest.feature[forest.feature >= 0])
 
 
-def largest_float32_below(threshold: NDArray[np.float64]) -> NDArray[np.float32]:
+def largest_float32_below(threshold: Samples) -> NDArray[np.float32]:
     """Largest float32 not above each threshold, (n,).
 
     For a float32 x, x <= it exactly where x <= threshold; the nearest float32 may be above it.
@@ -125,7 +125,7 @@ def rounded(quantisation: Quantisation, features: Reals) -> NDArray[np.float32]:
     return whole
 
 
-def quantisation_over(features: NDArray[np.float64]) -> Quantisation:
+def quantisation_over(features: Samples) -> Quantisation:
     """Bins that cover the values of each column, (n, features)."""
     feature_min, feature_max = features.min(axis=0), features.max(axis=0)
     span = np.where(feature_max > feature_min, feature_max - feature_min, 1.0)
@@ -134,7 +134,8 @@ def quantisation_over(features: NDArray[np.float64]) -> Quantisation:
 
 def fewer_trees(forest: Forest, count: int) -> Forest:
     """The first `count` trees; where the force was the mean of the trees, their mean."""
-    weight = forest.weight * len(forest.roots) / count if forest.is_mean else forest.weight
+    total = forest.weight * len(forest.roots)
+    weight = total / count if np.isclose(total, 1.0) else forest.weight
     return _reachable(replace(forest, roots=forest.roots[:count], weight=weight))
 
 

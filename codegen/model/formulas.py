@@ -7,14 +7,12 @@ relaxation change with the depth along the same nodes. Filters follow a motion.
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Real, Reals, Samples
+from springpot.codegen.arrays import Indices, Real, Reals, Samples
 
-Place = tuple[
-    NDArray[np.intp], Reals
-]  # piece of a curve and share of the way through it, both (n,)
+Place = tuple[Indices, Reals]  # piece of a curve and share of the way through it, both (n,)
 
 
-def curve_nodes(slopes_n: Reals, growth: float = 0.0) -> NDArray[np.float64]:
+def curve_nodes(slopes_n: Reals, growth: float = 0.0) -> Samples:
     """Values and slopes a piece at the nodes: (J + 1, 2, curves); last the slopes a piece later.
 
     slopes_n: (curves, J), for u from 0 to 1, straight between the nodes. growth: see `Hammerstein`.
@@ -88,8 +86,7 @@ def rates_by_depth(tau_s: Samples, rate_ratio: float, nodes: int) -> Samples:
     ratio^(1/2 - u)/tau: `rate_ratio` is the rate at the surface over that at the trained depth.
     """
     u = np.linspace(0.0, 1.0, nodes)
-    rates: Samples = rate_ratio ** (0.5 - np.append(u, u[-1])[:, None]) / tau_s
-    return rates
+    return rate_ratio ** (0.5 - np.append(u, u[-1])[:, None]) / tau_s
 
 
 def loss_by_depth(tau_s: Samples, rate_ratio: float, dt_s: float, nodes: int) -> Samples:
@@ -108,8 +105,7 @@ def flow_functions(u: Reals) -> Reals:
 
 def flow_loss(rate_ps: Samples, power: NDArray[np.int64], dt_s: float) -> Samples:
     """(p - 1) rate dt of each flowing branch, (F,)."""
-    loss: Samples = (power - 1.0) * rate_ps * dt_s
-    return loss
+    return (power - 1.0) * rate_ps * dt_s
 
 
 def flow_grown(held: Reals, loss: Reals, n_cubic: int) -> Reals:
@@ -120,7 +116,7 @@ def flow_grown(held: Reals, loss: Reals, n_cubic: int) -> Reals:
     return np.concatenate([cubic, np.sqrt(np.sqrt(real(1) + loss[n_cubic:] * fifth))], axis=-1)
 
 
-def loss_and_gain(tau_s: NDArray[np.float64], dt_s: float) -> tuple[Reals, Reals]:
+def loss_and_gain(tau_s: Samples, dt_s: float) -> tuple[Reals, Reals]:
     """1 - exp(-dt/tau), and the gain of an input that is linear within the step: both (poles,)."""
     loss = -np.expm1(-dt_s / tau_s)
     return loss, loss * tau_s / dt_s

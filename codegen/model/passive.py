@@ -5,7 +5,16 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Real, Reals, require, require_positive, require_shape
+from springpot.codegen.arrays import (
+    Flags,
+    Indices,
+    Real,
+    Reals,
+    Samples,
+    require,
+    require_positive,
+    require_shape,
+)
 from springpot.codegen.messages import short_repr
 
 _MAX_NODES = 100  # of a curve, and of an axis of a map
@@ -25,10 +34,10 @@ class Places:
     (materials, slopes).
     """
 
-    first_m: NDArray[np.float64]
-    step_m: NDArray[np.float64]
-    amounts: NDArray[np.float64]
-    slopes_n: NDArray[np.float64]
+    first_m: Samples
+    step_m: Samples
+    amounts: Samples
+    slopes_n: Samples
 
     def require_valid(self, slopes: int) -> None:
         """Raise DataError, with field and reason."""
@@ -42,9 +51,9 @@ class Places:
         _not_negative("places.slopes_n", self.slopes_n, (materials, slopes))
 
     @property
-    def last_m(self) -> NDArray[np.float64]:
+    def last_m(self) -> Samples:
         """Place of the last node, x and y, (2,)."""
-        last_m: NDArray[np.float64] = self.first_m + self.step_m * (np.array(self.nodes) - 1)
+        last_m: Samples = self.first_m + self.step_m * (np.array(self.nodes) - 1)
         return last_m
 
     @property
@@ -60,20 +69,20 @@ class Places:
         x_m, y_m = (self.first_m + self.step_m * np.array(node)).tolist()
         return x_m, y_m
 
-    def mixed_n(self, place_m: tuple[float, float]) -> NDArray[np.float64]:
+    def mixed_n(self, place_m: tuple[float, float]) -> Samples:
         """Slopes at a place, (slopes,)."""
         per_step = 1.0 / self.step_m
         amount = amounts_at(self.amounts, self.first_m, per_step, np.array(place_m))
         return mixed(amount, self.slopes_n)
 
     @property
-    def most_n(self) -> NDArray[np.float64]:
+    def most_n(self) -> Samples:
         """The greatest of each slope over all places, (slopes,)."""
-        most_n: NDArray[np.float64] = np.max(self.amounts @ self.slopes_n, axis=(0, 1))
+        most_n: Samples = np.max(self.amounts @ self.slopes_n, axis=(0, 1))
         return most_n
 
 
-def _not_negative(name: str, values: NDArray[np.float64], shape: tuple[int, ...]) -> None:
+def _not_negative(name: str, values: Samples, shape: tuple[int, ...]) -> None:
     require_shape(name, values, shape)
     require(bool(np.all(values >= 0.0)), f"{name}: negative, so not passive")
 
@@ -127,10 +136,10 @@ class Flow:
     or 4; force_n: of h = 1, >= 0. All (F,).
     """
 
-    rate_ps: NDArray[np.float64]
+    rate_ps: Samples
     power: NDArray[np.int64]
     degree: NDArray[np.int64]
-    force_n: NDArray[np.float64]
+    force_n: Samples
 
     def require_valid(self) -> None:
         """Raise DataError, with field and reason."""
@@ -141,10 +150,9 @@ class Flow:
         _not_negative("flow.force_n", self.force_n, branches)
 
     @property
-    def tau_s(self) -> NDArray[np.float64]:
+    def tau_s(self) -> Samples:
         """Time constant of each branch while it holds FLOW_SHARE, (F,), s."""
-        tau_s: NDArray[np.float64] = 1.0 / (self.rate_ps * FLOW_SHARE ** (self.power - 1.0))
-        return tau_s
+        return 1.0 / (self.rate_ps * FLOW_SHARE ** (self.power - 1.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,9 +163,9 @@ class Damage:
     curve_n: slopes of g, (D, J), as in `Hammerstein`.
     """
 
-    heal_s: NDArray[np.float64]
+    heal_s: Samples
     power: NDArray[np.int64]
-    curve_n: NDArray[np.float64]
+    curve_n: Samples
 
     def require_valid(self, nodes: int) -> None:
         """Raise DataError, with field and reason."""
@@ -167,7 +175,7 @@ class Damage:
         _not_negative("damage.curve_n", self.curve_n, (curves, nodes))
 
 
-def power_order(part: Flow | Damage) -> NDArray[np.intp]:
+def power_order(part: Flow | Damage) -> Indices:
     """Numbers of the branches, or curves, lower powers first: as the C has them."""
     return np.argsort(part.power, kind="stable")
 
@@ -180,9 +188,9 @@ class Memory:
     curve of damage, (D,).
     """
 
-    branch_n: NDArray[np.float64]
-    flow: NDArray[np.float64]
-    deepest: NDArray[np.float64]
+    branch_n: Samples
+    flow: Samples
+    deepest: Samples
 
     def require_valid(self, branches: int, flowing: int, curves: int) -> None:
         """Raise DataError, with field and reason."""
@@ -213,11 +221,11 @@ class Hammerstein:
 
     origin_m: float
     span_m: float
-    elastic_n: NDArray[np.float64]
-    tau_s: NDArray[np.float64]
-    branch_n: NDArray[np.float64]
-    radius_m: NDArray[np.float64]
-    stop_n: NDArray[np.float64]
+    elastic_n: Samples
+    tau_s: Samples
+    branch_n: Samples
+    radius_m: Samples
+    stop_n: Samples
     bias_n: float
     n_by_depth: int = 0
     rate_ratio: float = 1.0
@@ -262,16 +270,15 @@ class Hammerstein:
         return len(self.elastic_n)
 
     @property
-    def by_depth(self) -> NDArray[np.bool_]:
+    def by_depth(self) -> Flags:
         """Whether each branch's rate depends on the depth, (P,)."""
         return np.arange(len(self.tau_s)) >= len(self.tau_s) - self.n_by_depth
 
     @property
-    def slowest_s(self) -> NDArray[np.float64]:
+    def slowest_s(self) -> Samples:
         """Longest time constant of each branch at any depth, (P,), s."""
         slower = np.sqrt(max(self.rate_ratio, 1.0 / self.rate_ratio))
-        slowest_s: NDArray[np.float64] = self.tau_s * np.where(self.by_depth, slower, 1.0)
-        return slowest_s
+        return self.tau_s * np.where(self.by_depth, slower, 1.0)
 
     @property
     def memory_s(self) -> float:
@@ -289,14 +296,14 @@ class Hammerstein:
         return Memory(np.zeros(len(self.tau_s)), flow, pressed)
 
     @property
-    def slopes_n(self) -> NDArray[np.float64]:
+    def slopes_n(self) -> Samples:
         """All that the force is linear in, (slopes,), N: curves, stops, damage, flow."""
         damage_n = np.zeros(0) if self.damage is None else self.damage.curve_n
         flow_n = np.zeros(0) if self.flow is None else self.flow.force_n
         parts = (self.elastic_n, self.branch_n, self.stop_n, damage_n, flow_n)
         return np.concatenate([part.ravel() for part in parts])
 
-    def with_slopes(self, slopes_n: NDArray[np.float64]) -> "Hammerstein":
+    def with_slopes(self, slopes_n: Samples) -> "Hammerstein":
         """The same of one place with other `slopes_n`, (slopes,)."""
         damage, flow = self.damage, self.flow
         shaped = [self.elastic_n, self.branch_n, self.stop_n]

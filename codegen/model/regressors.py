@@ -7,7 +7,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.arrays import require, require_positive, require_shape
+from springpot.codegen.arrays import Indices, Samples, require, require_positive, require_shape
 from springpot.codegen.errors import DataError
 from springpot.codegen.messages import short_repr
 
@@ -29,7 +29,7 @@ class Regressor(ABC):
     def require_valid(self, n_features: int) -> None:  # noqa: B027 (no rules)
         """Raise DataError, with field and reason, for what its types cannot tell."""
 
-    def used_columns(self, n_features: int) -> NDArray[np.intp]:
+    def used_columns(self, n_features: int) -> Indices:
         """Columns of the features that it reads, ascending, (used,); all by default."""
         return np.arange(n_features)
 
@@ -41,8 +41,8 @@ class Quantisation:
     feature_min, bins_per_unit: shape (features,), of all features that the bank has.
     """
 
-    feature_min: NDArray[np.float64]
-    bins_per_unit: NDArray[np.float64]
+    feature_min: Samples
+    bins_per_unit: Samples
     __repr__ = short_repr
 
     def on_scaled(self, scale: float) -> "Quantisation":
@@ -54,7 +54,7 @@ class Quantisation:
         require_shape("quantisation.feature_min", self.feature_min, (n_features,))
         require_positive("quantisation.bins_per_unit", self.bins_per_unit, (n_features,))
 
-    def take(self, columns: NDArray[np.intp]) -> "Quantisation":
+    def take(self, columns: Indices) -> "Quantisation":
         return Quantisation(self.feature_min[columns], self.bins_per_unit[columns])
 
 
@@ -72,10 +72,10 @@ class Forest(Regressor):
     """
 
     feature: NDArray[np.int32]
-    threshold: NDArray[np.float64]
+    threshold: Samples
     left: NDArray[np.int32]
     right: NDArray[np.int32]
-    value_n: NDArray[np.float64]
+    value_n: Samples
     roots: NDArray[np.int32]
     weight: float
     bias_n: float
@@ -88,23 +88,18 @@ class Forest(Regressor):
         if self.quantisation is not None:
             self.quantisation.require_valid(n_features)
 
-    @property
-    def is_mean(self) -> bool:
-        """Whether the force is the mean of the trees, and not their sum."""
-        return bool(np.isclose(self.weight * len(self.roots), 1.0))
-
     def on_scaled(self, scale: float) -> "Forest":
         if self.quantisation is not None:
             return replace(self, quantisation=self.quantisation.on_scaled(scale))
         return replace(self, threshold=self.threshold / scale)
 
-    def on_columns(self, columns: NDArray[np.intp]) -> "Forest":
+    def on_columns(self, columns: Indices) -> "Forest":
         """The same on `columns` alone, which are all that it uses, ascending."""
         inner, steps = self.feature >= 0, self.quantisation
         feature = np.where(inner, np.searchsorted(columns, self.feature), -1).astype(np.int32)
         return replace(self, feature=feature, quantisation=steps and steps.take(columns))
 
-    def used_columns(self, n_features: int) -> NDArray[np.intp]:
+    def used_columns(self, n_features: int) -> Indices:
         used = np.unique(self.feature[self.feature >= 0]).astype(np.intp)
         return used if len(used) else np.zeros(1, dtype=np.intp)  # trees without a split
 
@@ -117,13 +112,13 @@ class Rbf(Regressor):
     force = weights_n @ |z - centers|^3 + tail_n[0] + tail_n[1:] @ z; centers (n, features).
     """
 
-    mean: NDArray[np.float64]
-    scale: NDArray[np.float64]
-    feature_min: NDArray[np.float64]
-    feature_max: NDArray[np.float64]
-    centers: NDArray[np.float64]
-    weights_n: NDArray[np.float64]
-    tail_n: NDArray[np.float64]
+    mean: Samples
+    scale: Samples
+    feature_min: Samples
+    feature_max: Samples
+    centers: Samples
+    weights_n: Samples
+    tail_n: Samples
 
     def require_valid(self, n_features: int) -> None:
         require_positive("scale", self.scale, (n_features,))

@@ -7,9 +7,8 @@ The terms are exponentials (sp_poles.h), or a window's newest rises and truncate
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Reals
+from springpot.codegen.arrays import Indices, Reals, Samples
 from springpot.codegen.literals import array_text
 from springpot.codegen.model.features import FastFirBank, RecursiveBank
 from springpot.codegen.model.formulas import loss_and_gain
@@ -77,7 +76,7 @@ class WeightedSumStage(FeatureStage):
         return total
 
 
-def in_lanes(weights: Reals, kept: NDArray[np.intp], dtype: type) -> Reals:
+def in_lanes(weights: Reals, kept: Indices, dtype: type) -> Reals:
     """The columns `kept`, padded with zeros to whole vectors: (terms, capacity)."""
     found: Reals = np.zeros((len(weights), padded(max(len(kept), 1))), dtype=dtype)
     found[:, : len(kept)] = weights[:, kept]
@@ -105,7 +104,7 @@ class RecursiveStage(WeightedSumStage):
     """
 
     loss: Reals
-    slow_loss: NDArray[np.float64]
+    slow_loss: Samples
 
     code = stage_code("recursive")
 

@@ -3,9 +3,8 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Real, Reals
+from springpot.codegen.arrays import Flags, Real, Reals
 from springpot.codegen.entry_points import blaming
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model import Model
@@ -52,7 +51,7 @@ def model_force(
     stages: Stages,
     motion: dict[str, Reals],
     starts: Starts,
-    contact: NDArray[np.bool_],
+    contact: Flags,
     taken: Taken = (),
 ) -> Reals:
     """Force of the model's stages, (n,), N; 0 where there is no contact.
@@ -80,7 +79,7 @@ def model_force(
     return np.where(contact, force_n, zero)
 
 
-def clip(config: RangeConfig, depth: Reals) -> tuple[Reals, NDArray[np.bool_]]:
+def clip(config: RangeConfig, depth: Reals) -> tuple[Reals, Flags]:
     """sp_range.h: clipped depth, (n,), m, and where it was outside."""
     above, below = depth > config.max_m, depth < config.min_m
     clipped = np.where(above, config.max_m, np.where(below, config.min_m, depth))

@@ -12,17 +12,16 @@ from itertools import pairwise
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Reals
+from springpot.codegen.arrays import Indices, Reals
 from springpot.codegen.messages import short_repr
 from springpot.codegen.model.features import Features
 from springpot.codegen.model.regressors import Regressor
 from springpot.codegen.scene import Runtime, Target
 from springpot.codegen.types import JsonObject, RealType, Scalar
 
-Columns = NDArray[np.intp]
-Starts = NDArray[np.intp]  # ticks at which the history restarts with the sample held
+Columns = Indices
+Starts = Indices  # ticks at which the history restarts with the sample held
 
 REAL, U32, DOUBLE = "real", "u32", "double"
 VECTOR_WIDTH = 4  # SP_VECTOR_WIDTH of sp_weighted_sum.h

@@ -72,14 +72,12 @@ def measure_alone(
 def _paced_ticks(model: Model, number: Number, recording: Recording) -> Point:
     """Time ticks at the recordings' rate with cold caches, ns; the calmest of up to three runs."""
     plan = make_plan(model, bench_scene(number), accept_unsafe=True)
-    position = recording.position_m.astype(plan.dtype)
-    velocity = backward_velocity(position, plan.dt_s)
     with built(plan) as library:
         tries: list[TickTimes] = []
         while not tries or (
             len(tries) < _PACED_TRIES and tries[-1].p99 > _DISTURBED * tries[-1].p50
         ):
-            tries.append(Replay(library).tick_times(position, velocity, plan.dt_s, PACED_S))
+            tries.append(Replay(library).tick_times(recording.position_m, PACED_S))
     ticks = min(tries, key=lambda times: times.p99)
     return {
         "tick_ns_p50": ticks.p50,

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from springpot import Model, Recording, Scene, SpringpotError, read_model
-from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.model_file import model_bytes, model_hash
 from springpot.codegen.plan import Plan, state_bytes
@@ -120,7 +119,7 @@ def measure_point(
         with built(plan) as library:
             found = {
                 **prediction_errors(plan, library, data.validation),
-                "tick_ns_hot": hot_ns(plan, library, data.validation),
+                "tick_ns_hot": hot_ns(library, data.validation),
                 "ram_bytes": state_bytes(plan),
                 **small_signal_map(plan, library, 0).as_dict(),
                 **_sizes(model, candidate.number, target),
@@ -189,15 +188,13 @@ def prediction_errors(
     }
 
 
-def hot_ns(plan: Plan, library: SceneLibrary, recordings: Sequence[Recording]) -> float:
+def hot_ns(library: SceneLibrary, recordings: Sequence[Recording]) -> float:
     """Return median time of a tick on the longest recording, in a tight loop; the lowest of five.
 
     Fits keep all cores busy, and other programs may use them too.
     """
     longest = max(recordings, key=lambda recording: len(recording.position_m))
-    position = longest.position_m.astype(plan.dtype)
-    velocity = backward_velocity(position, plan.dt_s)
-    return min(Replay(library).hot_ns(position, velocity) for _ in range(_HOT_REPEATS))
+    return min(Replay(library).hot_ns(longest.position_m) for _ in range(_HOT_REPEATS))
 
 
 def target_compiler(target: Target) -> str | None:

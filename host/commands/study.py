@@ -62,16 +62,13 @@ def report_study(study: Path, as_json: bool) -> None:
     from springpot.host.study.report import study_report
 
     result = study_report(read_plan(study))
-    tables = {name: rows for name, rows in result.items() if rows and _is_table(rows)}
+    tables = {name: rows for name, rows in result.items()
+              if isinstance(rows, list) and rows and isinstance(rows[0], dict)}  # fmt: skip
     line = {name: _cell(value) for name, value in result.items() if name not in tables}
     print_result(result, as_json, line)
     for name, rows in tables.items() if not as_json else ():
         click.echo(f"\n{name}")
         print_table(list(rows[0]), [[_cell(value) for value in row.values()] for row in rows])
-
-
-def _is_table(value: object) -> bool:
-    return isinstance(value, list) and isinstance(value[0], dict)
 
 
 def _cell(value: object) -> str:

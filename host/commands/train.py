@@ -96,6 +96,7 @@ def train(
 ) -> None:
     """Fit a model on RECORDINGS (files or folders)."""
     _require_model_file(out)  # before minutes of work
+    from springpot.codegen.model.model_file import write_model
     from springpot.host.quality import report_quality
     from springpot.trainer.recordings.recording_file import given_recordings
 
@@ -107,7 +108,8 @@ def train(
         fit = fit_model(kind, out.stem.split(".")[0], training, options, testing)
     for line in fit.warnings:
         say(f"warning: {line}")
-    result = training_result(fit) | _written(fit, out)
+    out.parent.mkdir(parents=True, exist_ok=True)
+    result = training_result(fit) | {"out": str(out), "hash": write_model(out, fit.model)}
     compared_s = options.smooth_s if smooth_validation else 0.0
     found, figures = errors(fit, training, testing, compared_s) if testing else (None, {})
     result |= figures
@@ -125,13 +127,6 @@ def _require_model_file(out: Path) -> None:
             f"--out {out}: model files end in {MODEL_SUFFIX}: give a name like x{MODEL_SUFFIX}"
         )
     require_place(out)
-
-
-def _written(fit: Fit, out: Path) -> JsonObject:
-    from springpot.codegen.model.model_file import write_model
-
-    out.parent.mkdir(parents=True, exist_ok=True)
-    return {"out": str(out), "hash": write_model(out, fit.model)}
 
 
 def training_result(fit: Fit) -> JsonObject:

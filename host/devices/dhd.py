@@ -147,9 +147,9 @@ _REMEDIES: Mapping[int, str] = {
 }
 
 
-def absent_reason(usb: Path = _USB) -> str:
+def absent_reason() -> str:
     """Why the SDK sees no device, from what the system sees on USB; and what to do."""
-    for vendor in usb.glob("*/idVendor"):
+    for vendor in _USB.glob("*/idVendor"):
         try:
             if vendor.read_text().strip() != VENDOR:
                 continue

@@ -4,8 +4,8 @@ import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cache
-from importlib import import_module
 from pathlib import Path
+from pkgutil import resolve_name
 from urllib.parse import parse_qsl, unquote, urlsplit
 
 from springpot.codegen.entry_points import blaming, registered
@@ -88,10 +88,7 @@ class Driver:
         """Return what `opens` names, loaded."""
         if not isinstance(self.opens, str):
             return self.opens
-        module, _, name = self.opens.partition(":")
-        found: Callable[[Address, DeviceRequirements], OpenedDevice] = getattr(
-            import_module(module), name
-        )
+        found: Callable[[Address, DeviceRequirements], OpenedDevice] = resolve_name(self.opens)
         return found
 
 

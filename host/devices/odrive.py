@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from springpot.codegen.errors import DeviceError
 from springpot.host.devices.can_bus import CanBus
-from springpot.host.devices.device import ZERO_S
+from springpot.host.devices.device import ZERO_S, proved_watchdog_s
 
 VERSION, HEARTBEAT, AXIS_STATE, ENCODER, CONTROLLER_MODE = 0x00, 0x01, 0x07, 0x09, 0x0B
 INPUT_TORQUE, LIMITS, CLEAR_ERRORS, TORQUES = 0x0E, 0x0F, 0x18, 0x1C
@@ -16,7 +16,6 @@ _TORQUE_CONTROL, _PASSTHROUGH = 1, 1
 # Of the heartbeat's error word: the watchdog's bit in each family.
 _WATCHDOG = {"0.5": 0x800, "0.6": 0x1000000}
 _HEARD_S, _ARMED_S, _PROOF_S, _FEED_S = 2.0, 2.0, 1.5, 0.005
-_PROOFS = 3  # a heartbeat may be lost, or come late
 _QUESTIONS, _ANSWER_S = 3, 0.1
 
 
@@ -138,14 +137,9 @@ class Drive:
         return newest
 
     def _prove_watchdog(self) -> None:
-        found_s = math.inf
-        for _ in range(_PROOFS):
-            self.arm()
-            found_s = min(found_s, self._silent_until_off_s())
-            if found_s <= ZERO_S:
-                return
-            if math.isinf(found_s):
-                break
+        found_s = proved_watchdog_s(self._silent_until_off_s)
+        if found_s <= ZERO_S:
+            return
         self.rest()
         found = "never" if math.isinf(found_s) else f"{found_s:.2f} s"
         raise DeviceError(
@@ -156,8 +150,9 @@ class Drive:
         )
 
     def _silent_until_off_s(self) -> float:
-        """Time from the last command until the drive said that its watchdog had ended it, an
-        upper bound of the watchdog's; infinite where it did not."""
+        """Arm, and go silent: time from the last command until the drive said that its watchdog
+        had ended it, an upper bound of the watchdog's; infinite where it did not."""
+        self.arm()
         while time.monotonic() < self._fed_s + _PROOF_S:
             beat = self._heartbeat(time.monotonic() + 0.002)
             if beat is not None and beat.state != CLOSED_LOOP:

@@ -14,6 +14,7 @@ from springpot.host.devices.device import (
     ZERO_S,
     DeviceRequirements,
     OpenedDevice,
+    proved_watchdog_s,
     require_sample_rate,
     too_weak,
 )
@@ -30,7 +31,6 @@ BAUD = 921600
 _ASK_S, _AGAIN_S, _LOOK_S = 2.0, 0.05, 0.0005
 # A device's watchdog is asked to be quicker than what is proved: its samples say so a little later.
 _WATCHDOG_S = 0.75 * ZERO_S
-_PROOFS = 3  # a frame may be lost, or come late
 _REFUSED = {1: "that action", 2: "that rate", 3: "that watchdog"}
 _REFUSED_ACTION = 1
 
@@ -182,14 +182,9 @@ class SerialDevice(OpenedDevice):
     def _prove_watchdog(self) -> None:
         """One force of zero, then silence: a device that does not say in time that it tripped is
         refused. RESET makes it ready again."""
-        found_s = math.inf
-        for _ in range(_PROOFS):
-            found_s = min(found_s, self._silent_until_tripped_s())
-            self.command("RESET")
-            if found_s <= ZERO_S:
-                return
-            if math.isinf(found_s):
-                break
+        found_s = proved_watchdog_s(self._silent_until_tripped_s)
+        if found_s <= ZERO_S:
+            return
         self.command("STOP")
         found = "never" if math.isinf(found_s) else f"after {found_s:.2f} s"
         raise DeviceError(
@@ -200,11 +195,13 @@ class SerialDevice(OpenedDevice):
 
     def _silent_until_tripped_s(self) -> float:
         self.send("force", force_n=0.0)
-        sent_s = time.monotonic()
+        sent_s, took_s = time.monotonic(), math.inf
         for frame in self._frames_until(sent_s + 2 * ZERO_S):
             if frame.name == "sample" and frame.values["status"] & constant("TRIPPED"):
-                return time.monotonic() - sent_s
-        return math.inf
+                took_s = time.monotonic() - sent_s
+                break
+        self.command("RESET")
+        return took_s
 
     def _hello(self) -> JsonObject:
         hello = self._ask(

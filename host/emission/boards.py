@@ -5,7 +5,6 @@ import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
-from springpot.codegen.emit.header import prefixed
 from springpot.codegen.errors import BudgetError, UsageError
 from springpot.codegen.files import folder_written_aside
 from springpot.codegen.messages import short_repr
@@ -14,7 +13,7 @@ from springpot.codegen.scene import Target
 from springpot.host.emission.checksums import is_edited, require_replaceable, write_checksums
 from springpot.host.emission.emission import read_emission
 from springpot.host.native.compiler import CompilerError
-from springpot.host.native.scene_library import port_headers, scene_prefix
+from springpot.host.native.scene_library import scene_prefix, write_port
 from springpot.host.native.toolchain import Toolchain, missing_tools, toolchain
 from springpot.runtime_c.paths import PORT_MCU, flags
 
@@ -122,13 +121,10 @@ def build_firmware(folder: Path, board: Board, out: Path, strict: bool = False) 
     require_replaceable(out, yours=[TRANSDUCER])
     plan = read_emission(folder).plan
     with folder_written_aside(out) as aside:
-        _copy(folder, aside, plan)
-        for name in (*_COMMON, *_headers(), *board.sources):
-            _port_file(name, plan, aside)
+        sources = _copied(folder, aside, plan, (*_COMMON, *board.sources))
         write_checksums(aside)
         if is_edited(out, TRANSDUCER):
             shutil.copyfile(out / TRANSDUCER, aside / TRANSDUCER)
-        sources = (f"{scene_prefix(folder)}.c", *_COMMON, *board.sources)
         _linked(board, aside, sources, state_bytes(plan), strict)
     return out / _PROGRAM
 
@@ -136,31 +132,19 @@ def build_firmware(folder: Path, board: Board, out: Path, strict: bool = False) 
 def build_batch(folder: Path, board: Board, out: Path) -> Path:
     """Build the program that makes calls out of a file, for the emulator (sp_batch.c)."""
     plan = read_emission(folder).plan
-    _copy(folder, out, plan)
-    for name in ("sp_batch.c", "sp_port.c", "sp_transducer.c", *_headers(), *board.sources):
-        _port_file(name, plan, out)
-    ports = ("sp_batch.c", "sp_port.c", "sp_transducer.c", *board.sources)
-    sources = (f"{scene_prefix(folder)}.c", *ports)
-    return _linked(board, out, sources, state_bytes(plan))
+    ports = ("sp_batch.c", "sp_port.c", TRANSDUCER, *board.sources)
+    return _linked(board, out, _copied(folder, out, plan, ports), state_bytes(plan))
 
 
-def _headers() -> list[str]:
-    return [file.name for file in PORT_MCU.glob("*.h")]
-
-
-def _copy(folder: Path, out: Path, plan: Plan) -> None:
+def _copied(folder: Path, out: Path, plan: Plan, ports: tuple[str, ...]) -> tuple[str, ...]:
+    """Bring the scene's C and these files of the port, with all headers; name what is compiled."""
     out.mkdir(parents=True, exist_ok=True)
-    for file in [*folder.glob("*.h"), folder / f"{scene_prefix(folder)}.c"]:
+    source = f"{scene_prefix(folder)}.c"
+    for file in [*folder.glob("*.h"), folder / source]:
         shutil.copyfile(file, out / file.name)
-    for name, text in port_headers(folder, plan.real).items():
-        (out / name).write_text(text)
-
-
-def _port_file(name: str, plan: Plan, out: Path) -> None:
-    """One file of the port, with the scene's prefix where it speaks of the scene."""
-    prefix = plan.scene.runtime.prefix
-    text = (PORT_MCU / name).read_text().replace('"sp_scene.h"', f'"{prefix}_scene.h"')
-    (out / name).write_text(prefixed(text, prefix))
+    files = [*PORT_MCU.glob("*.h"), *(PORT_MCU / name for name in ports)]
+    write_port(folder, plan.real, files, out)
+    return (source, *ports)
 
 
 def _linked(

@@ -144,7 +144,7 @@ def _evaluation(model: Model, recordings: Sequence[Recording]) -> tuple[Samples,
     # What is not the trees': the passive part, which remembers through a session.
     others_n = predict_each_n(replace(model, features=None, regressor=None), pieces)
     force_n = np.concatenate([item.force_n[rows] for item, rows in pieces])
-    return np.concatenate(values), force_n - others_n
+    return np.concatenate(values), force_n - np.concatenate(others_n)
 
 
 def _surely_over(model: Model, scene: Scene) -> bool:

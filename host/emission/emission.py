@@ -201,15 +201,11 @@ def _selftest_stack(plan: Plan, found: Footprint) -> list[str]:
 
 def _activity(checked: Check) -> list[str]:
     """A warning where the model is not passive; never a refusal."""
-    inside, outside = checked.model_map.active(False), checked.model_map.active(True)
-    if not inside[0] and not outside[0]:
-        return []
-    places = (
-        (inside, "small-signal cells"),
-        (outside, "small-signal cells beyond the trained depth"),
-    )
-    cells = [f"{active} of {tried} {where}" for (active, tried), where in places if active]
-    return [
+    cells = []
+    for outside, where in ((False, ""), (True, " beyond the trained depth")):
+        active, tried = checked.model_map.active(outside)
+        cells += [f"{active} of {tried} small-signal cells{where}"] if active else []
+    return cells and [
         f"the model is not passive in {', and in '.join(cells)}: `springpot stability` shows what "
         "a hand makes of it"
     ]

@@ -1,16 +1,17 @@
 """What was emitted: its sizes against the budget, what it leaves of the object's stiffness."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 
-from springpot.codegen.errors import BudgetError, SpringpotError
-from springpot.codegen.make_plan import FELT_SHARE, SERVED_HZ, make_plan
+from springpot.codegen.errors import BudgetError
+from springpot.codegen.make_plan import FELT_SHARE
 from springpot.codegen.messages import number_of
 from springpot.codegen.plan import Plan, instruction_bound
 from springpot.codegen.scene import Budget
 from springpot.codegen.types import JsonObject
 from springpot.host.native.toolchain import Footprint
 from springpot.host.stability.check import Check
+from springpot.host.stability.linear import at_higher_rates
 
 # Keys of `emit --json` that the manifest has too; instructions and forest of some scenes only.
 _OF_MANIFEST = ("instructions", "units", "left_out", "orders", "coupling", "outside",
@@ -137,26 +138,12 @@ def _remedy(plan: Plan) -> str:
         return (
             "record at a higher rate, or take a kind of model that holds at any rate (hammerstein)"
         )
-    found = max(
-        (faster for rate in SERVED_HZ if (faster := _at_rate(plan, rate)) is not None),
-        key=lambda faster: (faster[1] >= FELT_SHARE * plan.stiffness_npm, -faster[0]),
-        default=None,
-    )
-    if found is None or found[1] <= plan.coupling.felt_npm:
+    faster = list(at_higher_rates(plan))
+    enough = [each for each in faster if each.coupling.felt_npm >= FELT_SHARE * plan.stiffness_npm]
+    found = next(iter(enough or faster), plan)
+    if found.coupling.felt_npm <= plan.coupling.felt_npm:
         return "a device of less delay and more damping is needed, or [device] states yours"
-    rate_hz, felt_npm = found
     return (
-        f"{plan.model.kind} holds at any rate: [runtime] rate_hz = {rate_hz:g} gives "
-        f"{1e-3 * felt_npm:.3g} N/mm, if the device is served at it"
+        f"{plan.model.kind} holds at any rate: [runtime] rate_hz = {1.0 / found.dt_s:g} gives "
+        f"{1e-3 * found.coupling.felt_npm:.3g} N/mm, if the device is served at it"
     )
-
-
-def _at_rate(plan: Plan, rate_hz: float) -> tuple[float, float] | None:
-    """A higher rate, Hz, and the stiffness that is felt there, N/m."""
-    if rate_hz * plan.dt_s <= 1.001:
-        return None
-    scene = replace(plan.scene, runtime=replace(plan.scene.runtime, rate_hz=rate_hz))
-    try:
-        return rate_hz, make_plan(plan.model, scene, plan.accept_unsafe).coupling.felt_npm
-    except SpringpotError:
-        return None

@@ -9,9 +9,8 @@ from pathlib import Path
 
 import cffi
 import numpy as np
-from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Reals
+from springpot.codegen.arrays import Reals, Samples
 from springpot.codegen.entry_points import registered
 from springpot.codegen.types import CData
 from springpot.host.native.compiler import CompilerError, shared_library
@@ -29,7 +28,7 @@ COLUMN = {name: k for k, name in enumerate(COLUMNS)}
 INPUT = "input_m"  # of a log: the position as sp_step got it, which may not be finite
 IDLE, RESET, NONE, SILENT, UNSENT = 1, 2, 4, 8, 16  # bits of a row's call
 GOT_FIFO, GOT_LOCKED, GOT_SLACK, GOT_CPU = 1, 2, 4, 8
-LoopRows = NDArray[np.float64]  # shape (n, len(COLUMNS))
+LoopRows = Samples  # shape (n, len(COLUMNS))
 
 
 class CLibrary:

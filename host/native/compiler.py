@@ -203,12 +203,6 @@ def machine_metadata() -> dict[str, str]:
     }
 
 
-def cpu_s() -> float:
-    """Processor time of this process and of the programs it has waited for, s."""
-    times = os.times()
-    return times.user + times.system + times.children_user + times.children_system
-
-
 def _processor() -> str:
     try:
         lines = Path("/proc/cpuinfo").read_text().splitlines()

@@ -11,7 +11,6 @@ from springpot.codegen.arrays import Reals, Samples
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import SpringpotError
 from springpot.codegen.plan import Plan
-from springpot.codegen.types import RealType
 from springpot.host.metrics import Accuracy, accuracy, start_up_ramp
 from springpot.host.native.c_library import INPUT, CLibrary, load_c
 from springpot.host.native.scene_library import SceneLibrary
@@ -42,10 +41,6 @@ class Replay:
         self._port = load_port(library.real)
         self._step = self._port.pointer(library.address("step"))
 
-    @property
-    def dtype(self) -> RealType:
-        return self._library.dtype
-
     def run(
         self,
         position_m: Reals,
@@ -59,14 +54,11 @@ class Replay:
         scene has a map.
         """
         position = self._converted(position_m)
-        if velocity_mps is None:
-            velocity_mps = backward_velocity(position, self._library.manifest["dt_s"])
-        velocity = self._converted(velocity_mps)
+        velocity = self._velocity(position) if velocity_mps is None else velocity_mps
+        velocity = self._converted(velocity)
         force = np.empty_like(position)
         notes = np.empty(len(position), dtype=np.int32)
-        state = self._library.new_state()
-        if place_m is not None:
-            state.place(place_m)
+        state = self._library.new_state(place_m)
         array = self._port.array
         self._port.c.sp_replay(
             self._step, self._port.pointer(state.address), len(position),
@@ -84,9 +76,7 @@ class Replay:
         made = np.ascontiguousarray(calls["call"], dtype=np.int32)
         force = np.zeros(len(made), dtype=self._library.dtype)
         notes = np.zeros(len(made), dtype=np.int32)
-        state = self._library.new_state()
-        if place_m is not None:
-            state.place(place_m)
+        state = self._library.new_state(place_m)
         inputs = [self._converted(calls[name]) for name in (INPUT, "velocity_mps", "dt_s")]
         pointer, array = self._port.pointer, self._port.array
         functions = [pointer(self._library.address(name)) for name in ("step", "idle", "reset")]
@@ -96,35 +86,31 @@ class Replay:
         )  # fmt: skip
         return force, notes
 
-    def tick_times(
-        self, position_m: Reals, velocity_mps: Reals, dt_s: float, paced_s: float
-    ) -> TickTimes:
+    def tick_times(self, position_m: Reals, paced_s: float) -> TickTimes:
         """Time ticks hot over all samples, and paced at the scene's rate for `paced_s`."""
-        hot = self.hot_ns(position_m, velocity_mps)
-        paced = self._paced_ns(position_m, velocity_mps, dt_s, paced_s)
+        hot, paced = self.hot_ns(position_m), self._paced_ns(position_m, paced_s)
         p50, p99, p999, longest = map(float, np.percentile(paced, [50, 99, 99.9, 100]))
         return TickTimes(hot, p50, p99, p999, longest)
 
-    def hot_ns(self, position_m: Reals, velocity_mps: Reals) -> float:
+    def hot_ns(self, position_m: Reals) -> float:
         """Median time of a tick in a tight loop over all samples, ns."""
-        state = self._library.new_state()
-        state.run(position_m, velocity_mps)
+        position = self._converted(position_m)
+        velocity, state = self._velocity(position), self._library.new_state()
+        state.run(position, velocity)
         state.reset()
         times = []
-        for begin in range(0, len(position_m), _HOT_TICKS):
+        for begin in range(0, len(position), _HOT_TICKS):
             rows = slice(begin, begin + _HOT_TICKS)
             clock = time.perf_counter_ns()
-            state.run(position_m[rows], velocity_mps[rows])
-            times.append((time.perf_counter_ns() - clock) / len(position_m[rows]))
+            state.run(position[rows], velocity[rows])
+            times.append((time.perf_counter_ns() - clock) / len(position[rows]))
         return float(np.median(times))
 
-    def _paced_ns(
-        self, position_m: Reals, velocity_mps: Reals, dt_s: float, paced_s: float
-    ) -> Reals:
+    def _paced_ns(self, position_m: Reals, paced_s: float) -> Reals:
+        dt_s, position = self._library.manifest["dt_s"], self._converted(position_m)
         ticks = max(100, round(paced_s / dt_s))
-        rows = np.arange(ticks) % len(position_m)
-        position = self._converted(position_m[rows])
-        velocity = self._converted(velocity_mps[rows])
+        rows = np.arange(ticks) % len(position)
+        position, velocity = position[rows], self._velocity(position)[rows]
         cold = np.zeros(COLD_BYTES, dtype=np.uint8)
         tick_ns = np.empty(ticks)
         state = self._library.new_state()
@@ -136,6 +122,9 @@ class Replay:
         if error != 0:
             raise SpringpotError(f"the monotonic clock failed (error {error}) while timing ticks")
         return tick_ns
+
+    def _velocity(self, position: Reals) -> Reals:
+        return backward_velocity(position, self._library.manifest["dt_s"])
 
     def _converted(self, values: Reals) -> Reals:
         return np.ascontiguousarray(values, dtype=self._library.dtype)
@@ -160,10 +149,8 @@ def replayed(
     forces = [np.zeros(0)] * len(recordings)
     ramps = [0] * len(recordings)
     for motion in motions_of(plan, recordings):
-        position = motion.depth_m.astype(replay.dtype)
-        velocity = backward_velocity(position, plan.dt_s)
         place_m = recordings[motion.recordings[0]].place_m if plan.has_places else None
-        force_n, notes = replay.run(position, velocity, place_m=place_m)
+        force_n, notes = replay.run(motion.depth_m, place_m=place_m)
         ramps[motion.recordings[0]] = start_up_ramp(notes)
         for number, start in zip(motion.recordings, motion.starts, strict=True):
             its = slice(start, start + len(recordings[number].force_n))

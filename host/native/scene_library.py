@@ -2,7 +2,7 @@
 
 import json
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
@@ -11,6 +11,7 @@ import numpy as np
 
 from springpot.codegen.arrays import Reals
 from springpot.codegen.emit.files import emit_files
+from springpot.codegen.emit.header import prefixed
 from springpot.codegen.emit.source import ABI_VERSION
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.make_plan import make_plan
@@ -38,14 +39,20 @@ def scene_prefix(folder: Path) -> str:
         ) from None
 
 
-def port_headers(folder: Path, real: str) -> dict[str, str]:
-    """Name -> text of the headers that a port includes beside the scene's own."""
+def write_port(folder: Path, real: str, files: Iterable[Path], out: Path) -> None:
+    """Write a port's files for the C of an emitted folder, and two headers that they include.
+
+    Where a file speaks of the scene it gets the scene's prefix. real: "float" or "double".
+    """
     prefix = scene_prefix(folder)
-    return {
-        f"{prefix}_scene.h": f'#include "{prefix}.h"\n#include "sp_real.h"\n\n'
-        f"#define SP_PERIOD_S {prefix.upper()}_DT_S\n",
-        "sp_real.h": (INCLUDE / real / "sp_real.h").read_text(),
-    }
+    for file in files:
+        text = file.read_text().replace('"sp_scene.h"', f'"{prefix}_scene.h"')
+        (out / file.name).write_text(prefixed(text, prefix))
+    (out / f"{prefix}_scene.h").write_text(
+        f'#include "{prefix}.h"\n#include "sp_real.h"\n\n'
+        f"#define SP_PERIOD_S {prefix.upper()}_DT_S\n"
+    )
+    (out / "sp_real.h").write_text((INCLUDE / real / "sp_real.h").read_text())
 
 
 def build_scene(folder: Path) -> Path:
@@ -82,8 +89,12 @@ class SceneLibrary:
         """0, or 1 + the first golden tick whose bits differ."""
         return int(self.function("selftest")())
 
-    def new_state(self) -> "SceneState":
-        return SceneState(self)
+    def new_state(self, place_m: tuple[float, float] | None = None) -> "SceneState":
+        """A fresh state; place_m: x and y where it is pressed, m, if the scene has a map."""
+        state = SceneState(self)
+        if place_m is not None:
+            state.place(place_m)
+        return state
 
 
 class SceneState:
@@ -126,7 +137,9 @@ class SceneState:
     def idle(self, dt_s: float) -> tuple[float, int]:
         """No sample came for dt_s: force (N) and notes. Raises UsageError for a bad dt_s."""
         notes = self._library.function("idle")(self._state, dt_s, self._force)
-        return self._force[0], _taken(notes, dt_s)
+        if notes < 0:
+            raise UsageError(f"dt_s = {dt_s}: give a positive time step in s")
+        return self._force[0], notes
 
     def run(self, position_m: Reals, velocity_mps: Reals | None = None) -> tuple[Reals, int]:
         """A batch: forces, shape (n,), N, and all notes. Inputs are rounded to the scene's type."""
@@ -148,13 +161,6 @@ class SceneState:
         if notes < 0:
             raise UsageError("this scene reads the device's velocity: give velocity_mps")
         return force, notes
-
-
-def _taken(notes: int, dt_s: float) -> int:
-    """Notes of a call that takes dt_s. Raises UsageError if it took none."""
-    if notes < 0:
-        raise UsageError(f"dt_s = {dt_s}: give a positive time step in s")
-    return notes
 
 
 @contextmanager

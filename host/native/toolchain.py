@@ -59,21 +59,14 @@ def toolchain(target: str) -> Toolchain | None:
     return Toolchain((compiler,), size, flags)
 
 
-def package_of(target: str) -> str:
-    """System packages that hold the target's compiler, or this machine's size tool."""
-    if target == "host":
-        return "binutils"
-    return "gcc-arm-none-eabi" if target.startswith("cortex") else "gcc-riscv64-unknown-elf"
-
-
 def missing_tools(target: str) -> str:
     """What is missing to compile for the target and how to get it; nothing where all is there."""
     if toolchain(target) is not None:
         return ""
-    install = f"`apt-get install {package_of(target)}`"
     if target == "host":
-        return f"no `size` on PATH: {install}"
-    return f"no compiler for {target}: {install}"
+        return "no `size` on PATH: `apt-get install binutils`"
+    package = "gcc-arm-none-eabi" if target.startswith("cortex") else "gcc-riscv64-unknown-elf"
+    return f"no compiler for {target}: `apt-get install {package}`"
 
 
 @dataclass(frozen=True)

@@ -11,12 +11,11 @@ from pathlib import Path
 
 from springpot import SpringpotError
 from springpot.codegen.emit.golden import backward_velocity, golden_positions
-from springpot.codegen.emit.header import prefixed
 from springpot.codegen.errors import MismatchError, UsageError
 from springpot.codegen.plan import Plan
 from springpot.host.native.compiler import CompilerError, first_error, packaged_compiler
 from springpot.host.native.replay import Replay
-from springpot.host.native.scene_library import SceneLibrary, port_headers
+from springpot.host.native.scene_library import SceneLibrary, write_port
 from springpot.runtime_c.paths import PORT_BROWSER, PORT_WASM, SIM, flags
 
 # No C library; a stack with room for the self-test's state, below the data: overflow traps.
@@ -33,11 +32,7 @@ def page_module(folder: Path, plan: Plan) -> bytes:
     compiler, linker = _tools()
     with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
         place = Path(scratch)
-        for file in PORT_BROWSER.glob("*.[ch]"):
-            text = file.read_text().replace('"sp_scene.h"', f'"{prefix}_scene.h"')
-            (place / file.name).write_text(prefixed(text, prefix))
-        for name, header in port_headers(folder, plan.real).items():
-            (place / name).write_text(header)
+        write_port(folder, plan.real, PORT_BROWSER.glob("*.[ch]"), place)
         names = [f"{prefix}_{name}" for name in ("selftest", "state_size", "init", "run")]
         names += re.findall(r"\b(sp_page_\w+)[(\[]", (place / "sp_page.h").read_text())
         exports = [f"--export={name}" for name in (*names, "__heap_base")]

@@ -30,7 +30,7 @@ _MORE_TICKS = 50  # so that none of the command's is missing when clocks differ
 # Force control through a link with a period of delay: gentler than that of the simulated device.
 _GAINS = {"p_gain": 1.0, "d_gain_s": 0.01, "d_time_s": 0.0015}
 OPEN_LOOP = {"p_gain": 0.0, "d_gain_s": 0.0, "d_time_s": 0.0015}
-
+TakeSamples = Callable[[Samples, Samples], None]  # of positions, m, and forces, N
 
 # Faults of sp_press.h, and what to do.
 _FAULTS = {
@@ -63,9 +63,7 @@ class PressRows:
     unlocated: a position is no number.
     """
 
-    def __init__(
-        self, n: int, on_samples: Callable[[Samples, Samples], None], silent: int = 0
-    ) -> None:
+    def __init__(self, n: int, on_samples: TakeSamples, silent: int = 0) -> None:
         self._n, self._on_samples, self._silent = n, on_samples, silent
         self.table = empty_rows()
         self.unmeasured = self.unlocated = False
@@ -141,7 +139,7 @@ class PressedDevice:
     def press(
         self,
         command_n: Samples,
-        on_samples: Callable[[Samples, Samples], None] = lambda _position_m, _force_n: None,
+        on_samples: TakeSamples = lambda _position_m, _force_n: None,
     ) -> tuple[Samples, Samples]:
         """Drive one press; command_n: (n,), N, one value each ms. Returns position_m and force_n.
 
@@ -152,9 +150,7 @@ class PressedDevice:
         rest(_REST_S)
         return position_m, force_n
 
-    def measure(
-        self, command_n: Samples, on_samples: Callable[[Samples, Samples], None]
-    ) -> tuple[Samples, Samples]:
+    def measure(self, command_n: Samples, on_samples: TakeSamples) -> tuple[Samples, Samples]:
         """Drive one press as `press`, without what comes after it."""
         rows = PressRows(len(command_n), on_samples)
         self.drive(command_n, self.gains, rows, self.room)

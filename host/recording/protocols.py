@@ -6,14 +6,14 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import UsageError
 from springpot.codegen.messages import short_repr
 from springpot.codegen.types import JsonMapping, JsonObject
 
-Command = NDArray[np.float64]
+Command = Samples
 
 RATE_HZ = 1000
 PEAK_N = 10.0

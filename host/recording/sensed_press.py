@@ -29,7 +29,13 @@ from springpot.host.devices.drivers import SERIAL, Address, parse_device
 from springpot.host.devices.serial_device import SerialDevice
 from springpot.host.devices.wire import constant
 from springpot.host.output import say
-from springpot.host.recording.indentation import OPEN_LOOP, PressedDevice, PressRows, rest
+from springpot.host.recording.indentation import (
+    OPEN_LOOP,
+    PressedDevice,
+    PressRows,
+    TakeSamples,
+    rest,
+)
 from springpot.host.recording.protocols import RATE_HZ
 from springpot.host.session.runner import SessionRunner
 
@@ -231,9 +237,7 @@ class SensedPressDevice(PressedDevice):
         rest(_RECOVERY_S)
         return {"force_sensor": {"url": self._sensor.url, **asdict(self._delay)}}
 
-    def measure(
-        self, command_n: Samples, on_samples: Callable[[Samples, Samples], None]
-    ) -> tuple[Samples, Samples]:
+    def measure(self, command_n: Samples, on_samples: TakeSamples) -> tuple[Samples, Samples]:
         """Drive one press; its samples get the sensor's force of their moment once it is over."""
         rows, sensor = self._pressed(command_n, late_gains(self._delay), self.room)
         force_n = np.interp(rows["time_s"] + self._delay.value_s, *sensor)

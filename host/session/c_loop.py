@@ -54,9 +54,7 @@ def scene_step_functions(
     scene: SceneLibrary, place_m: tuple[float, float] | None = None
 ) -> StepFunctions:
     """A fresh state of a scene, at a place if it has a map."""
-    state = scene.new_state()
-    if place_m is not None:
-        state.place(place_m)
+    state = scene.new_state(place_m)
     step, idle, reset = (scene.address(name) for name in ("step", "idle", "reset"))
     kept = (scene, state)
     return StepFunctions(loop_library(scene.real), step, idle, reset, state.address, kept=kept)

@@ -3,8 +3,8 @@
 from collections.abc import Callable
 
 import numpy as np
-from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.notes import CLAMPED, HELD, LATCHED, LIMITED, OUTSIDE
 from springpot.codegen.plan import Plan
 from springpot.codegen.types import JsonObject
@@ -85,13 +85,13 @@ class LiveWarnings:
             self._note(NOTE_WORDS[HELD], time_s[held])
         self._note(NOTE_WORDS[LATCHED], time_s[latched], "")
 
-    def _speeds(self, position_m: NDArray[np.float64]) -> NDArray[np.float64]:
+    def _speeds(self, position_m: Samples) -> Samples:
         """Mean speed of the last ticks at each row, m/s; NaN where a position is not known."""
         before, joined = len(self._recent_m), np.concatenate((self._recent_m, position_m))
         self._recent_m = joined[-before:]
         return np.asarray(np.abs(joined[before:] - joined[:-before]) / (before * self._dt_s))
 
-    def _note(self, what: str, time_s: NDArray[np.float64], words: str | None = None) -> None:
+    def _note(self, what: str, time_s: Samples, words: str | None = None) -> None:
         """Count ticks with a condition; alarm where it begins. words: in place of `what`."""
         if not len(time_s):
             return

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen import notes as notes_of
+from springpot.codegen.arrays import Flags
 from springpot.codegen.messages import short_repr
 from springpot.host.native.c_library import Stop
 
@@ -106,7 +107,7 @@ def spread_us(seconds: Any) -> dict[str, float]:
 
 def clamped_low(
     notes: NDArray[np.integer[Any]], force_n: NDArray[np.floating[Any]], min_n: float
-) -> NDArray[np.bool_]:
+) -> Flags:
     """Whether each tick was clamped at the lower limit of a scene, not at the upper one, (n,).
 
     force_n: that left, N. min_n: the lower limit, N. A force that is on its way to a limit, for it
@@ -114,7 +115,7 @@ def clamped_low(
     """
     falls = np.diff(force_n, prepend=force_n[:1]) < 0.0
     low = (force_n <= min_n) | (falls & ((notes & notes_of.LIMITED) != 0))
-    found: NDArray[np.bool_] = low & ((notes & notes_of.CLAMPED) != 0)
+    found: Flags = low & ((notes & notes_of.CLAMPED) != 0)
     return found
 
 

@@ -66,8 +66,7 @@ def _finite(values: Samples, before: float) -> Samples:
     """Hold the last finite value where there is none: a recording has no holes."""
     held = np.append(before, values)
     good = np.maximum.accumulate(np.where(np.isfinite(held), np.arange(len(held)), 0))
-    found: Samples = held[good][1:]
-    return found
+    return held[good][1:]
 
 
 class Session(SessionRunner):

@@ -6,7 +6,7 @@ Of those in which samples stay away, at every phase of the strokes.
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Samples
+from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.coupling.linear_loop import Hand
 from springpot.codegen.plan import Plan
 from springpot.host.simulation.hand_loop import Scenario
@@ -166,7 +166,7 @@ def cases(plan: Plan, force: Force, hand: Hand) -> list[Case]:
     ]
 
 
-def _bursts(plan: Plan, at: NDArray[np.intp]) -> NDArray[np.intp]:
+def _bursts(plan: Plan, at: Indices) -> Indices:
     """Ticks of bursts, each longer than the last, all shorter than the watchdog waits."""
     longest = max(1, round(plan.watchdog_s / plan.dt_s) - 2)
     lengths = np.unique(np.linspace(1, longest, len(at)).astype(int))

@@ -1,6 +1,5 @@
 """The stability check: linear loop, small-signal maps, closed loop; and what it all means."""
 
-from collections.abc import Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -109,14 +108,14 @@ class Stability:
     @property
     def recommendation(self) -> str:
         """The verdict in words."""
-        return " ".join(self._verdict())
-
-    def _verdict(self) -> Iterator[str]:
         checked, plan = self.check, self.check.plan
-        yield loop_words(checked.stable, checked.spectral_radius)
-        yield from outcome_words(self.outcomes, checked.stable)
-        yield from map_words(plan, checked.model_map, checked.scene_map)
-        yield from device_words(plan)
+        sentences = [
+            loop_words(checked.stable, checked.spectral_radius),
+            *outcome_words(self.outcomes, checked.stable),
+            *map_words(plan, checked.model_map, checked.scene_map),
+            *device_words(plan),
+        ]
+        return " ".join(sentences)
 
     def require_bounded(self) -> None:
         """Raise UnsafeError where the linear loop is not stable or the closed loop not bounded."""
@@ -129,8 +128,7 @@ class Stability:
 def check(plan: Plan, library: SceneLibrary) -> Check:
     """Parts (a) and (b) of a scene that is built."""
     with ExitStack() as stack:
-        model = _model_library(plan, library, stack)
-        return _checked(plan, library, model)
+        return _checked(plan, library, _model_library(plan, library, stack))
 
 
 def stability(plan: Plan) -> Stability:

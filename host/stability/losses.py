@@ -8,7 +8,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from springpot.codegen import notes
-from springpot.codegen.arrays import Samples
+from springpot.codegen.arrays import Flags, Samples, runs
 from springpot.codegen.plan import Plan
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.simulation.cases import LATE, TAKEN
@@ -97,7 +97,7 @@ def ended(plan: Plan, trace: Trace) -> bool:
     return fallen < len(trace.force_n) and not trace.force_n[fallen:].any()
 
 
-def _taken(scenario: Scenario) -> NDArray[np.bool_]:
+def _taken(scenario: Scenario) -> Flags:
     return np.asarray((scenario.dropped == TAKEN) & np.isfinite(scenario.error_m))
 
 
@@ -147,8 +147,6 @@ def _presses_j(plan: Plan, trace: Trace) -> Iterator[tuple[float, float]]:
     work_j = trace.force_n[:-1] * moved_m + friction_j
     space = Workspace.of(plan)
     edge_m = space.base_m if plan.contact else space.base_m + 2.0 * _TOUCH * space.span_m
-    inside = trace.position_m[:-1] > edge_m
-    edges = np.flatnonzero(np.diff(inside.astype(np.int8), prepend=0, append=0))
-    for begin, end in zip(edges[::2], edges[1::2], strict=True):
+    for begin, end in runs(trace.position_m[:-1] > edge_m):
         taken_j = np.cumsum(work_j[begin:end])
         yield float(taken_j.min()), float(taken_j.max())

@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.messages import counted, short_repr
 from springpot.codegen.plan import Plan
 from springpot.host.native.scene_library import SceneLibrary
@@ -29,9 +29,9 @@ class Map:
     share: depths of the rows, of the trained one. frequency_hz: of the columns.
     """
 
-    share: NDArray[np.float64]
-    frequency_hz: NDArray[np.float64]
-    sin_delta: NDArray[np.float64]
+    share: Samples
+    frequency_hz: Samples
+    sin_delta: Samples
     __repr__ = short_repr
 
     def active(self, outside: bool) -> tuple[int, int]:

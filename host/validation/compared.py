@@ -4,9 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Reals, Samples
+from springpot.codegen.arrays import Flags, Reals, Samples
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.messages import caution, counted
 from springpot.codegen.plan import Plan, member_offset
@@ -36,14 +35,12 @@ def at_ticks(recording: Recording, dt_s: float) -> Recording:
     )
 
 
-def at_samples(
-    force_n: NDArray[np.float64], recording: Recording, dt_s: float
-) -> NDArray[np.float64]:
+def at_samples(force_n: Samples, recording: Recording, dt_s: float) -> Samples:
     """Forces of a scene's ticks, (ticks,), N, at the recording's samples, (samples,)."""
     if len(force_n) == len(recording.position_m):
         return force_n
     own_s = np.arange(len(recording.position_m)) * recording.dt_s
-    found_n: NDArray[np.float64] = np.interp(own_s, np.arange(len(force_n)) * dt_s, force_n)
+    found_n: Samples = np.interp(own_s, np.arange(len(force_n)) * dt_s, force_n)
     return found_n
 
 
@@ -91,15 +88,20 @@ def compared_all(
         first = recordings[number]
         position = motion.depth_m.astype(plan.dtype)
         velocity = backward_velocity(position, plan.dt_s)
-        force, notes, differs = _pressed(plan, library, replay, position, velocity, first)
+        place_m = first.place_m if plan.has_places else None
+        force, notes = replay.run(position, velocity, place_m=place_m)
+        predicted_m = proxy_positions(plan, library, position, velocity, place_m)
+        places = [] if place_m is None else [(0, place_m)]
+        reference = run_reference(plan, position, velocity, predicted_m, places)
+        other = bits_differ(force, reference.force_n) | (notes != reference.notes)
+        mismatches += int(np.sum(other))
         again = repeat_session(replay, first, scene_hash)
         if again is None:
             ramps[number] = samples_of(start_up_ramp(notes), first, plan.dt_s)
         else:
             logs.add(number)
             force, notes, others = again
-            differs += others
-        mismatches += differs
+            mismatches += others
         low += int(clamped_low(notes, force, float(plan.output.min_n)).sum())
         for bit, name in NOTE_NAMES.items():
             counts[name] += int(np.sum(notes & bit != 0))
@@ -110,24 +112,6 @@ def compared_all(
         tuple(predicted[k] for k in range(len(recordings))), tuple(ramps), frozenset(logs),
         counts, low, mismatches,
     )  # fmt: skip
-
-
-def _pressed(
-    plan: Plan,
-    library: SceneLibrary,
-    replay: Replay,
-    position: Reals,
-    velocity: Reals,
-    first: Recording,
-) -> tuple[Reals, Reals, int]:
-    """Forces (N) and notes of the C, (n,), and ticks in which the reference differs."""
-    place_m = first.place_m if plan.has_places else None
-    force, notes = replay.run(position, velocity, place_m=place_m)
-    predicted_m = proxy_positions(plan, library, position, velocity, place_m)
-    places = [] if place_m is None else [(0, place_m)]
-    reference = run_reference(plan, position, velocity, predicted_m, places)
-    other = bits_differ(force, reference.force_n) | (notes != reference.notes)
-    return force, notes, int(np.sum(other))
 
 
 def is_log_of(recording: Recording, scene_hash: str) -> bool:
@@ -173,9 +157,7 @@ def proxy_positions(
     if not plan.at_proxy:
         return None
     offset = member_offset(plan, "couple")
-    state = library.new_state()
-    if place_m is not None:
-        state.place(place_m)
+    state = library.new_state(place_m)
     found = np.zeros_like(position)
     for i in range(len(position) - 1):
         state.step(float(position[i]), float(velocity[i]))
@@ -183,10 +165,10 @@ def proxy_positions(
     return found
 
 
-def bits_differ(one: Reals, other: Reals) -> NDArray[np.bool_]:
+def bits_differ(one: Reals, other: Reals) -> Flags:
     """Return where two arrays of one type have other bits."""
     bits = np.uint32 if one.dtype == np.float32 else np.uint64
-    result: NDArray[np.bool_] = one.view(bits) != other.view(bits)
+    result: Flags = one.view(bits) != other.view(bits)
     return result
 
 

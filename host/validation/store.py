@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.codegen.files import write_file, written_aside
 from springpot.codegen.messages import short_repr
@@ -30,9 +30,9 @@ class Series:
 
     name: str
     dt_s: float
-    position_m: NDArray[np.float64]
-    measured_n: NDArray[np.float64]
-    predicted_n: NDArray[np.float64]
+    position_m: Samples
+    measured_n: Samples
+    predicted_n: Samples
     __repr__ = short_repr
 
 
@@ -58,7 +58,7 @@ def store_validation(folder: Path, validation: Validation) -> None:
             for rec in validation.recordings
         ],
     }
-    arrays: dict[str, NDArray[np.float64]] = {}
+    arrays: dict[str, Samples] = {}
     pairs = zip(validation.recordings, validation.predicted_n, strict=True)
     for i, (recording, force_n) in enumerate(pairs):
         its = (recording.position_m, recording.force_n, force_n)

@@ -7,10 +7,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples, rms
-from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import DataError, MismatchError
 from springpot.codegen.messages import caution
 from springpot.codegen.model.model import Model
@@ -71,7 +69,7 @@ class Validation:
     mismatches: int
     notes: dict[str, int]
     ticks: TickTimes
-    predicted_n: tuple[NDArray[np.float64], ...]
+    predicted_n: tuple[Samples, ...]
     manifest: JsonObject
     floor: NoiseFloor
     recordings: tuple[Recording, ...]
@@ -162,14 +160,12 @@ def validate(
     found = compared_all(plan, library, recordings, ticked)
     measured_n = [recording.force_n for recording in recordings]
     longest = max(ticked, key=lambda recording: len(recording.position_m))
-    position = longest.position_m.astype(plan.dtype)
-    velocity = backward_velocity(position, plan.dt_s)
     model_rmse_n, rendering_n = _parts(found, model, plan, recordings, ticked)
     return Validation(
         accuracy=accuracy(measured_n, found.force_n, found.ramped),
         mismatches=found.mismatches,
         notes=found.notes,
-        ticks=Replay(library).tick_times(position, velocity, plan.dt_s, paced_s),
+        ticks=Replay(library).tick_times(longest.position_m, paced_s),
         predicted_n=found.force_n,
         manifest=library.manifest,
         floor=find_noise_floor(judged),

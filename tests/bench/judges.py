@@ -117,7 +117,7 @@ def measured(kind: str, data: Any, options: FitOptions, test: Recordings) -> dic
     plan = make_plan(fit.model, bench_scene("float32"), accept_unsafe=True)
     with built(plan) as library:
         errors = prediction_errors(plan, library, test, data.recordings)
-        tick_ns = hot_ns(plan, library, test)
+        tick_ns = hot_ns(library, test)
     percent = errors["rmse_percent_of_peak"]
     if not np.isfinite(percent):
         raise ValueError(f"the force is not finite ({percent})")

@@ -25,11 +25,11 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
 @pytest.mark.parametrize(
     ("what", "most"),
     [
-        ("codegen/*.py", 6620),
-        ("trainer/*.py", 8610),
-        ("host/*.py", 13454),
+        ("codegen/*.py", 6614),
+        ("trainer/*.py", 8569),
+        ("host/*.py", 13356),
         ("runtime_c/*.[ch] codegen/*.j2", 7880),
-        ("tests/*.py", 20160),
+        ("tests/*.py", 20120),
     ],
 )
 def test_lines(what: str, most: int) -> None:

@@ -9,7 +9,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from springpot.codegen.arrays import Indices, Samples
+from springpot.codegen.arrays import Indices, Samples, rms
 from springpot.codegen.messages import short_repr
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.signals import turning_points
@@ -69,7 +69,7 @@ def presses(data: TrainingSet) -> list[Press]:
             part = depth_m[begin:end]
             found.append(Press(
                 int(first) + begin, int(first) + end, float(part.max()),
-                float(recording.force_n[begin:end].max()), _rms_speed(part, data.dt_s),
+                float(recording.force_n[begin:end].max()), rms(np.diff(part)) / data.dt_s,
             ))  # fmt: skip
     return found
 
@@ -143,7 +143,7 @@ def _conditions(depths_m: Sequence[Samples], dt_s: float) -> Indices:
     found: list[tuple[float, float, float]] = []
     number = np.empty(len(depths_m), dtype=np.intp)
     for i, depth in enumerate(depths_m):
-        low, high, speed = float(depth.min()), float(depth.max()), _rms_speed(depth, dt_s)
+        low, high, speed = float(depth.min()), float(depth.max()), rms(np.diff(depth)) / dt_s
         for k, (its_low, its_high, its_speed) in enumerate(found):
             near_m = _SAME_DEPTH * (its_high - its_low)
             alike = max(speed, its_speed) <= _SAME_SPEED * min(speed, its_speed)
@@ -154,10 +154,6 @@ def _conditions(depths_m: Sequence[Samples], dt_s: float) -> Indices:
             number[i] = len(found)
             found.append((low, high, speed))
     return number
-
-
-def _rms_speed(depth_m: Samples, dt_s: float) -> float:
-    return float(np.sqrt(np.mean(np.square(np.diff(depth_m))))) / dt_s
 
 
 def _grouped(values: Samples, ratio: float) -> Indices:

@@ -23,14 +23,13 @@ _DEEP = 1.5  # times the trained depth: from here on it is said
 _TOO_DEEP = 10.0  # and from here on refused: no extrapolation, but another unit
 
 
-def predict_n(model: Model, recording: Recording, rows: Indices | None = None) -> Samples:
-    """Force along a recording's positions, (n,), N; or at `rows` of them, (rows,)."""
-    rows = np.arange(len(recording.position_m)) if rows is None else rows
-    return predict_each_n(model, [(recording, rows)])
+def predict_n(model: Model, recording: Recording) -> Samples:
+    """Force along a recording's positions, (n,), N."""
+    return predict_each_n(model, [(recording, np.arange(len(recording.position_m)))])[0]
 
 
-def predict_each_n(model: Model, pieces: Sequence[tuple[Recording, Indices]]) -> Samples:
-    """Force at rows of several recordings, (rows,), N: those of one session one after another.
+def predict_each_n(model: Model, pieces: Sequence[tuple[Recording, Indices]]) -> list[Samples]:
+    """Force at rows of each recording, (rows,), N: those of one session one after another.
 
     Features know each recording alone.
     """
@@ -52,7 +51,7 @@ def predict_each_n(model: Model, pieces: Sequence[tuple[Recording, Indices]]) ->
             for number, start in zip(motion.recordings, motion.starts, strict=True):
                 parts[number] = along_n[start + pieces[number][1]]
         force_n += np.concatenate(parts)
-    return force_n
+    return np.split(force_n, np.cumsum([len(rows) for _, rows in pieces])[:-1])
 
 
 @singledispatch
@@ -66,8 +65,7 @@ def _forest_force(forest: Forest, values: Samples) -> Samples:
     features = values.astype(np.float32)
     if forest.quantisation is not None:
         features = rounded(forest.quantisation, features)
-    force_n: Samples = forest_force(forest, quantised_leaves(forest), features, np.float64)
-    return force_n
+    return forest_force(forest, quantised_leaves(forest), features, np.float64)
 
 
 @regressor_force.register
@@ -115,23 +113,18 @@ def limited_each_n(model: Model, recordings: Sequence[Recording]) -> list[Sample
     Raises DataError as `limited_n`.
     """
     for recording in recordings:
-        _require_metres(model, recording)
+        if (times := times_trained(model, recording)) > _TOO_DEEP:
+            deepest = float(np.max(np.abs(recording.position_m)))
+            raise DataError(
+                f"{recording.name}: position goes to {deepest:.4g} m, {times:.3g} times the "
+                f"trained {_span_m(model):.4g} m: give positions in metres, or correct the unit on "
+                "import"
+            )
     if not recordings:
         return []
     pieces = [(each, np.arange(len(each.position_m))) for each in recordings]
-    force_n = predict_each_n(model, pieces)
-    given_n = np.maximum(force_n, 0.0) if model.contact == "surface" else force_n
-    return np.split(given_n, np.cumsum([len(rows) for _, rows in pieces])[:-1])
-
-
-def _require_metres(model: Model, recording: Recording) -> None:
-    times = times_trained(model, recording)
-    if times > _TOO_DEEP:
-        deepest = float(np.max(np.abs(recording.position_m)))
-        raise DataError(
-            f"{recording.name}: position goes to {deepest:.4g} m, {times:.3g} times the trained "
-            f"{_span_m(model):.4g} m: give positions in metres, or correct the unit on import"
-        )
+    least_n = 0.0 if model.contact == "surface" else -np.inf
+    return [np.maximum(force_n, least_n) for force_n in predict_each_n(model, pieces)]
 
 
 def extrapolation(model: Model, recording: Recording) -> str:

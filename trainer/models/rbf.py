@@ -6,9 +6,8 @@ from dataclasses import replace
 from itertools import combinations
 
 import numpy as np
-from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Samples, rms
+from springpot.codegen.arrays import Indices, Samples, rms
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.features import Features, FractionalBank, PositionVelocity
 from springpot.codegen.model.regressors import Rbf
@@ -132,8 +131,7 @@ def _held_out_rmse(system: Samples, force_n: Samples, fold: np.ndarray) -> float
 
 def _ridge_solve(matrix: Samples, vector: Samples) -> Samples:
     ridge = _RIDGE * np.trace(matrix) / len(matrix) * np.eye(len(matrix))
-    weights: Samples = np.linalg.solve(matrix + ridge, vector)
-    return weights
+    return np.linalg.solve(matrix + ridge, vector)
 
 
 def _paper_errors(
@@ -176,7 +174,7 @@ def standard(features: Samples) -> Standard:
     )
 
 
-def farthest_points(z: Samples, count: int) -> NDArray[np.intp]:
+def farthest_points(z: Samples, count: int) -> Indices:
     """Rows of at most `count` points, (centers,), each the farthest from those before it."""
     chosen = [int(np.argmax(np.square(z).sum(axis=1)))]
     distance = np.square(z - z[chosen[0]]).sum(axis=1)

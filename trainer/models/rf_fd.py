@@ -13,7 +13,6 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.features import Features, FirBank, FractionalBank, Lags
 from springpot.codegen.model.forest import quantisation_over, rounded
-from springpot.codegen.model.regressors import Forest
 from springpot.trainer.features import fast_fir_bank, gl_taps, recursive_bank
 from springpot.trainer.models.ensembles import forest_ir
 from springpot.trainer.models.fit import Engine, Fit, FitOptions, assemble
@@ -98,11 +97,15 @@ def fit_rf_fd(
     else:
         scale = depth_scale(data.trained.max_m - min(data.trained.min_m, 0.0))
     begin = time.perf_counter()
-    forest, shares = fit_forest(values, force_n, scale, options)
+    regressor = fitted_forest(options, (scale * values).astype(np.float32), force_n)
+    forest = forest_ir(regressor).on_scaled(scale)
     forest = dataclasses.replace(forest, quantisation=quantisation)
     fit_s = time.perf_counter() - begin
     passive, _, _ = fit_passive(data, options)
-    metadata = {"n_nodes": len(forest.feature), "importance": shares.tolist()}
+    metadata = {
+        "n_nodes": len(forest.feature),
+        "importance": regressor.feature_importances_.tolist(),
+    }
     parts = (features, forest)
     model = assemble("rf-fd", name, data, options, len(rows), parts, passive, False, metadata)
     return Fit(model, len(rows), feature_s, fit_s, metadata=metadata)
@@ -128,11 +131,3 @@ def fitted_forest(options: FitOptions, values: NDArray[np.float32], force_n: Sam
         n_jobs=-1,
     )
     return forest.fit(values, force_n).set_params(n_jobs=1)
-
-
-def fit_forest(
-    features: Samples, force_n: Samples, scale: float, options: FitOptions
-) -> tuple[Forest, NDArray[np.float64]]:
-    """Random forest on scaled features, unscaled, and each feature's importance, (features,)."""
-    regressor = fitted_forest(options, (scale * features).astype(np.float32), force_n)
-    return forest_ir(regressor).on_scaled(scale), regressor.feature_importances_

@@ -9,14 +9,12 @@ rendered as a continuum of Maxwell branches, whose spectrum is known in closed f
 import time
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from itertools import product
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-from springpot.codegen.arrays import Samples
+from springpot.codegen.arrays import Flags, Indices, Samples
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.types import JsonObject
 from springpot.trainer.features import highpass
@@ -71,13 +69,13 @@ class _Table:
     tau_s: Samples
     rows: Samples
     means: Samples
-    unit: NDArray[np.intp]
+    unit: Indices
 
-    def root(self, chosen: NDArray[np.bool_] | slice = slice(None)) -> Samples:
+    def root(self, chosen: Flags | slice = slice(None)) -> Samples:
         """Square root of the products of some rows: `root @ [weights, -1]` is what is missed."""
         return np.asarray(np.linalg.qr(self.rows[chosen], mode="r"))
 
-    def missed_n(self, solid: Solid, chosen: NDArray[np.bool_] | slice = slice(None)) -> float:
+    def missed_n(self, solid: Solid, chosen: Flags | slice = slice(None)) -> float:
         return float(np.linalg.norm(self.rows[chosen] @ [*solid.weights(self.tau_s), -1.0]))
 
 
@@ -116,16 +114,17 @@ def _metadata(solid: Solid, others: Sequence[Solid], table: _Table) -> JsonObjec
     return {"n_parameters": count, "material": law, "residual_percent": percent}
 
 
-def _table(data: TrainingSet, rows: NDArray[np.intp]) -> _Table:
+def _table(data: TrainingSet, rows: Indices) -> _Table:
     """Rows of a set; branches from a quarter of a time step to ten times the longest recording."""
     fast_s, slow_s = _FASTEST_STEPS * data.dt_s, _BEYOND * data.longest_s
     tau_s = np.geomspace(fast_s, slow_s, 2 + int(np.log10(slow_s / fast_s) * _PER_DECADE))
-    depth_m = data.along(rows, lambda depth, at: depth[at]) - data.trained.min_m
-    columns = [depth_m]
-    for tau in tau_s.tolist():
-        columns.append(data.along(rows, partial(_branch, tau_s=tau, dt_s=data.dt_s)))
-    columns.append(data.force_n(rows))
-    table, means = np.stack(columns, axis=1), np.zeros(len(columns))
+
+    def branches(depth_m: Samples, at: Indices) -> Samples:
+        held = (highpass(depth_m, tau, data.dt_s)[at] for tau in tau_s.tolist())
+        return np.stack([depth_m[at] - data.trained.min_m, *held], axis=1)
+
+    table = np.column_stack([data.along(rows, branches), data.force_n(rows)])
+    means = np.zeros(table.shape[1])
     owner, many = data.owner(rows), len(data.recordings)
     for its in (owner == number for number in np.unique(owner)):
         if data.contact == "always":
@@ -136,11 +135,7 @@ def _table(data: TrainingSet, rows: NDArray[np.intp]) -> _Table:
     return _Table(tau_s, table, means, unit)
 
 
-def _branch(depth_m: Samples, rows: NDArray[np.intp], tau_s: float, dt_s: float) -> Samples:
-    return highpass(depth_m, tau_s, dt_s)[rows]
-
-
-def _own_way(data: TrainingSet, rows: NDArray[np.intp]) -> tuple[TrainingSet, NDArray[np.intp]]:
+def _own_way(data: TrainingSet, rows: Indices) -> tuple[TrainingSet, Indices]:
     """Return the set along the way of its surface, and the rows in which the object pushes.
 
     It lets the tool go where the law, which is linear, would pull: it gives 0 N there, and its

@@ -7,9 +7,8 @@ from functools import cached_property
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Samples
+from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.messages import short_repr
 from springpot.codegen.model.features import Features
@@ -58,7 +57,7 @@ class TrainingSet:
         return self._found[key]
 
     @cached_property
-    def bounds(self) -> NDArray[np.intp]:
+    def bounds(self) -> Indices:
         """First row of each recording, and the number of all rows: (recordings + 1,)."""
         return np.concatenate([[0], np.cumsum([len(depth) for depth in self.depths_m])])
 
@@ -70,31 +69,29 @@ class TrainingSet:
     def longest_s(self) -> float:
         return max(len(depth) for depth in self.depths_m) * self.dt_s
 
-    def rows(self, fraction: float | None, seed: int) -> NDArray[np.intp]:
+    def rows(self, fraction: float | None, seed: int) -> Indices:
         """Rows of a fit, ascending, (rows,); fraction as in `choose_rows`."""
         return choose_rows(self.rows_total, fraction, np.random.default_rng(seed))
 
-    def even_rows(self, most: int = MAX_ROWS) -> NDArray[np.intp]:
+    def even_rows(self, most: int = MAX_ROWS) -> Indices:
         """All rows, or `most` evenly spaced ones, (rows,): for fits that cost little a row."""
         return np.linspace(0, self.rows_total - 1, min(self.rows_total, most)).astype(np.intp)
 
-    def force_n(self, rows: NDArray[np.intp]) -> Samples:
+    def force_n(self, rows: Indices) -> Samples:
         """Measured force at rows, (rows,), N."""
         forces = [recording.force_n for recording in self.recordings]
         return np.concatenate([f[local] for f, local in zip(forces, self.split(rows), strict=True)])
 
-    def features(self, features: Features, rows: NDArray[np.intp]) -> Samples:
+    def features(self, features: Features, rows: Indices) -> Samples:
         """Features at rows, shape (rows, features)."""
         return self.along(rows, lambda depth, at: feature_values(features, depth, self.dt_s, at))
 
-    def along(
-        self, rows: NDArray[np.intp], values: Callable[[Samples, NDArray[np.intp]], Samples]
-    ) -> Samples:
+    def along(self, rows: Indices, values: Callable[[Samples, Indices], Samples]) -> Samples:
         """`values` of each recording's depths, (n,), m, at its rows; all of them end to end."""
         parts = zip(self.depths_m, self.split(rows), strict=True)
         return np.concatenate([values(depth, local) for depth, local in parts])
 
-    def split(self, rows: NDArray[np.intp]) -> list[NDArray[np.intp]]:
+    def split(self, rows: Indices) -> list[Indices]:
         """Rows (ascending) of each recording, (its rows,), counted from its first sample."""
         cuts = np.searchsorted(rows, self.bounds)
         return [
@@ -108,7 +105,7 @@ class TrainingSet:
         recordings = one_session(self.recordings, 0.0) if self.continues else self.recordings
         return motions(recordings, self.depths_m, self.contact == "surface")
 
-    def motion_rows(self, rows: NDArray[np.intp]) -> list[NDArray[np.intp]]:
+    def motion_rows(self, rows: Indices) -> list[Indices]:
         """Samples of each motion, (its rows,), for rows of all recordings."""
         rows_of = self.split(rows)
         return [
@@ -119,7 +116,7 @@ class TrainingSet:
             for motion in self.motions
         ]  # fmt: skip
 
-    def in_order(self, rows: NDArray[np.intp], found: Sequence[Samples]) -> Samples:
+    def in_order(self, rows: Indices, found: Sequence[Samples]) -> Samples:
         """Values at `motion_rows`, of each motion (its rows, ...), in the order of the rows."""
         count = np.searchsorted(rows, self.bounds)
         values = np.empty((len(rows), *found[0].shape[1:]))
@@ -129,20 +126,18 @@ class TrainingSet:
         return values
 
     def along_motions(
-        self, rows: NDArray[np.intp], values: Callable[[DepthMotion, NDArray[np.intp]], Samples]
+        self, rows: Indices, values: Callable[[DepthMotion, Indices], Samples]
     ) -> Samples:
         """`values` of each motion at its samples, (samples, ...), in the order of the rows."""
         pairs = zip(self.motions, self.motion_rows(rows), strict=True)
         return self.in_order(rows, [values(motion, at) for motion, at in pairs])
 
-    def owner(self, rows: NDArray[np.intp]) -> NDArray[np.intp]:
+    def owner(self, rows: Indices) -> Indices:
         """Index of the recording of each row, (rows,)."""
         return np.searchsorted(self.bounds, rows, side="right") - 1
 
 
-def choose_rows(
-    rows_total: int, fraction: float | None, rng: np.random.Generator
-) -> NDArray[np.intp]:
+def choose_rows(rows_total: int, fraction: float | None, rng: np.random.Generator) -> Indices:
     """Rows to fit on, (rows,), ascending, without repetition.
 
     fraction None: the paper's 0.2 from 20 000 rows on, all of them below; never more than 50 000.
@@ -153,15 +148,10 @@ def choose_rows(
     return np.sort(rng.choice(rows_total, size=wanted, replace=False))
 
 
-def training_set(
-    recordings: Sequence[Recording], smooth_s: float, contact: Contact | None = None
-) -> TrainingSet:
-    """Prepare recordings. Raises DataError where they do not fit together.
-
-    contact: of the whole that these are a part of; by default what these show.
-    """
+def training_set(recordings: Sequence[Recording], smooth_s: float) -> TrainingSet:
+    """Prepare recordings. Raises DataError where they do not fit together."""
     dt_s = common_time_step(recordings)
-    contact, warning = (contact, "") if contact else contact_of(recordings)
+    contact, warning = contact_of(recordings)
     shortest = min(recordings, key=lambda recording: len(recording.force_n))
     if smooth_s > MAX_SMOOTHED * shortest.duration_s:
         raise UsageError(

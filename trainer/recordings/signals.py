@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from springpot.codegen.arrays import Samples
+from springpot.codegen.arrays import Samples, rms, runs
 from springpot.trainer.recordings.recording import Recording
 
 _SAME = 1e-6  # of the range: the same value, printed with seven digits or converted twice
@@ -84,8 +84,7 @@ def find_drift(recording: Recording) -> Drift | None:
     """
     position_m, force_n = recording.position_m, recording.force_n
     out = position_m <= position_m.min() + _OUTERMOST * float(np.ptp(position_m))
-    ends = np.flatnonzero(np.diff(np.concatenate(([0], out, [0]))))
-    visits = [(begin, end) for begin, end in ends.reshape(-1, 2).tolist() if end - begin >= _VISIT]
+    visits = [(begin, end) for begin, end in runs(out) if end - begin >= _VISIT]
     if len(visits) < 2:
         return None
     time_s = recording.dt_s * np.array([(begin + end - 1) / 2 for begin, end in visits])
@@ -95,7 +94,7 @@ def find_drift(recording: Recording) -> Drift | None:
     slope_nps = float(middle_s @ level_n) / spread_s2
     line_n = level_n.mean() + slope_nps * middle_s
     noise_n = sensor_noise_n(force_n) / math.sqrt(min(end - begin for begin, end in visits))
-    scatter_n = max(float(np.sqrt(np.mean((level_n - line_n) ** 2))), noise_n)
+    scatter_n = max(rms(level_n - line_n), noise_n)
     bound_nps = _SURE * scatter_n / math.sqrt(spread_s2)
     change_n = slope_nps * (time_s[-1] - time_s[0])
     sensors = slope_nps > 0.0 or line_n[-1] < min(-_DRIFTED * float(np.ptp(force_n)), line_n[0])

@@ -4,9 +4,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Indices, Samples, rms
+from springpot.codegen.arrays import Flags, Indices, Samples, rms
 from springpot.codegen.model.features import Features
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.folds import fold_families
@@ -26,8 +25,8 @@ class RowFold:
     """
 
     family: int
-    kept: NDArray[np.bool_]
-    held: NDArray[np.bool_]
+    kept: Flags
+    held: Flags
     left_n: Samples
 
 
@@ -39,10 +38,6 @@ class FoldedRows:
     fitted: Indices
     tested: Indices
     folds: tuple[RowFold, ...]
-
-    def passive_errors_n(self) -> list[float]:
-        """RMSE of the passive part alone on each fold, N."""
-        return [rms(fold.left_n[fold.held]) for fold in self.folds]
 
     def tree_errors_n(self, features: Features, options: FitOptions) -> Iterator[float]:
         """RMSE of a forest on each fold, N, one after another."""
@@ -64,9 +59,7 @@ def folded_rows(data: TrainingSet, options: FitOptions) -> FoldedRows:
 
     A fold without rows on either side is none.
     """
-    count = min(data.rows_total, _TEST_ROWS)
-    fitted = data.rows(options.fraction, options.seed)
-    tested = np.linspace(0, data.rows_total - 1, count).astype(np.intp)
+    fitted, tested = data.rows(options.fraction, options.seed), data.even_rows(_TEST_ROWS)
     passive = passive_choice(data, options)[0]
     test_values = term_columns(passive.terms, data, tested)
     test_n = data.force_n(tested)

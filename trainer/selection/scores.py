@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from springpot.codegen.arrays import Indices, Samples
+from springpot.codegen.arrays import Indices, Samples, rms
 from springpot.codegen.messages import at_step
 from springpot.codegen.model.features import Features
 from springpot.trainer.models.fit import FitOptions
@@ -56,7 +56,8 @@ def find_scores(known: Sequence[AutoCandidate], rows: FoldedRows) -> list[Score]
     """Every candidate's, with progress in the log: steps done, and all steps."""
     families = np.array([fold.family for fold in rows.folds])
     total = len(known) * len(families)
-    passive_n = np.maximum(rows.passive_errors_n(), _NO_ERROR_N)
+    passive_n = np.array([rms(fold.left_n[fold.held]) for fold in rows.folds])
+    passive_n = np.maximum(passive_n, _NO_ERROR_N)
     scores = []
     for number, candidate in enumerate(known):
         text = f"{number + 1} of {len(known)}: {candidate.name}"

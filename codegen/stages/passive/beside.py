@@ -6,7 +6,7 @@ from math import sqrt
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Reals, Samples
+from springpot.codegen.arrays import Flags, Reals, Samples
 from springpot.codegen.literals import array_text
 from springpot.codegen.model.formulas import (
     Place,
@@ -214,7 +214,7 @@ class RecoveringSurface:
         back = found if found < before else before
         return u if u > back else back
 
-    def may_leave(self, u: Reals, before: Reals, force_n: Reals) -> NDArray[np.bool_]:
+    def may_leave(self, u: Reals, before: Reals, force_n: Reals) -> Flags:
         """Ticks, (n,), in which the tool may come off: all with `at` above u, and few others.
 
         At the stiffest of all pieces up to `before` its way takes more than the force.

@@ -15,7 +15,7 @@ from springpot.host.emission.emission import emit
 from springpot.host.emission.emulator import emulate
 from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import shared_library
-from springpot.host.native.scene_library import SceneLibrary, port_headers
+from springpot.host.native.scene_library import SceneLibrary, write_port
 from springpot.runtime_c.paths import PORT_MCU
 
 WATCHDOG = 20  # periods
@@ -39,8 +39,7 @@ def expected(folder: Path, rows: np.ndarray) -> np.ndarray:
 
 
 def harness(folder: Path, *options: str) -> CLibrary:
-    for name, text in port_headers(folder, "float").items():
-        (folder.parent / name).write_text(text)
+    write_port(folder, "float", [], folder.parent)
     # The harness includes it: built anew where it changed.
     included = zlib.crc32((PORT_MCU / "sp_firmware.c").read_bytes())
     built = shared_library(

@@ -5,16 +5,14 @@ import time
 
 import numpy as np
 import pytest
-from support.peer import peer, wait_until
+from support.peer import peer
+from support.sessions import ended, faithful
 
 from springpot.codegen.errors import DeviceError
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.drivers import parse_device
 from springpot.host.devices.odrive_device import OdriveDevice
 from springpot.host.recording.session import open_press_device
-from springpot.host.session.session import Session
-from springpot.host.validation.validation import validate
-from springpot.trainer.recordings.recording_file import read_recording
 
 NODE = 3
 
@@ -24,20 +22,15 @@ NODE = 3
 def test_a_drive_over_slcan(tmp_path, folder, firmware, sign):
     log = tmp_path / "a.h5"
     options = ("--firmware", firmware, "--sign", sign, "--node", NODE)
-    with (
-        peer("slcan_odrive", *options) as drive,
-        Session(folder, drive.url, log, seconds=1.5, report=list) as session,
-    ):
-        session.start()
-        wait_until(lambda: session.over, 20, "does not end")
+    with peer("slcan_odrive", *options) as drive:
+        session = ended(folder, drive.url, log, seconds=1.5)
         time.sleep(0.05)
     result = session.result()
     assert session.scheduler().startswith("C thread")
     assert abs(result["ticks"] - 1500) <= 2
     assert result["ring_dropped"] == result["crc_errors"] == 0
     assert result["samples"] > 1400
-    read = read_recording(log)
-    assert validate(folder, [read], paced_s=0.01).mismatches == 0
+    read = faithful(folder, log)
     assert read.position_m.max() > 3e-3
     assert [event["state"] for event in drive.named("state")] == [8, 8, 1]
     assert len(drive.named("tripped")) >= 1  # the proof of its watchdog
@@ -47,15 +40,11 @@ def test_a_drive_over_slcan(tmp_path, folder, firmware, sign):
 def test_a_drive_over_udp_multicast(tmp_path, folder):
     """Any interface of python-can: the same loop, and the log is as faithful."""
     log = tmp_path / "a.h5"
-    with (
-        peer("udp_odrive", "--port", 43219) as drive,
-        Session(folder, drive.url, log, seconds=1.0, report=list) as session,
-    ):
-        session.start()
-        wait_until(lambda: session.over, 20, "does not end")
+    with peer("udp_odrive", "--port", 43219) as drive:
+        session = ended(folder, drive.url, log, seconds=1.0)
     assert session.scheduler().startswith("C thread")
     assert session.result()["samples"] > 800
-    assert validate(folder, [read_recording(log)], paced_s=0.01).mismatches == 0
+    faithful(folder, log)
 
 
 def test_the_limit_that_a_refusal_names_is_taken():

@@ -1,9 +1,9 @@
 """A device that sends at another rate than the scene's: refused before it is armed, or stopped."""
 
 import pytest
-from support.peer import peer, wait_until
+from support.peer import peer
+from support.sessions import ended
 
-from springpot import Session
 from springpot.codegen.errors import DeviceError
 from springpot.host.cli import exit_status
 from springpot.host.devices import device as device_module
@@ -53,9 +53,7 @@ def test_a_silent_device_is_the_sessions_matter(count_of):
 @pytest.mark.realtime
 def test_a_rate_that_falls_in_a_session(folder):
     with peer("serial_device", "--thin-after", 0.4) as device:
-        with Session(folder, device.url, report=list) as session:
-            session.start()
-            wait_until(lambda: session.over, 20, "does not end")
+        session = ended(folder, device.url)
         assert device.wait_for("stop")["force_n"] == 0
     assert session.state.reason == Stop.RATE
     assert "for a fifth of the last 100 periods of 1 ms no sample came" in session.line

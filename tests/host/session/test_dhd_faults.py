@@ -3,12 +3,10 @@
 import numpy as np
 import pytest
 from support.peer import Peer, peer
+from support.sessions import ended, faithful
 
 from springpot.codegen.notes import LATCHED
 from springpot.host.native.c_library import NONE, UNSENT
-from springpot.host.session.session import Session
-from springpot.host.validation.validation import validate
-from springpot.trainer.recordings.recording_file import read_recording
 
 pytestmark = pytest.mark.realtime
 
@@ -16,14 +14,9 @@ pytestmark = pytest.mark.realtime
 def felt(folder, tmp_path, device: Peer, seconds: float = 1.6, settings: str = ""):
     """A session in a hand: its result, what it said, its log; every force of it repeats."""
     said: list[str] = []
-    session = Session(folder, device.url + settings, tmp_path / "a.h5", seconds=seconds,
-                      reconnect_s=2.0, report=said.append)  # fmt: skip
-    with session:
-        session.start()
-        session.wait(30)
-    read = read_recording(tmp_path / "a.h5")
-    assert validate(folder, [read], paced_s=0.01).mismatches == 0
-    return session.result(), "\n".join(said), read
+    session = ended(folder, device.url + settings, tmp_path / "a.h5", seconds=seconds,
+                    reconnect_s=2.0, report=said.append)  # fmt: skip
+    return session.result(), "\n".join(said), faithful(folder, tmp_path / "a.h5")
 
 
 def require_zero_from(read, first: int) -> None:

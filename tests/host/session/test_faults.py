@@ -14,10 +14,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.peer import CLI, Peer, peer, wait_until
+from support.sessions import faithful
 
 from springpot.codegen.notes import LATCHED
 from springpot.host.native.c_library import NONE, RESET, SILENT
-from springpot.host.validation.validation import validate
 from springpot.trainer.recordings.recording_file import read_recording
 
 HELD = ("serial_device", "dhd_device")  # by a hand that presses
@@ -38,12 +38,6 @@ class Host:
         out, self.err = self.process.communicate(timeout=seconds)
         assert "Traceback" not in self.err, self.err
         return json.loads(out) if out else {}, self.err
-
-
-def faithful(folder: Path, log: Path):
-    read = read_recording(log)
-    assert validate(folder, [read], paced_s=0.01).mismatches == 0
-    return read
 
 
 def wait_for_force(device: Peer, log: Path) -> None:

@@ -2,10 +2,9 @@
 
 import numpy as np
 import pytest
-from support.peer import wait_until
+from support.sessions import ended
 from support.small import DEPTH_M, passive_model, press, recording, scene
 
-from springpot import Session
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.notes import CLAMPED, HELD, OUTSIDE, RAMPED, RESYNC
 from springpot.host.native.c_library import COLUMN, NONE, empty_rows
@@ -88,10 +87,7 @@ def test_a_session_deeper_than_trained_warns_and_its_log_keeps_it(folder, tmp_pa
     write_recording(tmp_path / "deep.h5", recording("deep", deep))
     said = []
     log = tmp_path / "log.h5"
-    with Session(folder, f"replay://{tmp_path}/deep.h5", log, report=list,
-                 alarm=said.append) as session:  # fmt: skip
-        session.start()
-        wait_until(lambda: session.over, 20, "the session does not end")
+    session = ended(folder, f"replay://{tmp_path}/deep.h5", log, alarm=said.append)
     warnings = session.result()["warnings"]
     deeper = [item for item in warnings if item["what"] == DEEP]
     read = read_recording(log)

@@ -4,17 +4,15 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from support.peer import peer, wait_until
+from support.peer import peer
+from support.sessions import ended, faithful
 from support.small import model_file, scene
 
-from springpot import Session
 from springpot.codegen.notes import LATCHED, RAMPED
 from springpot.codegen.scene import Guard
 from springpot.host.emission.emission import emit
 from springpot.host.native.c_library import IDLE, NONE
 from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.validation.validation import validate
-from springpot.trainer.recordings.recording_file import read_recording
 
 WATCHDOG_MS = 200  # longer than a busy machine holds everything up
 LOSSES = ("--drop", 0.01, "--late", 0.02, "--presses-hz", 2)
@@ -29,15 +27,10 @@ def test_losses_are_not_felt(tmp_path, device, mode):
     folder, log = tmp_path / "c", tmp_path / "a.h5"
     waits = replace(scene(mode=mode), guard=Guard(watchdog_ms=WATCHDOG_MS))
     emit(waits, model_file(tmp_path), folder, accept_unsafe=True)
-    with (
-        peer(device, *LOSSES) as lossy,
-        Session(folder, lossy.url, log, seconds=4.0, report=list) as session,
-    ):
-        session.start()
-        wait_until(lambda: session.over, 20, "does not end")
+    with peer(device, *LOSSES) as lossy:
+        session = ended(folder, lossy.url, log, seconds=4.0)
     assert session.line == "ran for 4 s"
-    result, read = session.result(), read_recording(log)
-    assert validate(folder, [read], paced_s=0.01).mismatches == 0
+    result, read = session.result(), faithful(folder, log)
     assert result["watchdog_trips"] == 0
     call, notes = (read.channels[name].astype(int) for name in ("call", "notes"))
     assert not np.any(notes & LATCHED)

@@ -5,6 +5,7 @@ import ctypes
 import numpy as np
 import pytest
 from support.peer import peer, wait_until
+from support.sessions import ended, faithful
 from support.small import model_file, press, recording, scene
 
 from springpot import Session, SpringpotError
@@ -32,35 +33,22 @@ def folder(folders):
     return folders["float32"]
 
 
-def finish(session: Session, seconds: float = 20.0) -> None:
-    wait_until(lambda: session.over, seconds, "the session does not end")
-
-
 def calls(file):
     return read_recording(file).channels["call"].astype(int)
-
-
-def assert_faithful(folder, log):
-    """What was felt is what the model says, call by call; the log is read and validated."""
-    read = read_recording(log)
-    assert validate(folder, [read], paced_s=0.01).mismatches == 0
-    return read
 
 
 @pytest.mark.parametrize("number", ["float32", "float64"])
 def test_a_simulated_hand(tmp_path, folders, number):
     log = tmp_path / "a.h5"
     told = []
-    with Session(folders[number], "sim://ecoflex-00-30?hand=firm&seed=3", log, seconds=1.0,
-                 report=told.append) as session:  # fmt: skip
-        session.start()
-        finish(session)
+    url = "sim://ecoflex-00-30?hand=firm&seed=3"
+    session = ended(folders[number], url, log, seconds=1.0, report=told.append)
     result = session.result()
     assert abs(result["ticks"] - 1000) <= 1
     assert result["expected_ticks"] == 1000
     assert result["ring_dropped"] == result["stale_samples"] == result["watchdog_trips"] == 0
     assert told[-1] == "ran for 1 s"
-    read = assert_faithful(folders[number], log)
+    read = faithful(folders[number], log)
     assert len(read.position_m) == result["ticks"]
     assert read.force_n.max() > 0.5
     assert read.details["end"]["stopped"] == "ran for 1 s"
@@ -69,10 +57,8 @@ def test_a_simulated_hand(tmp_path, folders, number):
 def test_a_log_that_was_altered_does_not_validate(tmp_path, folder):
     """Inputs, forces and notes are compared; forces to the last bit."""
     log = tmp_path / "a.h5"
-    with Session(folder, "sim://ecoflex-00-30", log, seconds=0.5, report=list) as session:
-        session.start()
-        finish(session)
-    read = assert_faithful(folder, log)
+    ended(folder, "sim://ecoflex-00-30", log, seconds=0.5)
+    read = faithful(folder, log)
     # A tick whose force was sent in its own period: on a busy machine some are not.
     at = 300 + int(np.flatnonzero(read.channels["call"][300:] == 0)[0])
     for channel, change in (("returned_n", 1e-6), ("input_m", 3e-4), ("notes", 1.0)):
@@ -92,11 +78,9 @@ def test_a_replay_gives_the_forces_of_validation(tmp_path, folder):
     file = tmp_path / "press.h5"
     write_recording(file, recording("press", press(2.0)))
     log = tmp_path / "log.h5"
-    with Session(folder, f"replay://{file}", log, report=list) as session:
-        session.start()
-        finish(session)
+    session = ended(folder, f"replay://{file}", log)
     assert "no more samples" in session.line
-    read = assert_faithful(folder, log)
+    read = faithful(folder, log)
     # What the scene returned: a period that began late sends nothing, and the last force stays.
     np.testing.assert_array_equal(
         read.channels["returned_n"],
@@ -124,7 +108,7 @@ def test_pause_reset_resume_stop(tmp_path, folder):
         session.stop()
         assert session.over
     assert session.line == "stopped by the user"
-    read = assert_faithful(folder, log)
+    read = faithful(folder, log)
     call = calls(log)
     paused = np.flatnonzero(call & NONE)
     assert len(paused) > 100
@@ -146,19 +130,17 @@ def test_an_exception_ends_it_with_zero_force(tmp_path, folder):
         _ = 1 / 0
     assert session.line == "stopped by ZeroDivisionError"
     assert device.wait_for("stop")["force_n"] == 0
-    assert_faithful(folder, log)
+    faithful(folder, log)
 
 
 def test_limits_end_it_before_the_force_is_sent(tmp_path, folder):
     for limits, says in (({"max_force_n": 0.4}, "force reached"), ({"max_depth_m": 2e-3}, "deep")):
         log = tmp_path / f"{says}.h5"
-        with Session(folder, "sim://ecoflex-00-30", log, report=list, **limits) as session:
-            session.start()
-            finish(session)
+        session = ended(folder, "sim://ecoflex-00-30", log, **limits)
         assert says in session.line
         assert isinstance(session.error, SpringpotError)
         assert exit_status(session.error) == 1
-        read = assert_faithful(folder, log)
+        read = faithful(folder, log)
         assert read.force_n[-1] == 0
         assert read.force_n.max() <= limits.get("max_force_n", 99)
 
@@ -175,27 +157,23 @@ def test_python_stands_still_for_300_ms(tmp_path, folder):
                 before = session.state.ticks
                 ctypes.PyDLL(None).usleep(300_000)  # holds the interpreter's lock
                 assert session.state.ticks > before + 290
-            finish(session)
+            session.wait(20)
         stopped_s = device.named("stop")[0]["at_s"]
         assert not [e for e in device.named("tripped") if e["at_s"] < stopped_s]
     result = session.result()
     assert result["ring_dropped"] == result["sequence_gaps"] == result["crc_errors"] == 0
-    assert len(assert_faithful(folder, log).position_m) == result["ticks"] >= 1498
+    assert len(faithful(folder, log).position_m) == result["ticks"] >= 1498
 
 
 def test_damage_on_the_line_is_never_a_force(tmp_path, folder):
     options = ("--damage", 0.02, "--drop", 0.02, "--duplicate", 0.05, "--reorder", 0.01,
                "--delay-ms", 0.5)  # fmt: skip
     log = tmp_path / "a.h5"
-    with (
-        peer("serial_device", *options) as device,
-        Session(folder, device.url, log, seconds=1.5, report=list) as session,
-    ):
-        session.start()
-        finish(session)
+    with peer("serial_device", *options) as device:
+        session = ended(folder, device.url, log, seconds=1.5)
     result = session.result()
     assert result["crc_errors"] > 10
     assert result["sequence_gaps"] > 30
-    read = assert_faithful(folder, log)
+    read = faithful(folder, log)
     assert read.position_m.min() + 1e-3 >= 0
     assert read.position_m.max() < 0.03

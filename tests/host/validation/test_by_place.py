@@ -5,10 +5,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.sessions import ended
 from support.small import DT_S, passive_model, press, scene
 
 import springpot
-from springpot import Model, Recording, Session
+from springpot import Model, Recording
 from springpot.codegen.model.model_file import write_model
 from springpot.codegen.model.passive import Places
 from springpot.host.emission.emission import emit
@@ -98,10 +99,7 @@ def test_a_session_at_a_place_is_logged_with_it_and_repeated_bit_for_bit(
     for k, place_m in enumerate(PLACES[::2]):
         log = tmp_path / f"felt-{k}.h5"
         url = "sim://ecoflex-00-30"
-        with Session(folder, url, log, seconds=0.3, place_m=place_m) as session:
-            session.start()
-            for _ in session.watch(0.05):
-                pass
+        ended(folder, url, log, seconds=0.3, place_m=place_m)
         logs.append(read_recording(log))
     assert [log.place_m for log in logs] == list(PLACES[::2])
     assert validate(folder, logs, paced_s=0.01).mismatches == 0

@@ -55,7 +55,7 @@ def scene_reader() -> Reader:
 def text_reader() -> Reader:
     from springpot.trainer.recordings.formats.importing import import_file
 
-    return lambda file: import_file(file, None, "none", None)
+    return import_file
 
 
 READERS = {"scene": scene_reader, "text": text_reader}

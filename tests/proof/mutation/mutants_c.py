@@ -8,8 +8,6 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-from mutant import OTHER_OPERATORS, Mutant
-
 _TOKEN = re.compile(
     r"""(?P<blank>\s+|\\\n|//[^\n]*|/\*.*?\*/)
       |(?P<directive>^[ \t]*\#[ \t]*define[ \t]+\w+(\([^)]*\))?|^[ \t]*\#(\\\n|[^\n])*)
@@ -20,8 +18,24 @@ _TOKEN = re.compile(
     re.VERBOSE | re.DOTALL | re.MULTILINE,
 )
 
+# Binary operators, and what each becomes.
 _BINARY = {
-    **OTHER_OPERATORS,
+    "<": ("<=", ">="),
+    "<=": ("<", ">"),
+    ">": (">=", "<="),
+    ">=": (">", "<"),
+    "==": ("!=",),
+    "!=": ("==",),
+    "+": ("-",),
+    "-": ("+",),
+    "*": ("/",),
+    "/": ("*",),
+    "%": ("*",),
+    "<<": (">>",),
+    ">>": ("<<",),
+    "&": ("|",),
+    "|": ("&",),
+    "^": ("|",),
     "&&": ("||",),
     "||": ("&&",),
     "+=": ("-=", "="),
@@ -37,6 +51,26 @@ _CONSTANT = re.compile(r"[A-Z][A-Z0-9_]{2,}")
 _HEADS = {"if", "for", "while", "else", "do", "switch", "case", "default", "typedef", "struct",
           "union", "enum", "extern"}  # fmt: skip
 _OPEN, _CLOSED = "([{", ")]}"
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """The text from `start` to `end` (characters) replaced."""
+
+    start: int
+    end: int
+    new: str
+
+    def apply(self, text: str) -> str:
+        return text[: self.start] + self.new + text[self.end :]
+
+    def lines(self, text: str) -> tuple[str, str]:
+        """The lines that it touches, before and after, each as one line without indentation."""
+        first = text.rfind("\n", 0, self.start) + 1
+        last = text.find("\n", self.end)
+        last = len(text) if last < 0 else last
+        after = text[first : self.start] + self.new + text[self.end : last]
+        return " ".join(text[first:last].split()), " ".join(after.split())
 
 
 @dataclass(frozen=True)

@@ -15,8 +15,7 @@ from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
 
-from mutant import Mutant
-from mutants_c import mutants_of_c
+from mutants_c import Mutant, mutants_of_c
 
 ROOT = Path(__file__).resolve().parents[3]
 FLAGS = ["-std=c11", "-ffp-contract=off", "-fno-math-errno", "-w", "-D_POSIX_C_SOURCE=200809L"]

@@ -19,9 +19,10 @@ def load(
     """The recording of a text."""
     file = folder / "press 1.csv"
     file.write_bytes(text if isinstance(text, bytes) else text.encode())
-    result = import_file(file, parse_map(mapping) if mapping else None, "none", resample_hz)
-    assert str(file) in result.guess
-    return result.recordings[0]
+    columns = parse_map(mapping) if mapping else None
+    recording, guess = import_file(file, columns, resample_hz=resample_hz)
+    assert str(file) in guess
+    return recording
 
 
 def refusal(folder: Path, text: str | bytes, mapping: str = "", rate: float | None = None) -> str:

@@ -16,7 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from line import Clock, Port, arguments, be_a_device, say
+from line import Clock, Faults, Port, arguments, be_a_device, say
 
 from springpot.host.devices.wire import Receiver, Sender, constant, layout
 from springpot.host.native.compiler import shared_library
@@ -55,35 +55,29 @@ class Firmware:
 
     def __init__(self, options: argparse.Namespace, page: Page) -> None:
         self.options, self.page = options, page
-        self.begin_s: float | None = None
+        self.faults = Faults(options)
         self.enabled = self.gone = self.held = self.tripped_once = False
         self.acting_n = 0.0
-
-    def now(self, kind: str) -> bool:
-        after_s = getattr(self.options, f"{kind}_after")
-        if after_s is None or self.begin_s is None:
-            return False
-        return 0 <= time.monotonic() - self.begin_s - after_s < getattr(self.options, f"{kind}_for")
 
     def tick(self) -> None:
         page = self.page
         force_n = max(abs(page[f"force_{axis}"]) for axis in "xyz")
-        if self.begin_s is None and force_n > ACTING_N:
-            self.begin_s = time.monotonic()
+        if force_n > ACTING_N:
+            self.faults.force_came()
         for kind, state in (("fail", "fails"), ("silent", "stale"),
                             ("refuse", "refuses"), ("button", "button")):  # fmt: skip
-            page[state] = self.now(kind)
-        if self.now("burst") and not self.held:  # one call takes as long
+            page[state] = self.faults.now(kind)
+        if self.faults.now("burst") and not self.held:  # one call takes as long
             self.held = True
             page["hangs_s"] = self.options.burst_for
-        gone = self.now("gone")
+        gone = self.faults.now("gone")
         if gone != self.gone:
             say(event="gone" if gone else "back", was_n=force_n)
             self.gone = gone
             page["connected"] = not gone
             if gone:
                 self.off("usb", 5, force_n)
-        if self.now("trip") and not self.tripped_once:
+        if self.faults.now("trip") and not self.tripped_once:
             self.tripped_once = True
             self.off("fault", VELOCITY, force_n)
         self.tell(force_n)  # before the watchdog: a peer that was held up still saw the start
@@ -94,7 +88,7 @@ class Firmware:
         page = self.page
         silent_s = time.monotonic() - page["force_s"]
         if page["enabled"] and page["watchdog_s"] and silent_s > page["watchdog_s"]:
-            acted = self.begin_s is not None
+            acted = self.faults.begun
             self.off("tripped" if acted else "proved", 3, force_n, silent_ms=1e3 * silent_s)
 
     def off(self, event: str, cause: int, was_n: float, **more: float) -> None:

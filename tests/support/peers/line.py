@@ -149,6 +149,10 @@ class Faults:
         self._samples += 1
         return self.now("silent") or (self.now("thin") and self._samples % 10 != 0)
 
+    @property
+    def begun(self) -> bool:
+        return self._begin_s is not None
+
     def force_came(self) -> None:
         if self._begin_s is None:
             self._begin_s = time.monotonic()

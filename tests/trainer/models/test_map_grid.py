@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from springpot.codegen.model.passive import amounts_at
-from springpot.trainer.models.passive.map_grid import grid_of
+from springpot.trainer.models.passive.map_problem import grid_of
 
 WIDE_M, ROUGH = 0.03, 1e-3
 DENSE_M = np.array([(x, y) for x in np.linspace(0, WIDE_M, 31) for y in np.linspace(0, WIDE_M, 31)])

@@ -46,9 +46,9 @@ def test_columns_of_other_names_are_a_place_if_they_are_named(
     options = ImportOptions(place_m=place_or_columns(names))
     if "across" in names:
         with pytest.raises(DataError, match="no unit of position"):
-            import_file(tmp_path / "a.csv", None, "none", None, options)
+            import_file(tmp_path / "a.csv", options=options)
         return
-    (read,) = import_file(tmp_path / "a.csv", None, "none", None, options).recordings
+    read, _ = import_file(tmp_path / "a.csv", options=options)
     assert read.place_m == pytest.approx((0.005, -0.01))
     with pytest.raises(DataError, match="--place"):
-        import_file(tmp_path / "a.csv", None, "none", None, ImportOptions(place_m=("a", "b")))
+        import_file(tmp_path / "a.csv", options=ImportOptions(place_m=("a", "b")))

@@ -31,7 +31,7 @@ def test_a_stored_name_that_is_no_file_name_is_refused(name: str, tmp_path: Path
         read_recording(file)
     assert str(why.value).isprintable()
     with pytest.raises(DataError, match=r"sent\.h5: a recording named"):
-        import_file(file, None, "none", None)
+        import_file(file)
 
 
 @pytest.mark.parametrize("name", HOSTILE)

@@ -99,7 +99,7 @@ def test_real_recordings_of_every_sign(shared_data: Path, mach1_file: Path) -> N
     compressed = mach1_recordings(mach1_file)
     for file in sorted((shared_data / "ecoflex_compression").rglob("*_A1.csv")):
         with suppress(SpringpotError):
-            compressed += import_file(file, None, "none", 10.0).recordings
+            compressed.append(import_file(file, resample_hz=10.0)[0])
     assert len(compressed) >= 5 + 3
     for item, x, f in product(compressed, (1, -1), (1, -1)):
         raw_n = item.force_n + item.details.get("zero_force_n", 0.0)

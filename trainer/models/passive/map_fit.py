@@ -9,8 +9,7 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.codegen.model.passive import Hammerstein
 from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.passive.map_grid import Grid, grid_of
-from springpot.trainer.models.passive.map_problem import MapProblem
+from springpot.trainer.models.passive.map_problem import Grid, MapProblem, grid_of
 from springpot.trainer.models.passive.nonnegative import Normal
 from springpot.trainer.models.passive.passive_fit import NODES, passive_choice
 from springpot.trainer.models.passive.passive_rows import PassiveRows

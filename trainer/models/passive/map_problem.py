@@ -1,4 +1,4 @@
-"""The least squares of a map: materials, and their amounts on a grid, fitted in turn.
+"""The grid of a map, and its least squares: materials and their amounts, fitted in turn.
 
 The force at a place is linear in what its materials are, and in how much there is of each. So each
 of the two is found by non-negative least squares from the sites' normal equations while the other
@@ -12,14 +12,13 @@ from math import inf
 from operator import add
 
 import numpy as np
-from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
-from springpot.codegen.model.passive import Hammerstein, Places
-from springpot.trainer.models.passive.map_grid import FINER, Grid
+from springpot.codegen.model.passive import Hammerstein, Places, amounts_at
 from springpot.trainer.models.passive.nonnegative import Normal, sparse_solve
 from springpot.trainer.models.passive.passive_terms import Terms, reduced, to_model
 from springpot.trainer.models.passive.recovery import SPARSE_LOSS
+from springpot.trainer.recordings.recording import Site
 
 MATERIALS = (1, 2)
 # On the second differences of the amounts from node to node: enough to fill nodes without a site.
@@ -29,6 +28,48 @@ _ROUGH = 1e-3
 _FOLDS, _SWEEPS = 5, 8
 _BETTER = 0.9  # times the error of a map with fewer materials
 _FLOOR = 1e-3  # of the largest amount, at every node: what nothing resists has no surface
+FINER = 2  # nodes along an axis for each that as many sites in a grid would have
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Nodes in x and y, and where. weights: of each node at each site, (sites, nodes)."""
+
+    first_m: Samples
+    step_m: Samples
+    nodes: tuple[int, int]
+    weights: Samples
+
+    @property
+    def roughness(self) -> Samples:
+        """Quadratic form of the amounts, (nodes, nodes): their squared second differences."""
+        nx, ny = self.nodes
+        eye = np.eye(nx * ny).reshape(nx, ny, -1)
+        bends = (
+            np.diff(eye, 2, axis=0), np.diff(eye, 2, axis=1),
+            np.sqrt(2.0) * np.diff(np.diff(eye, axis=0), axis=1),
+        )  # fmt: skip
+        rows = np.concatenate([bend.reshape(-1, nx * ny) for bend in bends])
+        form: Samples = rows.T @ rows
+        return form
+
+
+def grid_of(sites: Sequence[Site], finer: int = FINER) -> Grid:
+    """Twice as many nodes along each axis as sites, over the rectangle that these span.
+
+    The least bend fills what is between. One node for each site is off by 1.3 to 4.6 times as much
+    between the sites of a grid, for its pieces are straight, and leaves nodes without any site
+    where the sites are no grid.
+    """
+    at = np.array(sites)
+    first_m, span_m = at.min(axis=0), np.ptp(at, axis=0)
+    wide = np.maximum(span_m, 1e-3 * span_m.max())
+    across = finer * np.sqrt(len(at) * wide / wide[::-1])
+    nx, ny = (max(2, round(n)) for n in across.tolist())
+    step_m = wide / (np.array([nx, ny]) - 1)
+    eye = np.eye(nx * ny).reshape(nx, ny, -1)
+    weights = np.stack([amounts_at(eye, first_m, 1.0 / step_m, site) for site in at])
+    return Grid(first_m, step_m, (nx, ny), weights)
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,8 +89,7 @@ class MapProblem:
     def amounts(self) -> Samples:
         """Amount of one material at each site, (sites,)."""
         amounts, _ = self.fitted(range(len(self.sites)), 1)
-        found: Samples = (self.grid.weights @ amounts)[:, 0]
-        return found
+        return (self.grid.weights @ amounts)[:, 0]
 
     def sparse(self) -> "MapProblem":
         """The same with as few branches, stops and curves as serve a map of one material."""
@@ -59,7 +99,11 @@ class MapProblem:
         kept = np.bincount(self.terms.blocks, weights) > 0.0
         kept[0] = True  # the spring
         columns = kept[self.terms.blocks]
-        sites = [_of_columns(its, columns) for its in self.sites]
+        square = np.ix_(columns, columns)
+        sites = [
+            replace(its, matrix=its.matrix[square], vector=its.vector[columns])
+            for its in self.sites
+        ]
         return replace(self, terms=reduced(self.terms, weights), sites=sites)
 
     def chosen(self, seed: int) -> tuple[int, float]:
@@ -144,9 +188,3 @@ def _scaled(site: Normal, amounts: Samples) -> Normal:
 
 def _kron(one: Samples, other: Samples) -> Samples:
     return np.asarray(np.kron(one, other), dtype=np.float64)
-
-
-def _of_columns(site: Normal, columns: NDArray[np.bool_]) -> Normal:
-    return Normal(
-        site.matrix[np.ix_(columns, columns)], site.vector[columns], site.square, site.rows
-    )

@@ -3,10 +3,9 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.optimize import nnls
 
-from springpot.codegen.arrays import Samples
+from springpot.codegen.arrays import Flags, Indices, Samples
 
 _TRIED = 5  # blocks of lowest contribution tried for removal at each step
 _RIDGE = 1e-8  # of the diagonal: keeps the factor of nearly equal columns real
@@ -36,9 +35,7 @@ class Normal:
         """The same with w' penalty w, (terms, terms), added to the squared error of each row."""
         return Normal(self.matrix + self.rows * penalty, self.vector, self.square, self.rows)
 
-    def solve(
-        self, active: NDArray[np.bool_] | None = None, near: Samples | None = None
-    ) -> Samples:
+    def solve(self, active: Flags | None = None, near: Samples | None = None) -> Samples:
         """Weights >= 0 of lowest error, (terms,); 0 for terms that are not active.
 
         near: weights of a problem like this one, (terms,): the search begins at their signs.
@@ -52,8 +49,7 @@ class Normal:
         weights[chosen] = _nonnegative(
             scaled + _RIDGE * np.eye(len(scaled)), (self.vector / size)[chosen], begin
         )
-        result: Samples = weights / size
-        return result
+        return weights / size
 
     @property
     def _size(self) -> Samples:
@@ -72,7 +68,7 @@ class Normal:
         return float(np.sqrt(self.error(weights) / self.rows))
 
 
-def _nonnegative(matrix: Samples, vector: Samples, free: NDArray[np.bool_]) -> Samples:
+def _nonnegative(matrix: Samples, vector: Samples, free: Flags) -> Samples:
     """The w >= 0 of lowest w' matrix w / 2 - w' vector, (terms,); the matrix is positive definite.
 
     free: the terms that may be above 0 at first, (terms,).
@@ -98,8 +94,7 @@ def _nonnegative(matrix: Samples, vector: Samples, free: NDArray[np.bool_]) -> S
             wrong[: np.flatnonzero(wrong)[-1]] = False
         free = free ^ wrong
     factor = np.linalg.cholesky(matrix)
-    found: Samples = nnls(factor.T, np.linalg.solve(factor, vector), maxiter=30 * len(vector))[0]
-    return found
+    return nnls(factor.T, np.linalg.solve(factor, vector), maxiter=30 * len(vector))[0]
 
 
 def normal_equations(columns: Samples, target: Samples) -> Normal:
@@ -107,7 +102,7 @@ def normal_equations(columns: Samples, target: Samples) -> Normal:
     return Normal(columns.T @ columns, columns.T @ target, float(target @ target), len(target))
 
 
-def sparse_solve(normal: Normal, blocks: NDArray[np.intp], loss: float) -> Samples:
+def sparse_solve(normal: Normal, blocks: Indices, loss: float) -> Samples:
     """Weights >= 0 in few blocks, (terms,): the RMSE stays within a share `loss` of the lowest.
 
     blocks: number of each term's block, (terms,): what costs time in C is a block, not a term.

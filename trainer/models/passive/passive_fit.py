@@ -8,10 +8,10 @@ from operator import add
 
 import numpy as np
 
-from springpot.codegen.arrays import Indices, Samples
+from springpot.codegen.arrays import Samples
 from springpot.codegen.model.passive import Hammerstein
 from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.folds import Folds, geometric_mean
+from springpot.trainer.models.folds import geometric_mean
 from springpot.trainer.models.passive.growth import growing
 from springpot.trainer.models.passive.nonnegative import Normal, sparse_solve
 from springpot.trainer.models.passive.passive_force import with_memory
@@ -76,7 +76,9 @@ class PassiveChoice:
 
     def weights_without(self, family: int, fold: int) -> Samples | None:
         """Fitted without a fold of a family, (terms,), N; None if that leaves no rows."""
-        kept = _apart(self.parts, self.rows.piece, self.rows.families[family], fold)
+        _, first = np.unique(self.rows.piece, return_index=True)
+        numbers = self.rows.families[family].number[first]
+        kept = [part for part, its in zip(self.parts, numbers, strict=True) if its != fold]
         if sum(part.rows for part in kept) == 0:
             return None
         kept_normal = _penalised(kept, self.penalty, self.terms)
@@ -220,13 +222,6 @@ def better(best: PassiveChoice, other: PassiveChoice) -> PassiveChoice:
     negligible_n = NEGLIGIBLE * best.rows.peak_n
     gains = hypot(other.error_n, negligible_n) < BETTER * hypot(best.error_n, negligible_n)
     return other if gains and all(its <= NO_WORSE * bests for its, bests in pairs) else best
-
-
-def _apart(parts: Sequence[Normal], piece: Indices, folds: Folds, fold: int) -> list[Normal]:
-    """The pieces outside a fold."""
-    _, first = np.unique(piece, return_index=True)
-    numbers = folds.number[first]
-    return [part for part, its in zip(parts, numbers, strict=True) if its != fold]
 
 
 def _penalised(parts: Sequence[Normal], penalty: float, terms: Terms) -> Normal:

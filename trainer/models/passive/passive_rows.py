@@ -4,9 +4,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Indices, Samples, rms
+from springpot.codegen.arrays import Flags, Indices, Samples, rms
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.folds import (
     Folds,
@@ -42,7 +41,7 @@ class PassiveRows:
     surface: bool
     peak_n: float
     varied: bool
-    let_go: NDArray[np.bool_]
+    let_go: Flags
 
     def given_n(self, force_n: Samples) -> Samples:
         """Force that the C gives, (rows,), N: an object does not pull at its surface."""

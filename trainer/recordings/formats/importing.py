@@ -61,22 +61,14 @@ class ImportOptions:
     __repr__ = short_repr
 
 
-@dataclass(frozen=True)
-class ImportResult:
-    """What one file gave, and one line that says how it was understood."""
-
-    recordings: list[Recording]
-    guess: str
-
-
 def import_file(
     path: Path,
-    mapping: ColumnMap | None,
-    zero: Zero | None,
-    resample_hz: float | None,
+    mapping: ColumnMap | None = None,
+    zero: Zero | None = "none",
+    resample_hz: float | None = None,
     options: ImportOptions | None = None,
-) -> ImportResult:
-    """Read the recording of one file, in SI units.
+) -> tuple[Recording, str]:
+    """Read the recording of one file, in SI units, and how the file was understood, in a line.
 
     mapping: columns and units; what it leaves out is guessed from the headers.
     zero: subtract nothing, the first sample or the smallest one, of each channel.
@@ -116,7 +108,7 @@ def import_file(
             recording = replace(recording, place_x_m=float(x_m), place_y_m=float(y_m))
         case (x, y) if recording.place_m is None:
             raise DataError(f"{path}: no header has columns {x!r} and {y!r}: correct --place")
-    return ImportResult([recording], f"{path}: {'; '.join([*notes, *messages])}")
+    return recording, f"{path}: {'; '.join([*notes, *messages])}"
 
 
 def _read(path: Path, request: FileRequest) -> tuple[RawChannels, str]:
@@ -202,14 +194,13 @@ def import_set(
     others: list[NoRecordingError] = []
     for file in counted(files, "reading"):
         try:
-            found = import_file(file, mapping, zero, resample_hz, options)
+            recording, guesses[file] = import_file(file, mapping, zero, resample_hz, options)
         except NoRecordingError as error:
             if file in paths:
                 raise
             others.append(error)
             continue
-        recordings += found.recordings
-        guesses[file] = found.guess
+        recordings.append(recording)
     if others and not recordings:
         raise others[0]
     notes += [f"left out, no recording: {other}" for other in others]

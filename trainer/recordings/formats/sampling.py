@@ -9,9 +9,8 @@ from typing import Any
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Indices, Samples
+from springpot.codegen.arrays import Flags, Indices, Samples
 from springpot.codegen.errors import DataError
 from springpot.codegen.messages import number_of
 from springpot.trainer.recordings.recording import Recording
@@ -48,7 +47,7 @@ class RawChannels:
     place_m: tuple[float, float] | None = None
     in_python: bool = False
 
-    def part(self, which: slice | NDArray[np.bool_]) -> "RawChannels":
+    def part(self, which: slice | Flags) -> "RawChannels":
         """Return some of the samples."""
         parts = {q: getattr(self, q)[which] for q in ("time_s", "position_m", "force_n", "rows")}
         return replace(self, **parts)
@@ -57,7 +56,7 @@ class RawChannels:
         """Return what the last bits of a double can change of a step."""
         return 4.0 * float(np.spacing(np.abs(self.time_s[[0, -1]]).max()))
 
-    def is_off(self, steps_s: Samples, usual_s: float = 0.0, span: int = 1) -> NDArray[np.bool_]:
+    def is_off(self, steps_s: Samples, usual_s: float = 0.0, span: int = 1) -> Flags:
         """Return which steps, means of `span` steps, are not the usual one (0: their median)."""
         usual_s = usual_s or float(np.median(steps_s))
         slack_s = STEP_TOLERANCE * usual_s + (self.time_digit_s + self.bits_s()) / span

@@ -80,16 +80,6 @@ def is_of_specimen(text: str, quantity: Quantity) -> bool:
     return text.casefold() in _OF_SPECIMEN[quantity]
 
 
-def units_near(to_si: float, quantity: Quantity) -> str:
-    """Return the units that are within a fifth of a size, as "kgf"; "" if none is.
-
-    >>> units_near(9.5, "force"), units_near(2.0, "force")
-    ('kgf', '')
-    """
-    sizes = _FACTORS[quantity].items()
-    return " or ".join(unit for unit, size in sizes if abs(math.log(size / to_si)) < math.log(1.2))
-
-
 def factor_to_si(text: str, quantity: Quantity, where: str) -> float:
     """Return the factor that turns a number in the unit `text` into s, m or N.
 

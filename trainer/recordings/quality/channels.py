@@ -8,9 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Indices, Samples
+from springpot.codegen.arrays import Indices, Samples, runs
 from springpot.codegen.messages import number_of
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
 from springpot.trainer.recordings.recording import Recording
@@ -195,11 +194,11 @@ def _clipping_findings(
 ) -> Iterator[Finding]:
     """Find a flat extreme of one channel while the other goes on."""
     for extreme, side in ((samples.max(), "maximum"), (samples.min(), "minimum")):
-        runs = [run for run in _runs(samples == extreme) if run[1] - run[0] >= _CLIPPED_RUN]
-        if not runs or (side == "minimum" and extreme >= 0.0):
+        flat = [run for run in runs(samples == extreme) if run[1] - run[0] >= _CLIPPED_RUN]
+        if not flat or (side == "minimum" and extreme >= 0.0):
             continue  # out of contact, or at rest
-        moved = max(_excursion(other[begin:end], channel) for begin, end in runs)
-        longest_s = max(end - begin for begin, end in runs) * recording.dt_s
+        moved = max(_excursion(other[begin:end], channel) for begin, end in flat)
+        longest_s = max(end - begin for begin, end in flat) * recording.dt_s
         if moved > _CLIPPED_MOVE * np.ptp(other):
             yield warning(
                 "clipping", recording.name,
@@ -215,7 +214,7 @@ def _stuck_findings(recording: Recording) -> Iterator[Finding]:
     position_m, force_n = recording.position_m, recording.force_n
     travel_m, range_n = float(np.ptp(position_m)), float(np.ptp(force_n))
     free_n = float(np.median(force_n[position_m <= position_m.min() + _STILL * travel_m]))
-    for begin, end in _runs(np.diff(force_n) == 0.0):
+    for begin, end in runs(np.diff(force_n) == 0.0):
         moved_m = float(np.ptp(position_m[begin : end + 1]))
         in_contact = abs(force_n[begin] - free_n) > _STUCK * range_n
         inside = force_n.min() < force_n[begin] < force_n.max()  # at its limits it is clipped
@@ -250,7 +249,7 @@ def _filled_runs(recording: Recording) -> list[tuple[int, int]]:
     """Runs of rows in which both channels stand still, after which the position catches up."""
     steps_m, found = np.abs(np.diff(recording.position_m)), []
     least = max(3, round(_HELD_S / recording.dt_s))
-    for begin, end in _runs((steps_m == 0.0) & (np.diff(recording.force_n) == 0.0)):
+    for begin, end in runs((steps_m == 0.0) & (np.diff(recording.force_n) == 0.0)):
         around = np.concatenate((steps_m[max(0, begin - 20) : begin], steps_m[end + 1 : end + 21]))
         if end - begin >= least and begin > 0 and end < len(steps_m):
             usual_m = float(np.median(around))
@@ -278,9 +277,3 @@ def _wraps(samples: Samples, other: Samples) -> list[int]:
         and steps[at] * (samples[at + 1 : at + 2 + _BESIDE][-1] - samples[at + 1]) < 0.0
     ]
     return wraps if len(wraps) > max(1, _MOST_JUMPS * len(jumps)) else []
-
-
-def _runs(flags: NDArray[np.bool_]) -> list[tuple[int, int]]:
-    """Begin and end (exclusive) of each run of true."""
-    edges = np.diff(np.concatenate(([0], flags.astype(np.int8), [0])))
-    return list(zip(*(np.flatnonzero(edges == e).tolist() for e in (1, -1)), strict=True))

@@ -14,7 +14,6 @@ from itertools import pairwise
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.types import JsonObject
@@ -38,7 +37,7 @@ _CURVE = 7  # degree: tissue stiffens tenfold within a tenth of its depth
 _NO_NOISE = 1e-5  # of the peak force: what rounding and a press's own curvature leave
 _FEWEST_SAMPLES = 16  # of a force, to show its noise
 
-Stack = NDArray[np.float64]  # (repeats, samples)
+Stack = Samples  # (repeats, samples)
 
 
 @dataclass(frozen=True, eq=False)

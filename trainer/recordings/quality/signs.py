@@ -11,9 +11,8 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
-from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Samples
+from springpot.codegen.arrays import Flags, Samples
 from springpot.codegen.types import JsonObject
 from springpot.trainer.recordings.formats.units import parts_of
 from springpot.trainer.recordings.quality.channels import hold_spikes
@@ -121,7 +120,7 @@ def _vote(high: float, low: float) -> int:
     return size if high > low else -size
 
 
-def _slope(x: Samples, f: Samples, part: NDArray[np.bool_]) -> float | None:
+def _slope(x: Samples, f: Samples, part: Flags) -> float | None:
     off = x[part] - x[part].mean()
     spread = float(off @ off)
     if len(off) < MIN_SAMPLES or spread == 0.0:

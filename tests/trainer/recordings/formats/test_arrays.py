@@ -19,10 +19,7 @@ FORCE_N = 3 * POSITION_MM
 
 
 def load(path: Path, mapping: str = "") -> Recording:
-    (recording,) = import_file(
-        path, parse_map(mapping) if mapping else None, "none", None
-    ).recordings
-    return recording
+    return import_file(path, parse_map(mapping) if mapping else None)[0]
 
 
 def assert_samples(recording: Recording, tolerance: float = 1e-15) -> None:

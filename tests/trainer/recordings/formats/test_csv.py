@@ -98,10 +98,10 @@ def pressed(first: int, count: int) -> list[str]:
 def test_text_behind_the_numbers_is_left_out(name: str, tmp_path: Path) -> None:
     lines = ["Time (s),Position (mm),Force (N)", *pressed(0, 30), *ENDS[name], ""]
     (tmp_path / "a.csv").write_text("\n".join(lines))
-    found = import_file(tmp_path / "a.csv", None, "none", None)
-    assert found.recordings[0].force_n[[0, -1]].tolist() == [0.25, 58.25]
+    recording, guess = import_file(tmp_path / "a.csv")
+    assert recording.force_n[[0, -1]].tolist() == [0.25, 58.25]
     row = 32 + (not ENDS[name][0])
-    assert re.search(f"left out: (text|other columns) from row {row} on, '", found.guess)
+    assert re.search(f"left out: (text|other columns) from row {row} on, '", guess)
 
 
 DAMAGED = ["0.2,OVERLOAD,4", "0.2,3.5", "0.2,,4.25", "0.2x,3.5,4.25", "paused", "paused,,",
@@ -123,8 +123,8 @@ def test_a_decimal_comma_can_be_stated(delimiter: str, quote: str, tmp_path: Pat
     rows = "".join(f"{k};{k};{quote}{k + 1},500{quote}\n" for k in range(3))
     file.write_text(f"{HEAD}{rows}".replace(";", delimiter))
     with pytest.raises(DataError, match="pass --decimal comma"):
-        import_file(file, None, "none", None)
-    (stated,) = import_file(file, None, "none", None, ImportOptions("comma")).recordings
+        import_file(file)
+    stated, _ = import_file(file, options=ImportOptions("comma"))
     assert stated.force_n.tolist() == [1.5, 2.5, 3.5]
 
 
@@ -157,10 +157,10 @@ def test_stamps_that_lost_a_digit_need_a_stated_rate(shared_data: Path) -> None:
     files = sorted((shared_data / "elastomer_tension").glob("*.csv"))
     assert len(files) == 5
     for file in files:
-        result = import_file(file, parse_map(f"time=10Hz,{strain}"), "none", None)
-        assert result.recordings[0].rate_hz == pytest.approx(10.0)
-    result = import_file(files[3], parse_map(f"time=10Hz,{strain}"), "none", None)
-    assert len(result.recordings[0].position_m) == 705
-    assert "differs in 298 rows from row 426 on: there it says 39.8 s" in result.guess
+        recording, _ = import_file(file, parse_map(f"time=10Hz,{strain}"))
+        assert recording.rate_hz == pytest.approx(10.0)
+    recording, guess = import_file(files[3], parse_map(f"time=10Hz,{strain}"))
+    assert len(recording.position_m) == 705
+    assert "differs in 298 rows from row 426 on: there it says 39.8 s" in guess
     with pytest.raises(DataError, match=r"row 426: time goes back .*--map time=RATEHz"):
-        import_file(files[3], parse_map(strain), "none", None)
+        import_file(files[3], parse_map(strain))

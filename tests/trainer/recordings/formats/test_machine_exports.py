@@ -39,6 +39,6 @@ EXPORTS = {
 def test_exports_come_in_without_a_map(tmp_path: Path, machine: str) -> None:
     """Layouts of public recordings: tests/host/commands/test_real_layouts.py."""
     (tmp_path / "press.csv").write_text(EXPORTS[machine], encoding="utf-8")
-    (found,) = import_file(tmp_path / "press.csv", None, "none", None).recordings
+    found, _ = import_file(tmp_path / "press.csv")
     np.testing.assert_allclose(found.position_m, POSITION_M, atol=1e-9)
     np.testing.assert_allclose(found.force_n, FORCE_N, rtol=1e-6, atol=1e-6)

@@ -88,7 +88,7 @@ def test_late_stamps_and_a_second_rate_are_resampled_and_are_no_gaps(
 def test_zero(tmp_path: Path, zero: str, position: list[float]) -> None:
     file = tmp_path / "a.csv"
     file.write_text("time_s,position_m,force_N\n0,5,1\n1,4,2\n2,6,3\n")
-    recording = import_file(file, None, zero, None).recordings[0]  # type: ignore[arg-type]
+    recording = import_file(file, zero=zero)[0]  # type: ignore[arg-type]
     assert recording.zero == zero
     assert recording.position_m.tolist() == position
     assert recording.force_n.tolist() == [0.0, 1.0, 2.0]
@@ -100,13 +100,13 @@ def test_compression_files_of_another_laboratory(shared_data: Path) -> None:
     files = sorted((shared_data / "ecoflex_compression").glob("*/*.csv"))
     assert len(files) == 30
     for file in files:
-        (recording,) = import_file(file, None, "none", None).recordings
+        recording, _ = import_file(file)
         assert recording.rate_hz == pytest.approx(10.0)
         assert len(recording.position_m) == 1201
         assert recording.position_m[-1] == pytest.approx(20e-3, rel=1e-3)
         assert recording.force_n[-1] > 400.0
         tail = recording.details["sampling"]["tail"]
         assert tail["rows"] == (1 if "EF10_0T_B" not in file.name else pytest.approx(25, abs=4))
-    first = import_file(files[0], None, "none", None).recordings[0]
-    resampled = import_file(files[0], None, "none", 10.0).recordings[0]
+    first = import_file(files[0])[0]
+    resampled = import_file(files[0], resample_hz=10.0)[0]
     np.testing.assert_allclose(first.force_n, resampled.force_n, rtol=0, atol=1e-9)
