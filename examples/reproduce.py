@@ -9,10 +9,10 @@ Needs springpot[train,report]; two and a half minutes an object.
 import argparse
 import io
 import json
-import platform
 import sys
 import tempfile
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, dataclass, replace
 from html import escape
 from pathlib import Path
@@ -372,16 +372,16 @@ td {{ border: 1px solid #ccc; vertical-align: top }} svg {{ max-width: 100%; hei
 <p>Numbers are of {", ".join(result.name for result in results)}, in this order.
 <h2>What is not the paper's</h2><p>{escape(OWN)}<h2>Claims</h2><table><tr>{table}</table>
 <h2>Figures</h2>{figures(results)}
-<p>springpot {springpot.__version__}, {escape(platform.platform())}</html>
+<p>springpot {springpot.__version__}, {sys.platform}</html>
 """
 
 
 def reproduce(out: Path, objects: Sequence[str], **work: int) -> list[Claim]:
     """Write out/claims.json and out/page.html of these objects; work: of `measured`."""
-    results = []
-    for name in sorted(set(objects), key=OBJECTS.index):
-        with tempfile.TemporaryDirectory() as folder:
-            results.append(measured(name, Path(folder), **work))
+    names = sorted(set(objects), key=OBJECTS.index)
+    with tempfile.TemporaryDirectory() as folder, ProcessPoolExecutor() as pool:
+        jobs = [pool.submit(measured, name, Path(folder, name), **work) for name in names]
+        results = [job.result() for job in jobs]
     found = list(claims(results))
     out.mkdir(parents=True, exist_ok=True)
     (out / "claims.json").write_text(json.dumps([asdict(claim) for claim in found], indent=2))

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 0235d2aae2fe5df4cc6de024c6580a56ec1fc9b498ed77698edb7a96e0e7c284 */
+/* springpot 0.1.0 f8c8cfe29e8abb7174b81a6b9c3b2497118b1a745cd03a0c0542bcd6372f8180 */
 /* pad: the whole scene, its self-test too. How to call it: soft_pad.h.
  *
  * In the order of a tick: units, each named by its file in springpot and without what this scene does
@@ -272,11 +272,12 @@ static inline soft_pad_curve_place soft_pad_curve_at(float u, uint32_t n_pieces)
     const float way = passed - (float)piece;
     const float bent = per_piece > (float)4 ? (float)0.25 * per_piece : (float)1;
     const float half = way > bent ? bent - (float)0.5 * bent * bent / way : (float)0.5 * way;
-    return (soft_pad_curve_place){piece, way, half};
+    const soft_pad_curve_place place = {piece, way, half};
+    return place;
 }
 
-/* nodes: [n_pieces + 1][2][n_curves], the values and the slopes a piece, at each node; the last row
- * has the slopes a piece beyond. values: [n_curves]. */
+/* nodes: [n_pieces + 1][2][n_curves], values and slopes a piece at each node, and a piece beyond.
+ * values: [n_curves]. */
 static inline void soft_pad_curve(const float *nodes, uint32_t n_curves, soft_pad_curve_place place,
                             float *values)
 {
@@ -905,7 +906,7 @@ uint32_t soft_pad_state_size(void)
 
 const char *soft_pad_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"0235d2aae2fe5df4cc6de024c6580a56ec1fc9b498ed77698edb7a96e0e7c284\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"f8c8cfe29e8abb7174b81a6b9c3b2497118b1a745cd03a0c0542bcd6372f8180\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 0235d2aae2fe5df4cc6de024c6580a56ec1fc9b498ed77698edb7a96e0e7c284 */
+/* springpot 0.1.0 f8c8cfe29e8abb7174b81a6b9c3b2497118b1a745cd03a0c0542bcd6372f8180 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SOFT_PAD_RATE_HZ:

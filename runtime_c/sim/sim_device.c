@@ -15,8 +15,7 @@ static const double d_time_s = 0.0015; /* of the D part's low-pass */
 
 double sim_device_encoder_m(sim_noise *noise, double position_m, double noise_m, double step_m)
 {
-    double noisy_m = position_m + noise_m * sim_noise_normal(noise);
-    return step_m * floor(noisy_m / step_m + 0.5);
+    return step_m * floor((position_m + noise_m * sim_noise_normal(noise)) / step_m + 0.5);
 }
 
 uint32_t sim_bench_size(void)

@@ -26,11 +26,12 @@ static inline sp_curve_place sp_curve_at(sp_real u, uint32_t n_pieces)
     const sp_real way = passed - (sp_real)piece;
     const sp_real bent = per_piece > (sp_real)4 ? (sp_real)0.25 * per_piece : (sp_real)1;
     const sp_real half = way > bent ? bent - (sp_real)0.5 * bent * bent / way : (sp_real)0.5 * way;
-    return (sp_curve_place){piece, way, half};
+    const sp_curve_place place = {piece, way, half};
+    return place;
 }
 
-/* nodes: [n_pieces + 1][2][n_curves], the values and the slopes a piece, at each node; the last row
- * has the slopes a piece beyond. values: [n_curves]. */
+/* nodes: [n_pieces + 1][2][n_curves], values and slopes a piece at each node, and a piece beyond.
+ * values: [n_curves]. */
 static inline void sp_curve(const sp_real *nodes, uint32_t n_curves, sp_curve_place place,
                             sp_real *values)
 {

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 cb54060e434675eaff187c671a7c4cb0a5bb9c4921d4113f121cdefac8dc7f4c */
+/* springpot 0.1.0 1e819c955b367d9fa07aae5357c745426ada66e52ec1ec7e3a611dc398111137 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:
