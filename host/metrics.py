@@ -226,6 +226,25 @@ def slope_words(keys: JsonObject) -> str:
     )
 
 
+def press_errors_n(
+    recordings: Sequence[Recording], predicted_n: Sequence[Samples], ramps: Sequence[int]
+) -> tuple[float, float] | None:
+    """RMSE of the first press of each recording, and of the later ones, N; None without later ones.
+
+    The first shows whether the model begins as the object does: at rest, or as after a press.
+    """
+    first, later = [], []
+    for recording, force_n, ramp in zip(recordings, predicted_n, ramps, strict=True):
+        error_n = force_n - recording.force_n
+        begins = [way.start for way in _ways_in(recording.position_m)]
+        second = max(begins[1], ramp) if len(begins) > 1 else len(error_n)
+        first.append(error_n[ramp:second])
+        later.append(error_n[second:])
+    if not sum(map(len, later)):
+        return None
+    return rms(np.concatenate(first)), rms(np.concatenate(later))
+
+
 def _ways_in(position_m: Samples) -> Iterator[slice]:
     """Samples of each way from a turn to a deeper one."""
     turns = turning_points(position_m, _TURN * float(np.ptp(position_m)))

@@ -152,6 +152,11 @@ def validation_rows(validation: Validation) -> dict[str, str]:
         rows |= {
             "RMSE": f"{found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak",
             "RMSE, the model alone": _parts(validation),
+            **(
+                {"RMSE, first presses": "{:.4g} N; later ones {:.4g} N".format(*presses_n)}
+                if (presses_n := validation.presses_n)
+                else {}
+            ),
             **ratio_rows(error_ratios(found, validation.floor)),
             "slope error": slope_words(slope_keys(validation.slopes)),
             **({"by place": by_place} if by_place else {}),

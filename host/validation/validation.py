@@ -20,6 +20,7 @@ from springpot.host.metrics import (
     SlopeErrors,
     accuracy,
     error_ratios,
+    press_errors_n,
     slope_errors,
     slope_keys,
 )
@@ -53,10 +54,11 @@ class Validation:
 
     mismatches: ticks where C and reference differ in force or notes, bit for bit. floor: of the
     recordings, logs of sessions apart. ramped: samples of each recording in the start-up ramp,
-    which no error counts. model_rmse_n: error of the model itself; rendering_n: RMS of what
-    coupling, guard and limits add to it; None for logs alone, which neither counts. edited: files
-    of the folder that are not as emitted. seen: how many recordings the model
-    was trained on, None where it does not say. places: error of each, if recordings have any.
+    which no error counts. presses_n: of `press_errors_n`. model_rmse_n: error of the model itself;
+    rendering_n: RMS of what coupling, guard and limits add to it; None for logs alone, which
+    neither counts. edited: files of the folder that are not as emitted. seen: how many recordings
+    the model was trained on, None where it does not say. places: error of each, if recordings have
+    any.
     clamped_low: ticks at the lower limit of the force, min_n, N; other clamped ones are at the
     upper limit.
 
@@ -74,6 +76,7 @@ class Validation:
     floor: NoiseFloor
     recordings: tuple[Recording, ...]
     slopes: SlopeErrors | None
+    presses_n: tuple[float, float] | None
     model_rmse_n: float | None
     rendering_n: float | None
     edited: tuple[str, ...]
@@ -110,12 +113,15 @@ class Validation:
     def as_dict(self) -> JsonObject:
         """Keys of `validate --json`."""
         errors = asdict(self.accuracy)
+        first_n, later_n = self.presses_n or (None, None)
         return {
             "ramped_samples": errors.pop("ramped"),
             "mean_recording_rmse_interval_n": errors.pop("interval_n"),
             **errors,
             **error_ratios(self.accuracy, self.floor),
             **slope_keys(self.slopes),
+            "first_press_rmse_n": first_n,
+            "later_press_rmse_n": later_n,
             "model_rmse_n": self.model_rmse_n,
             "rendering_n": self.rendering_n,
             "mismatches": self.mismatches,
@@ -171,6 +177,7 @@ def validate(
         floor=find_noise_floor(judged),
         recordings=tuple(recordings),
         slopes=slope_errors(recordings, found.force_n, found.ramped),
+        presses_n=press_errors_n(recordings, found.force_n, found.ramped),
         model_rmse_n=model_rmse_n,
         rendering_n=rendering_n,
         edited=emitted.edited,

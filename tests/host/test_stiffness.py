@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from support.small import DT_S, press
 
-from springpot.host.metrics import slope_errors
+from springpot.host.metrics import press_errors_n, slope_errors
 from springpot.trainer.recordings.recording import Recording
 
 DEPTH_M = press(0.5, cycles=3)
@@ -46,3 +46,12 @@ def test_the_ramp_at_the_start_is_no_error() -> None:
     assert counted.p95_percent > 10.0
     assert not_counted.p95_percent < 1e-6
     assert 0 < not_counted.windows <= counted.windows
+
+
+def test_first_presses_err_apart_from_later_ones() -> None:
+    press_m = 0.005 * (1.0 - np.cos(2.0 * np.pi * np.arange(500) / 500.0))
+    item = Recording("three", np.tile(press_m, 3), 1e3 * np.tile(press_m, 3), 1e-3)
+    predicted_n = item.force_n + np.repeat([0.3, 0.1, 0.1], 500)
+    assert press_errors_n([item], [predicted_n], [0]) == pytest.approx((0.3, 0.1), abs=1e-3)
+    once = Recording("one", press_m, 1e3 * press_m, 1e-3)
+    assert press_errors_n([once], [once.force_n], [0]) is None

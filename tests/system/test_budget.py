@@ -26,10 +26,10 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
     ("what", "most"),
     [
         ("codegen/*.py", 6614),
-        ("trainer/*.py", 8569),
-        ("host/*.py", 13356),
+        ("trainer/*.py", 8578),
+        ("host/*.py", 13387),
         ("runtime_c/*.[ch] codegen/*.j2", 7880),
-        ("tests/*.py", 20120),
+        ("tests/*.py", 20129),
     ],
 )
 def test_lines(what: str, most: int) -> None:

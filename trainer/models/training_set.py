@@ -3,7 +3,7 @@
 import time
 from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import Any, TypeVar
 
 import numpy as np
@@ -149,7 +149,15 @@ def choose_rows(rows_total: int, fraction: float | None, rng: np.random.Generato
 
 
 def training_set(recordings: Sequence[Recording], smooth_s: float) -> TrainingSet:
-    """Prepare recordings. Raises DataError where they do not fit together."""
+    """Prepare recordings. Raises DataError where they do not fit together.
+
+    The last set is kept: models of several kinds on the same recordings share what is found `once`.
+    """
+    return _training_set(tuple(recordings), smooth_s)
+
+
+@lru_cache(maxsize=1)
+def _training_set(recordings: tuple[Recording, ...], smooth_s: float) -> TrainingSet:
     dt_s = common_time_step(recordings)
     contact, warning = contact_of(recordings)
     shortest = min(recordings, key=lambda recording: len(recording.force_n))

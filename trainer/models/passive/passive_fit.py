@@ -90,11 +90,12 @@ class PassiveChoice:
 
 
 def fit_passive(data: TrainingSet, options: FitOptions) -> tuple[Hammerstein, int, float]:
-    """Fit the passive part: it, how many rows it used, its cross-validated RMSE, N.
+    """Fit the passive part beside another: it, how many rows it used, its cross-validated RMSE, N.
 
-    Of fraction, seed and poles of the options; `passive_choice` says how.
+    Of seed and poles of the options, whatever share of the rows the other is fitted on;
+    `passive_choice` says how.
     """
-    return timed_passive(data, options)[0]
+    return timed_passive(data, replace(options, fraction=None))[0]
 
 
 def timed_passive(
