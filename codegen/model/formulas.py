@@ -43,7 +43,7 @@ def _grown(slopes: Reals, growth: float) -> Reals:
 
 
 def bent_pieces(nodes: int) -> float:
-    """Pieces beyond the last node in which slopes go on growing: a quarter of the trained depth."""
+    """Pieces beyond the last node in which slopes grow: a quarter of the depth, or one."""
     return max(0.25 * pieces_of_one(nodes), 1.0)
 
 
