@@ -1,4 +1,4 @@
-/* springpot 0.1.0 f8c8cfe29e8abb7174b81a6b9c3b2497118b1a745cd03a0c0542bcd6372f8180 */
+/* springpot 0.1.0 a69757b5459f38775601432bbc0e944dc7311db76f233bcea87c151a13ebe069 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SOFT_PAD_RATE_HZ:

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 1e819c955b367d9fa07aae5357c745426ada66e52ec1ec7e3a611dc398111137 */
+/* springpot 0.1.0 8567898f9100e42037cfbb041e6bb75cf5f5e2d90ec6ae15ba26609eed63637a */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:
