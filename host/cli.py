@@ -73,7 +73,7 @@ def main() -> None:
     except ModuleNotFoundError as error:
         say(f"springpot: {_what_is_missing(error)}")
         sys.exit(2)
-    except Exception:
+    except (ImportError, SystemError):
         if not interrupts:
             raise
         # A compiled module that is being imported makes another error of Ctrl-C.

@@ -25,7 +25,7 @@ def curve_nodes(slopes_n: Reals, growth: float = 0.0) -> Samples:
     return np.concatenate([nodes, beyond[None]])
 
 
-def with_beyond(slopes_n: Reals, growth: float) -> NDArray[np.float64]:
+def with_beyond(slopes_n: Reals, growth: float) -> Samples:
     """Slopes (curves, J) at the nodes, and beyond the last one the most they grow to: one more."""
     grown_n = slopes_n[:, -1] + bent_pieces(slopes_n.shape[1]) * _grown(slopes_n.T, growth)
     return np.concatenate([slopes_n, grown_n[:, None]], axis=1)

@@ -251,7 +251,8 @@ class Hammerstein:
         require(0 <= self.n_by_depth <= branches, f"n_by_depth: {self.n_by_depth} branches")
         known = 1 / _MAX_RATE_RATIO <= self.rate_ratio <= _MAX_RATE_RATIO
         require(known, f"rate_ratio: {self.rate_ratio:g} is beyond {_MAX_RATE_RATIO:g}")
-        require(self.growth == 0.0 or 1.0 <= self.growth <= _MAX_GROWTH, f"growth: {self.growth:g}")
+        grows = self.growth == 0.0 or 1.0 <= self.growth <= _MAX_GROWTH
+        require(grows, f"growth: {self.growth:g} is neither 0 nor 1 to {_MAX_GROWTH:g}")
         if self.flow is not None:
             self.flow.require_valid()
         if self.damage is not None:

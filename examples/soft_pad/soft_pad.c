@@ -1,4 +1,4 @@
-/* springpot 0.1.0 a69757b5459f38775601432bbc0e944dc7311db76f233bcea87c151a13ebe069 */
+/* springpot 0.1.0 f55b06862be6fa3673ec4e18e63955b277ac03bd8c5d8da990569a0d5b7bb6f0 */
 /* pad: the whole scene, its self-test too. How to call it: soft_pad.h.
  *
  * In the order of a tick: units, each named by its file in springpot and without what this scene does
@@ -268,16 +268,16 @@ static inline soft_pad_curve_place soft_pad_curve_at(float u, uint32_t n_pieces)
     const float per_piece = (float)(n_pieces > 1u ? n_pieces - 1u : 1u);
     const float last = (float)(n_pieces - 1u);
     const float passed = u > (float)0 ? u * per_piece : (float)0;
-    const float bent = per_piece > (float)4 ? (float)0.25 * per_piece : (float)1;
-    soft_pad_curve_place place = {n_pieces - 1u, passed - last, (float)0};
     if (passed < last) {
-        place.piece = (uint32_t)passed;
-        place.way = passed - (float)place.piece;
-    } else if (place.way > bent) {
-        place.half = bent - (float)0.5 * bent * bent / place.way;
+        const uint32_t piece = (uint32_t)passed;
+        const float way = passed - (float)piece;
+        const soft_pad_curve_place place = {piece, way, (float)0.5 * way};
         return place;
     }
-    place.half = (float)0.5 * place.way;
+    const float way = passed - last;
+    const float bent = per_piece > (float)4 ? (float)0.25 * per_piece : (float)1;
+    const float half = way > bent ? bent - (float)0.5 * bent * bent / way : (float)0.5 * way;
+    const soft_pad_curve_place place = {n_pieces - 1u, way, half};
     return place;
 }
 
@@ -911,7 +911,7 @@ uint32_t soft_pad_state_size(void)
 
 const char *soft_pad_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"a69757b5459f38775601432bbc0e944dc7311db76f233bcea87c151a13ebe069\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"f55b06862be6fa3673ec4e18e63955b277ac03bd8c5d8da990569a0d5b7bb6f0\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 a69757b5459f38775601432bbc0e944dc7311db76f233bcea87c151a13ebe069 */
+/* springpot 0.1.0 f55b06862be6fa3673ec4e18e63955b277ac03bd8c5d8da990569a0d5b7bb6f0 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SOFT_PAD_RATE_HZ:

@@ -1,4 +1,4 @@
-"""What the checks mean for a hand: outcomes graded."""
+"""Grade outcomes of the checks by what a hand feels."""
 
 import math
 from collections.abc import Sequence

@@ -78,7 +78,7 @@ def device_words(plan: Plan) -> Iterator[str]:
 
 
 def vibrates(plan: Plan, library: SceneLibrary) -> bool:
-    """Whether a scene vibrates above 1 mm/s in some hand that holds still."""
+    """Tell if a scene vibrates above 1 mm/s in some hand that holds still."""
     scene, space = Rendered(plan, HandLoop(library), library, library), Workspace.of(plan)
     return any(
         judge(case_outcome(scene, held_case(space, scene.felt, hand), hand, more)).loud

@@ -76,8 +76,7 @@ typedef struct sim_tool sim_tool;
 
 enum { SIM_MAX_DELAY = 176 }; /* ticks: 20 ms at 8 kHz, and some more */
 
-/* The device that it holds. delay_samples: how many ticks late the force acts, up to
- * SIM_MAX_DELAY. */
+/* The device that it holds. delay_samples: ticks by which the force is late, to SIM_MAX_DELAY. */
 typedef struct {
     double mass_kg;        /* above 0 */
     double viscous_nspm;   /* 0 or more */

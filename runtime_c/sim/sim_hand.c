@@ -21,10 +21,8 @@ static const double velocity_time_s = 0.004; /* of the low-pass on the encoder's
 struct sim_tool {
     uint32_t hand;
     uint32_t substeps;
-    uint32_t delay_samples;
     uint32_t noisy;
-    double encoder_step_m;
-    double noise_m;
+    sim_tool_device device;
     sim_moved moved;
     sim_noise noise;
 
@@ -72,9 +70,7 @@ int sim_tool_init(sim_tool *tool, uint32_t hand, const sim_tool_device *device, 
     }
     tool->hand = hand;
     tool->substeps = substeps;
-    tool->delay_samples = device->delay_samples;
-    tool->encoder_step_m = device->encoder_step_m;
-    tool->noise_m = device->noise_m;
+    tool->device = *device;
     tool->moved = (sim_moved){device->mass_kg, device->viscous_nspm, device->coulomb_n};
     tool->noisy = noisy;
     sim_noise_init(&tool->noise, seed);
@@ -103,8 +99,8 @@ static void read_sensors(sim_tool *tool, double dt_s, double *position_m, double
         *velocity_mps = tool->motion.velocity_mps;
         return;
     }
-    double encoder_m = sim_device_encoder_m(&tool->noise, tool->motion.position_m, tool->noise_m,
-                                            tool->encoder_step_m);
+    double encoder_m = sim_device_encoder_m(&tool->noise, tool->motion.position_m,
+                                            tool->device.noise_m, tool->device.encoder_step_m);
     double difference_mps = (encoder_m - tool->encoder_m) / dt_s;
     double weight = dt_s / (dt_s + velocity_time_s);
     tool->encoder_speed_mps += weight * (difference_mps - tool->encoder_speed_mps);
@@ -128,12 +124,12 @@ static int refused(const sim_tool *tool, double dt_s, double hand, double force_
 /* The force that acts in this tick, N. */
 static double acting(sim_tool *tool, double force_n)
 {
-    if (tool->delay_samples == 0) {
+    if (tool->device.delay_samples == 0) {
         return force_n;
     }
     double acting_n = tool->late_n[tool->next];
     tool->late_n[tool->next] = force_n;
-    tool->next = (tool->next + 1) % tool->delay_samples;
+    tool->next = (tool->next + 1) % tool->device.delay_samples;
     return acting_n;
 }
 

@@ -22,16 +22,16 @@ static inline sp_curve_place sp_curve_at(sp_real u, uint32_t n_pieces)
     const sp_real per_piece = (sp_real)(n_pieces > 1u ? n_pieces - 1u : 1u);
     const sp_real last = (sp_real)(n_pieces - 1u);
     const sp_real passed = u > (sp_real)0 ? u * per_piece : (sp_real)0;
-    const sp_real bent = per_piece > (sp_real)4 ? (sp_real)0.25 * per_piece : (sp_real)1;
-    sp_curve_place place = {n_pieces - 1u, passed - last, (sp_real)0};
     if (passed < last) {
-        place.piece = (uint32_t)passed;
-        place.way = passed - (sp_real)place.piece;
-    } else if (place.way > bent) {
-        place.half = bent - (sp_real)0.5 * bent * bent / place.way;
+        const uint32_t piece = (uint32_t)passed;
+        const sp_real way = passed - (sp_real)piece;
+        const sp_curve_place place = {piece, way, (sp_real)0.5 * way};
         return place;
     }
-    place.half = (sp_real)0.5 * place.way;
+    const sp_real way = passed - last;
+    const sp_real bent = per_piece > (sp_real)4 ? (sp_real)0.25 * per_piece : (sp_real)1;
+    const sp_real half = way > bent ? bent - (sp_real)0.5 * bent * bent / way : (sp_real)0.5 * way;
+    const sp_curve_place place = {n_pieces - 1u, way, half};
     return place;
 }
 

@@ -25,11 +25,11 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
 @pytest.mark.parametrize(
     ("what", "most"),
     [
-        ("codegen/*.py", 6614),
+        ("codegen/*.py", 6615),
         ("trainer/*.py", 8579),
         ("host/*.py", 13387),
-        ("runtime_c/*.[ch] codegen/*.j2", 7885),
-        ("tests/*.py", 20129),
+        ("runtime_c/*.[ch] codegen/*.j2", 7880),
+        ("tests/*.py", 20158),
     ],
 )
 def test_lines(what: str, most: int) -> None:

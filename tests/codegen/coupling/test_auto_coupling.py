@@ -12,7 +12,9 @@ import pytest
 from scipy.linalg import expm
 
 from springpot.codegen.coupling.auto import (
+    _STIFFNESSES_NPM,
     DAMPING_LEFT,
+    GAIN_MARGIN,
     STIFFNESS_MARGIN_PROXY,
     CouplingChoice,
     choose_coupling,
@@ -41,9 +43,11 @@ def chosen(stiffness_npm: float, rate_hz: float, device: LoopDevice) -> Coupling
     return choose_coupling(stiffness_npm, 1.0 / rate_hz, device, 1.0, Coupling())
 
 
-# A heavier device leaves a gap below the stiffest proxies, and `auto` stops at it: 18 % softer.
-GAP = 125
-SLOW = {k: [pytest.mark.slow, *[pytest.mark.xfail] * (k == GAP)] for k in range(9, 500)}
+GAP = pytest.mark.xfail(
+    reason="`auto` stops at a gap below the stiffest proxies of the heavier device: 18 % softer",
+    strict=True,
+)
+SLOW = {k: [pytest.mark.slow, *[GAP] * (k == 125)] for k in range(9, 500)}
 
 
 @pytest.mark.parametrize(
@@ -92,8 +96,8 @@ def holds(stiffness_npm: float, rate_hz: float, device: LoopDevice, proxy: Coupl
 @MANY
 def test_none_of_a_fine_search_is_felt_stiffer_by_more_than_a_quarter(count: int) -> None:
     for case in held_proxies(count):
-        softened, searched = 1.3 * case[3].felt_npm < case[0], 31_900.0  # N/m: none is stiffer
-        if softened and case[3].coupling.stiffness_npm < searched:
+        stiffest_npm = 0.997 * GAIN_MARGIN * _STIFFNESSES_NPM[-1]  # none stiffer is searched for
+        if 1.3 * case[3].felt_npm < case[0] and case[3].coupling.stiffness_npm < stiffest_npm:
             require_none_stiffer(*case)
 
 

@@ -1,4 +1,4 @@
-"""The linear loop: its hands, and what it allows."""
+"""The linear loop: the exact step, its hands, and what it allows."""
 
 import re
 
@@ -6,10 +6,33 @@ import numpy as np
 import pytest
 
 from springpot.codegen.coupling.auto import STIFFNESS_MARGIN_PROXY, choose_coupling
-from springpot.codegen.coupling.linear_loop import CHECKED, HAND_MODELS, LinearLoop
+from springpot.codegen.coupling.gains import transition as exact_step
+from springpot.codegen.coupling.linear_loop import CHECKED, DESIGN_HAND, HAND_MODELS, LinearLoop
 from springpot.codegen.coupling.loop_device import DEVICE_DAMPING_NSPM, DEVICE_MASS_KG, LoopDevice
 from springpot.codegen.scene import Coupling
 from springpot.runtime_c.paths import SIM
+
+
+def test_the_exact_step_is_stable_at_any_gains() -> None:
+    """Half of them near the border of Algorithm 1 as published, 2 b dt/m + k dt^2/m = 4."""
+    rng, sets = np.random.default_rng(1), 100_000
+    spans = ((0.0, 6.0), (-2.0, 5.0), (-3.0, 0.0), (-4.0, -2.0))
+    k, b, m, dt = (10.0 ** rng.uniform(low, high, sets) for low, high in spans)
+    near = rng.uniform(size=sets) < 0.5
+    size = 4.0 * 10.0 ** rng.normal(0.0, 0.05, sets) / (2.0 * b * dt / m + k * dt**2 / m)
+    size = np.where(near, size, 1.0)
+    steps = np.stack([exact_step(*row) for row in zip(k * size, b * size, m, dt, strict=True)])
+    assert np.abs(np.linalg.eigvals(steps)).max() < 1.0 + 1e-9
+
+
+@pytest.mark.parametrize(
+    ("mode", "delay", "npmm"), [("off", 0, 20.0), ("off", 1, 6.6), ("tool", 1, 3.1)]
+)
+def test_limits_are_those_measured_on_prototypes(mode: str, delay: int, npmm: float) -> None:
+    # Within 15 %: there the loop was simulated, with an average of 0.7 behind the tool's coupling.
+    smoothing = 0.7 if mode == "tool" else 1.0
+    loop = LinearLoop(1e-3, Coupling(mode), DESIGN_HAND, LoopDevice(delay_samples=delay), smoothing)  # type: ignore[arg-type]
+    assert 1e-3 * loop.max_stiffness_npm() == pytest.approx(npmm, rel=0.15)
 
 
 def test_hands_are_the_simulated_ones() -> None:

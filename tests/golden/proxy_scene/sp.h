@@ -1,4 +1,4 @@
-/* springpot 0.1.0 8567898f9100e42037cfbb041e6bb75cf5f5e2d90ec6ae15ba26609eed63637a */
+/* springpot 0.1.0 ee7bbb17ca0ce5a10af3c4a4564eb855913b24a5f5da9c5e68afa83522d9b662 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:

@@ -62,13 +62,15 @@ FAST = (("dragon-skin-10", "hammerstein"), ("dragon-skin-10", "rf-fd"))  # the s
 )
 def test_every_case_is_bounded_quiet_and_faithful(name: str, kind: str) -> None:
     plan = make_plan(simulated_model(name, kind), PLAIN)
+    # Ten times as stiff, that one is 1.004 mm/s in the stiff pinch: `auto` is at its margin there.
+    quiet_mps = 1.01e-3 if (name, kind) == ("dragon-skin-fx", "hammerstein") else 1e-3
     found = stability(plan)
     assert found.check.stable
     whole = [outcome for outcome in found.outcomes if outcome.losses is None]
     assert len(whole) == len(CASES) * 4
     for outcome in whole:
         assert outcome.bounded, outcome.as_dict()
-        _is_quiet_and_faithful(outcome)
+        _is_quiet_and_faithful(outcome, quiet_mps)
     lossy = [outcome for outcome in found.outcomes if outcome.losses is not None]
     assert len(lossy) == 16 * 4
     for outcome in lossy:
@@ -82,9 +84,9 @@ def test_every_case_is_bounded_quiet_and_faithful(name: str, kind: str) -> None:
     _agrees_with_the_stiffer_object(found)
 
 
-def _is_quiet_and_faithful(outcome: Outcome) -> None:
+def _is_quiet_and_faithful(outcome: Outcome, quiet_mps: float) -> None:
     if outcome.case == "stiff":
-        assert outcome.hf_speed_mps <= 1.05e-3, outcome.as_dict()  # 1.004 in the stiff pinch
+        assert outcome.hf_speed_mps <= quiet_mps, outcome.as_dict()
         return
     assert outcome.fidelity_percent <= 10.0, outcome.as_dict()
     if outcome.case in ("hold", "long-hold"):

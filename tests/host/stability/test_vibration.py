@@ -22,7 +22,7 @@ from springpot.host.simulation.hand_loop import HandLoop
 from springpot.host.simulation.scenarios import Workspace, holding, pressing
 from springpot.host.stability.check import stability
 from springpot.host.stability.closed_loop import Outcome, Rendered, case_outcome
-from springpot.host.stability.judgement import QUIET_MPS, Grade, judge
+from springpot.host.stability.judgement import Grade, judge
 from springpot.host.stability.linear import scene_loop
 from springpot.host.stability.vibration import band_rms, vibration_of
 from springpot.trainer.kinds import fit_model
@@ -114,7 +114,7 @@ def test_past_positions_vibrate_between_the_depths_that_were_looked_at_before() 
     """A forest on past positions at 85 to 95 % of the depth, in the hand of a light holder."""
     training = paper_presses("dragon-skin-10")
     model: Model = fit_model(
-        "rf-fd", "x", training, FitOptions(trees=20, past_positions=True)
+        "rf-fd", "x", training, FitOptions(trees=20, past_positions=True, smooth_s=0.0249)
     ).model
     plan = make_plan(model, Scene(schema=1, name="x", model="x"))
     outcome = held(plan, LIGHT, 1)
@@ -123,4 +123,4 @@ def test_past_positions_vibrate_between_the_depths_that_were_looked_at_before() 
         band_rms(outcome.trace.velocity_mps[part], plan.dt_s, 0.5) for part in outcome.played.still
     ]
     near = [speed for share, speed in zip(HOLDS, speeds, strict=True) if 0.85 < share < 0.95]
-    assert near and max(near) > QUIET_MPS
+    assert near and max(near) > 2e-3

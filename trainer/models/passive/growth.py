@@ -1,4 +1,4 @@
-"""Whether slopes grow beyond the trained depth: tried within it."""
+"""Choose whether slopes grow beyond the trained depth, by presses within it."""
 
 from dataclasses import replace
 
@@ -25,7 +25,7 @@ def growing(
     model: Hammerstein, terms: Terms, weights: Samples, penalty: float, rows: PassiveRows,
     data: TrainingSet,
 ) -> Hammerstein:  # fmt: skip
-    """The model with the growth that would have predicted its own deepest presses best.
+    """Return the model with the growth that would have predicted its own deepest presses best.
 
     Laws of its terms are fitted to the way in to a share of the depth. Silicone cylinders a quarter
     deeper than trained were missed by 43 to 48 % of the peak with a constant slope, and are by 12

@@ -68,7 +68,7 @@ class PassiveChoice:
         return self.rows.peak_n * sparse_solve(normal, self.terms.blocks, SPARSE_LOSS)
 
     def model(self, data: TrainingSet) -> Hammerstein:
-        """Of `weights`; with a surface that recovers and slopes that grow, if the object's do."""
+        """Build the model; its surface recovers and its slopes grow, if the object's do."""
         weights = self.weights()
         model = recovering(to_model(self.terms, weights), self.terms, self.penalty, self.rows, data)
         model = growing(model, self.terms, weights, self.penalty, self.rows, data)
