@@ -29,7 +29,7 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
         ("trainer/*.py", 8579),
         ("host/*.py", 13387),
         ("runtime_c/*.[ch] codegen/*.j2", 7880),
-        ("tests/*.py", 20158),
+        ("tests/*.py", 20160),
     ],
 )
 def test_lines(what: str, most: int) -> None:

@@ -9,7 +9,8 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.stages.passive.hammerstein import HammersteinStage, hammerstein_stage
 from springpot.codegen.stages.stage import SceneTicks
-from springpot.host.native.c_library import CLibrary, load_c
+from springpot.host.native.c_library import CLibrary, declarations
+from springpot.host.native.compiler import shared_library
 from springpot.runtime_c.paths import INCLUDE, SOURCE
 from support.paths import TESTS
 
@@ -18,8 +19,9 @@ _HERE = TESTS / "support" / "c"
 
 @cache
 def _library() -> CLibrary:
-    include = [f"-I{folder}" for folder in (SOURCE, INCLUDE, INCLUDE / "double")]
-    return load_c([_HERE / "passive_run.h"], [_HERE / "passive_run.c"], extra_flags=include)
+    folders = [_HERE, SOURCE, INCLUDE, INCLUDE / "double"]
+    built = shared_library([_HERE / "passive_run.c"], folders)
+    return CLibrary(built, declarations([_HERE / "passive_run.h"]))
 
 
 class PassiveC:
