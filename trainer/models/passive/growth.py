@@ -61,7 +61,7 @@ def _errors_n(
     terms = replace(terms, span_m=share * terms.span_m)
     depth_m = np.concatenate(data.depths_m)[rows.rows]
     before = (terms.shares(deepest_m) <= 1.0) & ~rows.let_go
-    beyond = terms.shares(depth_m) > 1.0
+    beyond = (terms.shares(depth_m) > 1.0) & ~rows.let_go
     if min(np.count_nonzero(before), np.count_nonzero(beyond)) < _FEWEST:
         return []
     values = term_columns(terms, data, rows.rows)[before]
@@ -74,7 +74,7 @@ def _errors_n(
         def force_n(motion: DepthMotion, at: Indices) -> Samples:
             if terms.shares(motion.depth_m).max() <= 1.0:  # not asked for
                 return np.zeros(len(at))
-            return model_along(model, motion, data.dt_s, rows.surface)[0][at]
+            return model_along(model, motion, data.dt_s, surface=False)[0][at]
 
         return rms((data.along_motions(rows.rows, force_n) - rows.force_n)[beyond])
 

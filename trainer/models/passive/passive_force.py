@@ -1,6 +1,8 @@
 """Force of a fitted passive model along a motion, in float64: the reference of its C."""
 
+from collections.abc import Iterator
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 
@@ -56,14 +58,20 @@ def with_memory(model: Hammerstein, data: TrainingSet) -> Hammerstein:
 def _along(
     model: Hammerstein, motion: DepthMotion, dt_s: float, surface: bool
 ) -> tuple[Samples, Samples, Memory]:
-    stage = _stage(model, dt_s, surface)
+    @cache
+    def stage_of(step_s: float) -> HammersteinStage:
+        return hammerstein_stage(model, SceneTicks(step_s, surface=surface), "penetration")
+
+    stage = stage_of(dt_s)
     u = (motion.depth_m - stage.config.origin_m) * stage.config.per_span
     passive, begin = PassiveMotion(stage, u[0]), 0
     force_n, at = np.empty_like(u), np.empty_like(u)
     for end, seconds in (*motion.pauses, (len(u), 0.0)):
         force_n[begin:end], at[begin:end] = passive.along(u[begin:end])
         if end < len(u):
-            passive = _rested(model, passive, u[end : end + 1], seconds, dt_s, surface)
+            for step_s in _rest_steps_s(seconds, dt_s, surface):
+                passive = passive.on(stage_of(step_s))
+                passive.along(u[end : end + 1])
             passive = passive.on(stage)
             force_n[end], at[end] = 0.0, passive.u
         begin = end + 1
@@ -71,19 +79,10 @@ def _along(
     return given_n, model.origin_m + model.span_m * at, passive.memory(model)
 
 
-def _rested(
-    model: Hammerstein, passive: PassiveMotion, u: Samples, seconds: float, dt_s: float,
-    surface: bool,
-) -> PassiveMotion:  # fmt: skip
-    """Rest at u, (1,), for so long: in steps each twice as long as the one before."""
-    step_s, left_s = dt_s, seconds
-    while left_s > 0.0:
-        step_s = min(2.0 * step_s, left_s)
-        passive = passive.on(_stage(model, step_s, surface))
-        passive.along(u)
-        left_s -= step_s
-    return passive
-
-
-def _stage(model: Hammerstein, dt_s: float, surface: bool) -> HammersteinStage:
-    return hammerstein_stage(model, SceneTicks(dt_s, surface=surface), "penetration")
+def _rest_steps_s(seconds: float, dt_s: float, surface: bool) -> Iterator[float]:
+    """Steps of a rest at one depth: one, exact; each twice as long, while a surface may recover."""
+    step_s = dt_s if surface else seconds
+    while seconds > 0.0:
+        step_s = min(2.0 * step_s, seconds)
+        yield step_s
+        seconds -= step_s
