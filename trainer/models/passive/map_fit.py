@@ -58,7 +58,8 @@ def fit_map(data: TrainingSet, options: FitOptions) -> MapFit:
     problem = _problem(of_sites, choice.terms, choice.penalty, grid, full).sparse()
     count, error_n = problem.chosen(options.seed)
     model = problem.model(*problem.fitted(range(len(sites)), count))
-    model = replace(model, recovers=choice.model(alike).recovers)
+    usual = choice.model(alike)
+    model = replace(model, recovers=usual.recovers, growth=usual.growth)
     return MapFit(model, sum(its.rows for its in problem.sites), error_n, choice.law, len(sites))
 
 
