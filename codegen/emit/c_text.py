@@ -5,9 +5,10 @@ A block is what stands between blank lines outside braces: a definition with the
 
 import re
 from collections.abc import Sequence
+from functools import cache
 from typing import Any
 
-from jinja2 import Environment, PackageLoader, StrictUndefined
+from jinja2 import Environment, PackageLoader, StrictUndefined, Template
 
 from springpot.codegen.literals import literal
 from springpot.codegen.stages.stage import RegressorStage, Stage
@@ -32,14 +33,20 @@ def rendered(template: str, **context: Any) -> str:
 
 def block_text(stage: Stage | RegressorStage, block: str) -> str:
     """Fill in one block of a stage's own template: lines of C, without the last line's end."""
-    template = _TEMPLATES.from_string(stage.code)
+    template = _compiled(stage.code)
     context = template.new_context({"stage": stage, "literal": literal})
     return "".join(template.blocks[block](context)).rstrip("\n")
 
 
 def has_block(stage: Stage | RegressorStage, block: str) -> bool:
     """Whether a stage's template has that block."""
-    return block in _TEMPLATES.from_string(stage.code).blocks
+    return block in _compiled(stage.code).blocks
+
+
+@cache
+def _compiled(code: str) -> Template:
+    """A template is compiled once: that takes longer than all else of an emission."""
+    return _TEMPLATES.from_string(code)
 
 
 def top_level_blocks(text: str) -> list[str]:

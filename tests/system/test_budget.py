@@ -25,11 +25,11 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
 @pytest.mark.parametrize(
     ("what", "most"),
     [
-        ("codegen/*.py", 6615),
-        ("trainer/*.py", 8579),
+        ("codegen/*.py", 6622),
+        ("trainer/*.py", 8583),
         ("host/*.py", 13387),
         ("runtime_c/*.[ch] codegen/*.j2", 7880),
-        ("tests/*.py", 20160),
+        ("tests/*.py", 20181),
     ],
 )
 def test_lines(what: str, most: int) -> None:

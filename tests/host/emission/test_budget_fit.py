@@ -16,8 +16,10 @@ from springpot.host.validation.validation import validate
 EVALUATION = recording("judge", press(1.5, 0.011))
 
 
-def tight(folder: Path) -> tuple[Scene, Path, int]:
+@pytest.fixture(scope="module")
+def tight(tmp_path_factory: pytest.TempPathFactory) -> tuple[Scene, Path, int]:
     """A scene whose budget is two thirds of what the model takes."""
+    folder = tmp_path_factory.mktemp("tight")
     model = model_file(folder, small_fit(trees=20).model)
     whole = emit(scene(), model, folder / "whole").footprint
     budget = Budget(flash_bytes=2 * whole.flash_bytes // 3)
@@ -35,11 +37,12 @@ def test_the_best_forest_that_fits_is_emitted(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
+    tight: tuple[Scene, Path, int],
     forests: str,
 ) -> None:
     if forests == "few":
         build_few(monkeypatch)
-    chosen, model, flash_bytes = tight(tmp_path)
+    chosen, model, flash_bytes = tight
     with pytest.raises(BudgetError, match="--fit --recording REC makes a forest smaller"):
         emit_fitting(chosen, model, tmp_path / "c", False, [EVALUATION], fit=False)
     assert not (tmp_path / "c").exists()
@@ -60,8 +63,10 @@ def test_the_best_forest_that_fits_is_emitted(
         ([EVALUATION], True, Budget(flash_bytes=100), BudgetError, "no smaller version of this"),
     ],
 )
-def test_what_cannot_be_fitted_is_refused(tmp_path, recordings, fit, budget, error, told) -> None:
-    chosen, model, _ = tight(tmp_path)
+def test_what_cannot_be_fitted_is_refused(
+    tmp_path, tight, recordings, fit, budget, error, told
+) -> None:
+    chosen, model, _ = tight
     if budget:
         chosen, model = dataclasses.replace(chosen, budget=budget), model_file(tmp_path)
     with pytest.raises(error, match=told):

@@ -34,6 +34,7 @@ def require_no_fault(tool: PressedTool, commands_n: list[np.ndarray]) -> None:
         assert tool.press(command_n).fault == 0, (tool, len(command_n))
 
 
+@pytest.mark.few(4)
 @pytest.mark.parametrize("control", [PD, LATE], ids=["pd", "late"])
 @pytest.mark.parametrize("name", ALL_OBJECTS)
 def test_no_press_of_the_paper_is_refused(name: str, control: dict[str, Any]) -> None:
@@ -76,6 +77,7 @@ def test_a_tool_that_loses_its_object_meets_the_table_at_the_limit_at_most(
             assert pressed.force_n[lost_tick:].max() == 0.0
 
 
+@pytest.mark.few(20)
 @pytest.mark.parametrize("control", [PD, LATE], ids=["pd", "late"])
 @pytest.mark.parametrize("wrong", WRONG)
 @pytest.mark.parametrize("name", ALL_OBJECTS)

@@ -76,8 +76,13 @@ def test_killed_in_a_trial_and_a_row_cut_it_goes_on(plan: StudyPlan) -> None:
     assert file.read_text() == ",".join(RESPONSE_COLUMNS) + "\n"
     with file.open("a") as torn:
         torn.write("01,0,1,REAL,so")
-    typed = "import time\nfor line in ('l', 'r', '60'): time.sleep(1), print(line, flush=True)"
-    with subprocess.Popen([sys.executable, "-c", typed], stdout=subprocess.PIPE) as typist:
+    again = plan.folder("01") / "session-0-trial-01-again-2.journal"
+    typed = (
+        "import pathlib, sys, time\n"
+        "while not pathlib.Path(sys.argv[1]).exists(): time.sleep(0.1)\n"
+        "for line in ('l', 'r', '60'): time.sleep(1), print(line, flush=True)"
+    )
+    with subprocess.Popen([sys.executable, "-c", typed, again], stdout=subprocess.PIPE) as typist:
         done = subprocess.run([*command, "--json"], stdin=typist.stdout, capture_output=True,
                               text=True, check=False)  # fmt: skip
     assert json.loads(done.stdout)["done"] == 1, done.stderr

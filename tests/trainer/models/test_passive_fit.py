@@ -70,7 +70,7 @@ def test_a_fold_without_the_deepest_recording_has_ordinary_weights_and_errors() 
     # Without a penalty on bends: weights of 1e25 on the curves that the fold never reached.
     data = training_set(one_twice_as_deep(), smooth_s=0.0)
     peak_n = data.trained.max_n
-    rows = np.arange(data.rows_total)
+    rows = np.arange(0, data.rows_total, 5)
     for nodes in NODES:
         terms = plain_terms(data, nodes)
         values, force_n = term_columns(terms, data, rows), data.force_n(rows)
@@ -131,8 +131,8 @@ def test_an_object_is_pressed_deeper_than_it_was_trained(stiffening: float, deep
 
 def test_an_object_that_flows_is_fitted_by_flow() -> None:
     recordings = []
-    for hz, share in product((0.3, 1.0, 3.0), (0.3, 0.6, 1.0)):
-        depth_m = press(hz, share * DEPTH_M, 2)
+    for hz, share in product((0.5, 3.0), (0.3, 0.6, 1.0)):
+        depth_m = press(hz, share * DEPTH_M)
         h, before, held = 0.0, 0.0, []
         for u in (depth_m / DEPTH_M).tolist():  # h' = u' - 40 |h|^3 h, half a step before and after
             half, before = 0.5 * (u - before), u

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg.lapack import dposv
 from scipy.optimize import nnls
 
 from springpot.codegen.arrays import Flags, Indices, Samples
@@ -80,7 +81,10 @@ def _nonnegative(matrix: Samples, vector: Samples, free: Flags) -> Samples:
     weights, wrong_before, at_once = np.zeros(len(vector)), len(vector) + 1, _AT_ONCE
     for _ in range(_PIVOTS * len(vector)):
         weights = np.zeros(len(vector))
-        weights[free] = np.linalg.solve(matrix[np.ix_(free, free)], vector[free])
+        if free.any():
+            _, weights[free], failed = dposv(matrix[np.ix_(free, free)], vector[free])
+            if failed:
+                break
         falls = vector - matrix @ weights
         wrong = np.where(free, weights < 0.0, falls > _ROUNDING)
         n_wrong = int(np.count_nonzero(wrong))
