@@ -37,7 +37,7 @@ def ensemble_data(
     recordings: Recordings,
     features: GivenFeatures = None,
     fraction: float | None = None,
-    smooth_s: float = FitOptions.smooth_s,
+    smooth_s: float | None = FitOptions.smooth_s,
     seed: int = 0,
     return_groups: bool = False,
 ) -> tuple[NDArray[Any], ...]:
@@ -65,7 +65,7 @@ def from_ensemble(
     recordings: Recordings,
     features: GivenFeatures = None,
     name: str = KIND,
-    smooth_s: float = FitOptions.smooth_s,
+    smooth_s: float | None = FitOptions.smooth_s,
 ) -> Model:
     """Model of a sum of trees that scikit-learn fitted, scaled columns in front or not.
 

@@ -70,7 +70,7 @@ def train(
     seed: int = FitOptions.seed,
     fraction: float | None = FitOptions.fraction,
     window_s: float | None = FitOptions.window_s,
-    smooth_s: float = FitOptions.smooth_s,
+    smooth_s: float | None = FitOptions.smooth_s,
     trees: int = FitOptions.trees,
     leaf: int = FitOptions.leaf,
     tree_rows: float = FitOptions.tree_rows,
@@ -91,7 +91,8 @@ def train(
     seed: of the rows and trees that are drawn at random.
     fraction: share of the rows that are used, above 0 to 1; None: 0.2 from 20 000 rows on.
     window_s: how long the fractional filters remember, s; None: 171 samples, 1000 s if recursive.
-    smooth_s: zero-phase moving average of the training data, s; 0 for none.
+    smooth_s: zero-phase moving average of the training data, s; 0: none; None: 0.025, or less
+    where that would bend the force by more than half its noise.
     trees: how many a forest has.
     leaf: how many rows the smallest leaf of a tree holds.
     tree_rows: share of the rows that each tree is fitted on; 1 as usual.

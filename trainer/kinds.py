@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING
 from springpot.codegen.entry_points import blaming, registered
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.messages import short_repr
-from springpot.trainer import PAPER_SMOOTH_S
 
 if TYPE_CHECKING:
     from springpot.trainer.models.fit import Fit, FitOptions
@@ -86,7 +85,6 @@ def fit_model(
     """
     from springpot.trainer.models.training_set import training_set
 
-    options = _default_smoothing(recordings, options)
     kind = _kind_of_places(kind, recordings)
     data = training_set(recordings, options.smooth_s)
     return fit_kind(kind, name, data, options, validation)
@@ -114,18 +112,6 @@ def _kind_of_places(kind: str, recordings: "Sequence[Recording]") -> str:
             f"{HAMMERSTEIN.name}, or recordings of one place"
         )
     return HAMMERSTEIN.name
-
-
-def _default_smoothing(recordings: "Sequence[Recording]", options: "FitOptions") -> "FitOptions":
-    """Shorten the default smoothing where it would take more than noise.
-
-    Another time is one that a person chose: `training_set` refuses it.
-    """
-    from springpot.trainer.recordings.signals import longest_smoothing_s
-
-    if not recordings or options.smooth_s != PAPER_SMOOTH_S:
-        return options
-    return replace(options, smooth_s=longest_smoothing_s(recordings, PAPER_SMOOTH_S))
 
 
 def fit_kind(

@@ -148,7 +148,7 @@ def _fitted(candidate: Candidate, data: BenchRecordings) -> tuple[Model, Point]:
 
 
 @lru_cache(maxsize=1)
-def _prepared(data: BenchRecordings, smooth_s: float) -> "TrainingSet":
+def _prepared(data: BenchRecordings, smooth_s: float | None) -> "TrainingSet":
     """Prepare the training recordings once: all fits of a process share them."""
     from springpot.trainer.models.training_set import training_set
 

@@ -68,7 +68,9 @@ _fit_option = partial(field_option, FitOptions)
     "Length of the filters' memory, s; default 171 samples, 1000 s if recursive.",
 )
 @_fit_option(
-    "smooth_s", NOT_NEGATIVE, "Zero-phase moving average of the training data, s; 0 for none."
+    "smooth_s",
+    NOT_NEGATIVE,
+    "Zero-phase moving average of the training data, s; 0: none; default 0.025 or less.",
 )
 @click.option("--smooth-validation", is_flag=True, help="Smooth the validation data as well.")
 @_fit_option(
@@ -110,7 +112,7 @@ def train(
         say(f"warning: {line}")
     out.parent.mkdir(parents=True, exist_ok=True)
     result = training_result(fit) | {"out": str(out), "hash": write_model(out, fit.model)}
-    compared_s = options.smooth_s if smooth_validation else 0.0
+    compared_s = fit.model.provenance["smooth_s"] if smooth_validation else 0.0
     found, figures = errors(fit, training, testing, compared_s) if testing else (None, {})
     result |= figures
     if figures.get("seen"):

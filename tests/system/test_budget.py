@@ -26,10 +26,10 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
     ("what", "most"),
     [
         ("codegen/*.py", 6622),
-        ("trainer/*.py", 8583),
-        ("host/*.py", 13387),
+        ("trainer/*.py", 8573),
+        ("host/*.py", 13390),
         ("runtime_c/*.[ch] codegen/*.j2", 7880),
-        ("tests/*.py", 20181),
+        ("tests/*.py", 20183),
     ],
 )
 def test_lines(what: str, most: int) -> None:

@@ -13,7 +13,6 @@ from springpot.codegen.model.model import Model
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.model.regressors import Regressor
 from springpot.codegen.types import JsonMapping
-from springpot.trainer import PAPER_SMOOTH_S
 from springpot.trainer.models.passive.passive_terms import PASSIVE_POLES
 from springpot.trainer.models.training_set import TrainingSet
 
@@ -37,7 +36,7 @@ class FitOptions:
     seed: Annotated[int, Interval(ge=0, lt=2**32)] = 0
     fraction: Annotated[float, Interval(gt=0, le=1)] | None = None
     window_s: Annotated[float, Interval(gt=0, lt=inf)] | None = None
-    smooth_s: Annotated[float, Interval(ge=0, lt=inf)] = PAPER_SMOOTH_S
+    smooth_s: Annotated[float, Interval(ge=0, lt=inf)] | None = None
     trees: Annotated[int, Ge(1)] = PAPER_TREES
     leaf: Annotated[int, Ge(1)] = PAPER_LEAF
     # The paper says neither how many rows a tree is fitted on nor how many features a split tries.
@@ -110,7 +109,7 @@ def assemble(
             "seed": options.seed,
             "rows": rows,
             "rows_total": data.rows_total,
-            "smooth_s": options.smooth_s,
+            "smooth_s": data.smooth_s,
             "zero": data.recordings[0].zero,
             "recordings": _hashes(data),
             "scikit-learn": version("scikit-learn"),

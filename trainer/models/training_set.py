@@ -18,8 +18,9 @@ from springpot.trainer.models.depths import DepthMotion, contact_of, depth_m, mo
 from springpot.trainer.recordings.formats.importing import one_session
 from springpot.trainer.recordings.formats.sampling import MAX_UPSAMPLING
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.signals import MAX_SMOOTHED, smoothed
+from springpot.trainer.recordings.signals import MAX_SMOOTHED, longest_smoothing_s, smoothed
 
+_PAPER_SMOOTH_S = 0.025  # 25 samples at 1 kHz, section III-C
 PAPER_FRACTION = 0.2  # of the rows, section IV-B
 ALL_BELOW = 20_000
 MAX_ROWS = 50_000
@@ -32,6 +33,7 @@ _Result = TypeVar("_Result")
 class TrainingSet:
     """Recordings smoothed for a fit. `rows` index the samples of all recordings in a row.
 
+    smooth_s: length of the moving average, s; 0 for none.
     continues: each recording goes on with the memory of the one before it.
     """
 
@@ -40,6 +42,7 @@ class TrainingSet:
     dt_s: float
     contact: Contact
     trained: TrainedRange
+    smooth_s: float
     warnings: tuple[str, ...] = ()
     continues: bool = False
     _found: dict[Hashable, tuple[Any, float]] = field(default_factory=dict, repr=False)
@@ -148,18 +151,21 @@ def choose_rows(rows_total: int, fraction: float | None, rng: np.random.Generato
     return np.sort(rng.choice(rows_total, size=wanted, replace=False))
 
 
-def training_set(recordings: Sequence[Recording], smooth_s: float) -> TrainingSet:
+def training_set(recordings: Sequence[Recording], smooth_s: float | None) -> TrainingSet:
     """Prepare recordings. Raises DataError where they do not fit together.
 
+    smooth_s: of the moving average, s; None: the paper's, or less where it would bend the force.
     The last set is kept: models of several kinds on the same recordings share what is found `once`.
     """
     return _training_set(tuple(recordings), smooth_s)
 
 
 @lru_cache(maxsize=1)
-def _training_set(recordings: tuple[Recording, ...], smooth_s: float) -> TrainingSet:
+def _training_set(recordings: tuple[Recording, ...], smooth_s: float | None) -> TrainingSet:
     dt_s = common_time_step(recordings)
     contact, warning = contact_of(recordings)
+    if smooth_s is None:
+        smooth_s = longest_smoothing_s(recordings, _PAPER_SMOOTH_S)
     shortest = min(recordings, key=lambda recording: len(recording.force_n))
     if smooth_s > MAX_SMOOTHED * shortest.duration_s:
         raise UsageError(
@@ -174,6 +180,7 @@ def _training_set(recordings: tuple[Recording, ...], smooth_s: float) -> Trainin
         dt_s=dt_s,
         contact=contact,
         trained=_trained_range(prepared, depths_m, contact),
+        smooth_s=smooth_s,
         warnings=(warning,) if warning else (),
     )
 

@@ -18,7 +18,7 @@ from springpot.trainer.models.fit import FitOptions
 
 def pressed(folder: Path, kind: str, outside: str) -> tuple[np.ndarray, np.ndarray, int]:
     """Depth, force and notes of a slow press to 1.3 x the trained depth and back."""
-    model = fit_model(kind, "x", training(), FitOptions(trees=5, leaf=20, smooth_s=0.0249)).model
+    model = fit_model(kind, "x", training(), FitOptions(trees=5, leaf=20, smooth_s=0.025)).model
     chosen = dataclasses.replace(
         scene(number="float64"), guard=Guard(outside=outside, max_force_n=1000.0)
     )

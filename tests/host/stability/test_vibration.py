@@ -114,7 +114,7 @@ def test_past_positions_vibrate_between_the_depths_that_were_looked_at_before() 
     """A forest on past positions at 85 to 95 % of the depth, in the hand of a light holder."""
     training = paper_presses("dragon-skin-10")
     model: Model = fit_model(
-        "rf-fd", "x", training, FitOptions(trees=20, past_positions=True, smooth_s=0.0249)
+        "rf-fd", "x", training, FitOptions(trees=20, past_positions=True, smooth_s=0.025)
     ).model
     plan = make_plan(model, Scene(schema=1, name="x", model="x"))
     outcome = held(plan, LIGHT, 1)

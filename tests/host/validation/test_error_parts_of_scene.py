@@ -22,7 +22,7 @@ def validated(folder: Path, mode: str, details: dict[str, object] | None = None)
     """A passive model behind a coupling, replayed on shallower presses than its training."""
     recordings = [replace(item, details=details or {}) for item in training()[:3]]
     accepted = [replace(item, details=details or {}) for item in training()[4:8]]
-    model = fit_model("hammerstein", "x", accepted, FitOptions(smooth_s=0.0249)).model
+    model = fit_model("hammerstein", "x", accepted, FitOptions(smooth_s=0.025)).model
     write_model(folder / "m.spm", model)
     chosen = scene(mode=mode)
     if mode == "proxy":

@@ -20,7 +20,7 @@ from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.models.rf_fd import depth_scale
 from springpot.trainer.models.training_set import choose_rows, training_set
-from springpot.trainer.recordings.signals import longest_smoothing_s, smoothed
+from springpot.trainer.recordings.signals import smoothed
 
 
 @pytest.mark.parametrize(
@@ -42,13 +42,15 @@ def test_the_default_smoothing_bends_less_than_noise(press_s: float, noise_n: fl
     force_n = 8.0 * np.sin(np.pi * np.clip((time_s - 0.3) / press_s, 0.0, 1.0))
     noise = np.random.default_rng(0).normal(0.0, noise_n, len(time_s))
     clean = Recording("impact", force_n / 1e3, force_n, 1.0 / 3000.0)
-    smooth_s = longest_smoothing_s([replace(clean, force_n=force_n + noise)], 0.025)
+    noisy = [replace(clean, force_n=force_n + noise)]
+    smooth_s = training_set(noisy, None).smooth_s
     bent_n, longer_n = (
         rms((smoothed(clean, s).force_n - force_n)[force_n > 0.8])
         for s in (smooth_s, 2.0 * smooth_s or 0.025 / 8)
     )
     assert bent_n <= 0.5 * noise_n
     assert smooth_s == 0.025 or longer_n > 0.45 * noise_n
+    assert training_set(noisy, 0.025).smooth_s == 0.025  # as it was asked for
 
 
 def test_smoothing_is_zero_phase_and_keeps_a_line() -> None:
@@ -61,7 +63,7 @@ def test_smoothing_is_zero_phase_and_keeps_a_line() -> None:
 
 def test_the_fit_predicts_what_scikit_learn_predicts() -> None:
     model, item = small_fit().model, training()[2]
-    data = training_set(training(), longest_smoothing_s(training(), 0.025))
+    data = training_set(training(), None)
     rows = data.rows(None, 1)
     scale = 64.0  # the power of two nearest to 1/0.012 m
     assert depth_scale(DEPTH_M) == scale
