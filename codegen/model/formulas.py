@@ -55,8 +55,8 @@ def pieces_of_one(nodes: int) -> int:
 def curve_place(u: Reals, nodes: int) -> Place:
     """sp_curve_at: the piece that u is in and the way from its start, both (n,)."""
     real = u.dtype.type
-    passed = np.where(u > 0, u * real(pieces_of_one(nodes)), real(0))
-    piece = np.where(passed < real(nodes - 1), passed, real(nodes - 1)).astype(np.intp)
+    passed = np.fmax(u, real(0)) * real(pieces_of_one(nodes))
+    piece = np.minimum(passed, real(nodes - 1)).astype(np.intp)
     return piece, passed - piece.astype(u.dtype)
 
 

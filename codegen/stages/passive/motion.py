@@ -120,7 +120,7 @@ class PassiveMotion:
             return u
         place = self._place(u)
         g = curve_values(stage.branches, place)
-        rises = np.diff(g, prepend=self._before[None, :], axis=0)
+        rises = g - np.concatenate([self._before[None], g[:-1]])
         self._before = g[-1]
         held, ends = np.empty_like(g), []
         for step, begins in zip(stage.steps, self._held, strict=True):
@@ -170,7 +170,8 @@ class PassiveMotion:
 def _summed(held: Reals) -> Reals:
     """Sum of the branches, (n,): four partial sums, as the C's vectors add them."""
     s = np.zeros((VECTOR_WIDTH, len(held)), dtype=held.dtype)
-    for i in range(held.shape[1]):
-        s[i % VECTOR_WIDTH] += held[:, i]
+    for first in range(0, held.shape[1], VECTOR_WIDTH):
+        vector = held[:, first : first + VECTOR_WIDTH].T
+        s[: len(vector)] += vector
     total: Reals = (s[0] + s[2]) + (s[1] + s[3])
     return total
