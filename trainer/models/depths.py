@@ -18,8 +18,9 @@ _REST_SHARE = 0.02  # of the peak force
 _PULL, _OFTEN = 0.05, 0.01  # of the peak force, in a share of the samples: it holds the tool
 _HUM_S, _DEVIATIONS = 0.02, 4.0  # a period of the mains, over which a force is averaged; of noise
 _PRELOADED = (
-    "force is {rest_n:.3g} N at the lowest positions and no recording leaves the object: the model "
-    "pushes there too, and has no surface; if position 0 is the surface, record from above it"
+    "force is {rest_n:.3g} N at the lowest positions, and no recording leaves the object: import "
+    "with --tare={rest_n:.4g} if that is a load or an offset of the sensor, with --tare 0 if the "
+    "object pushes so there"
 )
 _PULLS = (
     "force goes to {min_n:.3g} N inside the object: it holds the tool, and the model pulls as it "
@@ -51,7 +52,9 @@ def contact_of(recordings: Sequence[Recording]) -> tuple[Contact, str]:
     rest_n = rest_force_n(recordings)
     if abs(rest_n) < _REST_SHARE * peak_n or peak_n <= 0.0 or any(map(_shows_contact, recordings)):
         return "surface", ""
-    return "always", _PRELOADED.format(rest_n=rest_n)
+    if not all("tare_n" in recording.details for recording in recordings):
+        raise DataError(_PRELOADED.format(rest_n=rest_n))
+    return "always", ""
 
 
 def pulls(recordings: Sequence[Recording]) -> bool:

@@ -7,7 +7,7 @@ from typing import Any, Literal
 import numpy as np
 
 from springpot.codegen.errors import DataError, UsageError
-from springpot.trainer.recordings.contact_point import find_contact
+from springpot.trainer.recordings.contact_point import find_contact, find_hum
 from springpot.trainer.recordings.quality.channels import hold_spikes
 from springpot.trainer.recordings.quality.signs import sign_doubts
 from springpot.trainer.recordings.recording import Recording, Zero
@@ -254,6 +254,7 @@ def _require_known_surface(recordings: Sequence[Recording]) -> None:
             raise DataError(
                 f"{recording.name}: its surface is known to +- {1e3 * doubt_m:.2g} mm alone, of "
                 f"{1e3 * deepest_m:.3g} mm that the object is pressed, for force without contact "
-                "is noisy or drifts, or samples lie far apart: leave --contact-force out if "
-                "position 0 is the surface, else press deeper, or record with less noise"
+                f"{find_hum(recording) or 'is noisy or drifts, or samples lie far apart'}: leave "
+                "--contact-force out if position 0 is the surface, else press deeper, or record "
+                "with less noise"
             )

@@ -185,10 +185,10 @@ def test_a_wrong_header_is_overridden_as_the_refusal_says(
     text = rows(position, force, stroke, peak)
     refused = run_import(tmp_path, text)
     assert refused.returncode == 3 and not (tmp_path / "out").exists()
-    other, itself = re.findall(r"--map (\w+=COL:[^\s,]+)", refused.stderr)
-    number = "2" if other.startswith("position") else "3"
-    kept = run_import(tmp_path, text, "--map", itself.replace("COL", number), "--json")
+    itself, other = re.findall(r"--map (\w+=\w+:[^\s,]+)", refused.stderr)
+    kept = run_import(tmp_path, text, "--map", itself, "--json")
     assert "unit" in [finding["kind"] for finding in json.loads(kept.stdout)["findings"]]
     (tmp_path / "other").mkdir()
-    changed = run_import(tmp_path / "other", text, "--map", other.replace("COL", number))
+    factor = "1000" if stroke < 1.0 else "0.001"
+    changed = run_import(tmp_path / "other", text, "--map", other.replace("FACTOR", factor))
     assert changed.returncode == 0

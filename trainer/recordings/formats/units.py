@@ -104,6 +104,12 @@ def factor_to_si(text: str, quantity: Quantity, where: str) -> float:
     return factor * _FACTORS[quantity][symbol]
 
 
+def map_option(quantity: str, column: str, unit: str, in_python: bool) -> str:
+    """The option that states a column and its unit, as it is typed."""
+    stated = f"{quantity}={column}:{unit}"
+    return f"{quantity}={f'{column}:{unit}'!r}" if in_python else f"--map {shlex.quote(stated)}"
+
+
 def choose_unit(
     found: Mapping[str, str | None],
     quantity: Quantity,
@@ -118,8 +124,7 @@ def choose_unit(
     """
 
     def option(unit: str) -> str:
-        stated = f"{quantity}={column}:{unit}"
-        return f"{quantity}={f'{column}:{unit}'!r}" if in_python else f"--map {shlex.quote(stated)}"
+        return map_option(quantity, column, unit, in_python)
 
     origin, text = next(((o, t) for o, t in found.items() if t), ("", ""))
     if not text:

@@ -117,9 +117,12 @@ def check_recordings(given: Recordings) -> QualityReport:
         cycles.append(find_cycles(recording))
         found += channel_findings(recording)
         if not _refused(found):  # one cause, one line: a constant has no unit, a wrap turns signs
-            found += sign_findings(recording, signs[-1])
-            # A turned sign moves the contact, and a sensor that stands still seems to drift.
-            spoiled = _refused(found) or any(finding.kind == "stuck" for finding in found)
+            # A sensor that stands still seems to drift, and to give energy; a turned sign moves the
+            # contact.
+            stuck = any(finding.kind == "stuck" for finding in found)
+            signs_found = sign_findings(recording, signs[-1])
+            found += [each for each in signs_found if each.kind != "energy" or not stuck]
+            spoiled = _refused(found) or stuck
             whole += [] if spoiled else [recording]
             found += unit_findings(recording)
         findings += found
@@ -162,8 +165,8 @@ def contact_findings(recordings: Sequence[Recording]) -> Iterator[Finding]:
                 f"{60.0 * drift.bound_nps:.2g} N/min", "the model would learn it as the object's",
                 "import with --tare auto",
             )  # fmt: skip
-        doubt_m = recording.details.get("contact_uncertainty_m", 0.0)
-        if doubt_m > _SURFACE_DOUBT * recording.position_m.max():
+        doubt_m = recording.details.get("contact_uncertainty_m")
+        if doubt_m and doubt_m > _SURFACE_DOUBT * recording.position_m.max():
             yield warning(
                 "contact", recording.name,
                 f"its surface is known to +- {1e3 * doubt_m:.2g} mm of "
@@ -177,7 +180,7 @@ def contact_findings(recordings: Sequence[Recording]) -> Iterator[Finding]:
     # An object that remembers its last press is met where that left it.
     yield from _surface_findings([item for item in met if not item[0].start_s])
     for recording, contact in met:
-        if abs(contact.tare_n) > max(3 * contact.threshold_n, _TARE * recording.force_n.max()):
+        if abs(contact.tare_n) > max(contact.threshold_n, _TARE * recording.force_n.max()):
             yield warning(
                 "tare", recording.name, f"{contact.tare_n:.3g} N without contact",
                 "the model would push or pull where nothing is touched", "import with --tare auto",
