@@ -11,7 +11,7 @@ from springpot.trainer.recordings.contact_point import find_contact, find_hum
 from springpot.trainer.recordings.quality.channels import hold_spikes
 from springpot.trainer.recordings.quality.signs import sign_doubts
 from springpot.trainer.recordings.recording import Recording, Zero
-from springpot.trainer.recordings.signals import find_drift
+from springpot.trainer.recordings.signals import Drift, find_drift
 
 _SMOOTH_S = 0.02  # over which acceleration is taken from positions
 _MIN_WINDOW = 7
@@ -157,9 +157,8 @@ def _from_contact(recording: Recording, options: Conditioning) -> tuple[Recordin
         raise UsageError("--contact-force and --tare find the zero: leave out --zero")
     details, line = dict[str, Any](recording.details), f"{recording.name}: "
     move, contact, drifted_n = options.contact_force is not None, None, 0.0
-    if tare_n is None and (drift := find_drift(recording)):
-        time_s = np.arange(len(recording.force_n), dtype=np.float64) * recording.dt_s
-        recording = replace(recording, force_n=recording.force_n - drift.at(time_s))
+    if tare_n is None and (found := find_air_drift(recording)):
+        recording, drift = found
         details |= {"drift_nps": drift.slope_nps, "drift_bound_nps": drift.bound_nps}
         line += f"drift of {60.0 * drift.slope_nps:.3g} N/min taken off, "
         drifted_n, tare_n = drift.start_n, None if move else 0.0
@@ -181,6 +180,22 @@ def _from_contact(recording: Recording, options: Conditioning) -> tuple[Recordin
             f"where force passes {contact.threshold_n:.3g} N"
         )
     return replace(recording, position_m=position_m, force_n=force_n, details=details), line
+
+
+def find_air_drift(recording: Recording) -> tuple[Recording, Drift] | None:
+    """The recording without the drift of its force in the air, and that; None if it has none.
+
+    An object that relaxes, and whose force was zeroed under load, looks alike, but has no surface.
+    """
+    if recording.zero != "none" or not (drift := find_drift(recording)):
+        return None
+    time_s = np.arange(len(recording.force_n), dtype=np.float64) * recording.dt_s
+    steady = replace(recording, force_n=recording.force_n - drift.at(time_s))
+    try:
+        find_contact(steady)
+    except DataError:
+        return None
+    return steady, drift
 
 
 def _stated_n(value: float | str | None, name: str) -> float | None:

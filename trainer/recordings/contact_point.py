@@ -17,16 +17,13 @@ _LEVEL = 0.2  # of the mean slope: more at the lowest positions is no level with
 _RESTS, _MIDWAY = 0.02, (1 / 3, 2 / 3)  # of the way to the threshold
 _RISES = 0.35  # of the threshold, midway: a force that rises from the first move on
 _NOISES = 5.0
-_OF_QUARTERS = 1.66  # standard deviation of normal noise over the RMS of its least three quarters
 _DEVIATIONS = 2.0  # of a slope, by the noise around it
 _BOUND = 4.0  # deviations, of where noise lets force pass a level
 _MIN_SHARE_OF_PEAK = 0.002
 _COUNTS = 1.5  # of the sensor: noise of less than one makes one, some samples in a row
 _HIGHER = 3.0  # times the threshold: the slope below the surface is taken up to there
 _FEWEST_SWINGS, _ONE_TONE = 4, 0.5  # of a hum, in one visit to the air; of the power there
-_WITHOUT = (
-    "import without --contact-force and --tare if position 0 is the surface and force 0 there"
-)
+_WITHOUT = "import without --contact-force and --tare if position 0 is the surface"
 _STEEPEST, _NEARLY_EXPONENTIAL = 1.5, 1.01  # ratio of ways: F ~ x^2.7, and no surface at all
 
 
@@ -80,10 +77,7 @@ def find_contact(
     levels_n = [force[way <= air_m] for way, force in ways] if tare_n is None else []
     # A load cell drifts: each press that has enough air counts from its own.
     own_n = [its for its in levels_n if len(its) >= _OWN_AIR]
-    air_n = own_n or [free_n]
-    deviation_n, white_n = _deviation_n(air_n), sensor_noise_n(np.concatenate(air_n))
-    if deviation_n < 0.5 * white_n:  # of a coarse sensor, most samples of which have one value
-        deviation_n = white_n
+    deviation_n = _deviation_n(own_n or [free_n])
     bases_n = [float(np.median(its)) if len(its) >= _OWN_AIR else base_n for its in levels_n]
     level_n = threshold_n
     if level_n is None:
@@ -124,35 +118,30 @@ def _require_air(
     """Raise DataError if force is not level before the presses: the tool is on the object."""
     position_m, force_n = recording.position_m, recording.force_n
     low_m, travel_m = float(position_m.min()), float(np.ptp(position_m))
-    begins_m = [p.passes_m[0] for p in presses] + [
-        _meets_first(presses).before_m for _ in presses[:1]
-    ]
     slope_npm = _slope_npm(position_m, force_n, low_m + _LOW_SHARE * travel_m)
     if (
         not presses
         or slope_npm > _LEVEL * (float(force_n.max()) - base_n) / travel_m
         or _rise_midway(presses, level_n, sensor_noise_n(force_n)) > _RISES
-        or min(*begins_m, _meets_first(presses).before_m) - low_m < _MIN_FREE_SHARE * travel_m
+        or min(_meets_first(presses).before_m, *(press.passes_m[0] for press in presses)) - low_m
+        < _MIN_FREE_SHARE * travel_m
     ):
-        if hum := find_hum(recording):
-            raise DataError(
-                f"{recording.name}: force without contact {hum}, which hides the surface: filter "
-                f"it out in the source, or {_WITHOUT}"
-            )
-        if any(press.falls_back for press in presses):
-            raise DataError(
-                f"{recording.name}: force rises and falls back before the object is met, as the "
-                "mass of a tool makes it, which hides the surface: state what moves beyond the "
-                f"load cell, --mass-kg KG, or {_WITHOUT}"
-            )
-        other = "position 0 means nothing, --zero first or --zero min"
+        other = "--zero first or --zero min if position 0 means nothing"
         if base_n < 0.0:
-            other = "force was zeroed under load, --tare=-PRELOAD_N, the force taken off"
-        raise DataError(
-            f"{recording.name}: never leaves the object (force is {base_n:.4g} N at its lowest "
-            "position), so the surface cannot be found: record from above the object, or, in place "
-            f"of --contact-force and --tare auto, if {other}"
+            other = "--tare=-PRELOAD_N, the force taken off, if it was zeroed under load"
+        why = (
+            f"never leaves the object (force is {base_n:.4g} N at its lowest position), so the "
+            "surface cannot be found: record from above the object, or leave --contact-force and "
+            f"--tare out: pass {other}"
         )
+        if any(press.falls_back for press in presses):
+            why = (
+                "force rises and falls back before the object is met, as the mass of a tool makes "
+                "it: pass what moves beyond the load cell, --mass-kg KG, or press more slowly"
+            )
+        if hum := find_hum(recording):
+            why = f"force without contact {hum}: filter it out in the source, or {_WITHOUT}"
+        raise DataError(f"{recording.name}: {why}")
 
 
 def find_hum(recording: Recording) -> str:
@@ -174,12 +163,15 @@ def find_hum(recording: Recording) -> str:
 def _deviation_n(levels_n: list[Samples]) -> float:
     """Return the standard deviation of forces about the median of each level, N.
 
-    By the median deviation, which a few samples in contact do not raise; where most samples have
-    one value of a coarse sensor, by the RMS of the least three quarters.
+    By the median deviation, which a few samples in contact do not raise; by steps from sample to
+    sample where that is less by half, as most samples of a coarse sensor have one value.
     """
-    off_n = np.sort(np.abs(np.concatenate([each - np.median(each) for each in levels_n])))
-    quarters_n = off_n[: len(off_n) * 3 // 4]
-    return 1.4826 * float(np.median(off_n)) or _OF_QUARTERS * float(np.sqrt(np.mean(quarters_n**2)))
+    off_n = np.abs(np.concatenate([each - np.median(each) for each in levels_n]))
+    deviation_n, white_n = (
+        1.4826 * float(np.median(off_n)),
+        sensor_noise_n(np.concatenate(levels_n)),
+    )
+    return white_n if deviation_n < 0.5 * white_n else deviation_n
 
 
 def _meets_first(presses: list[_Press]) -> _Press:

@@ -95,10 +95,9 @@ def _force_spikes(position_m: Samples, force_n: Samples) -> Indices:
     """
     spikes, last = np.zeros(len(force_n), dtype=bool), len(force_n) - 1
     for run in _far_runs(force_n, _LONGEST_N, _SHARE_N):
-        beyond = run[0] + np.array([-2, -1, len(run), len(run) + 1])
-        beyond = beyond[(beyond >= 0) & (beyond <= last)]
-        goes_on = float(np.ptp(force_n[beyond])) > _SHARE_N * float(np.ptp(force_n))
-        if len(beyond) == 4 or not goes_on:
+        beside_n = force_n[run[-1] + 1 :][:2] if run[0] == 0 else force_n[: run[0]][-2:]
+        goes_on = float(np.ptp(beside_n)) > _SHARE_N * float(np.ptp(force_n))
+        if (run[0] > 0 and run[-1] < last) or not goes_on:
             moved_m = float(np.ptp(position_m[max(run[0] - 1, 0) : run[-1] + 2]))
             spikes[run] = moved_m <= _STILL * float(np.ptp(position_m))
     return np.flatnonzero(spikes)

@@ -14,6 +14,7 @@ import numpy as np
 from springpot.codegen.errors import DataError
 from springpot.codegen.messages import counted
 from springpot.codegen.types import JsonObject
+from springpot.trainer.recordings.conditioning import find_air_drift
 from springpot.trainer.recordings.contact_point import ContactPoint, find_contact
 from springpot.trainer.recordings.quality.channels import channel_findings, hold_spikes
 from springpot.trainer.recordings.quality.finding import Finding, warning
@@ -30,7 +31,6 @@ from springpot.trainer.recordings.quality.signs import Signs, find_signs, sign_f
 from springpot.trainer.recordings.quality.units import glance, unit_findings
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import Recordings, given_recordings
-from springpot.trainer.recordings.signals import find_drift
 
 _SURFACE_OFF, _TARE = 0.05, 0.02  # of the travel; of the peak force
 _SURFACE_DOUBT = 0.1  # of the deepest press: force errs by 5 to 10 % of its peak
@@ -117,12 +117,11 @@ def check_recordings(given: Recordings) -> QualityReport:
         cycles.append(find_cycles(recording))
         found += channel_findings(recording)
         if not _refused(found):  # one cause, one line: a constant has no unit, a wrap turns signs
-            # A sensor that stands still seems to drift, and to give energy; a turned sign moves the
-            # contact.
+            # A sensor that stands still seems to drift, and to give energy.
             stuck = any(finding.kind == "stuck" for finding in found)
-            signs_found = sign_findings(recording, signs[-1])
-            found += [each for each in signs_found if each.kind != "energy" or not stuck]
-            spoiled = _refused(found) or stuck
+            its = sign_findings(recording, signs[-1])
+            found += [each for each in its if not (stuck and each.kind == "energy")]
+            spoiled = _refused(found) or stuck  # a turned sign moves the contact
             whole += [] if spoiled else [recording]
             found += unit_findings(recording)
         findings += found
@@ -158,7 +157,8 @@ def contact_findings(recordings: Sequence[Recording]) -> Iterator[Finding]:
     """Yield findings where position 0 should be the surface and is not, of all together."""
     met: list[Met] = []
     for recording in recordings:
-        if drift := find_drift(recording):
+        if found := find_air_drift(recording):
+            drift = found[1]
             yield warning(
                 "drift", recording.name,
                 f"force without contact drifts by {60.0 * drift.slope_nps:.3g} +- "

@@ -278,8 +278,7 @@ def _sign_finding(recording: Recording, signs: Signs) -> Finding | None:
             pulls = "the model would pull the hand in"
             return refusal("sign", name, f"force {falls}", pulls, remedy)
         mend = "remove the mass, --mass-kg KG, or the delay, --force-delay-s SECONDS --align"
-        rather, why = f"force rather {falls}", "a mass and a late sensor do so"
-        return warning("sign", name, rather, why, mend)
+        return warning("sign", name, f"force rather {falls}", "mass and a late sensor do so", mend)
     if gives:
         return refusal(
             "energy", name, f"{_loss(signs.lost)}, and no object gives any",
