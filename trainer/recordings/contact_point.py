@@ -123,8 +123,8 @@ def _require_air(
         not presses
         or slope_npm > _LEVEL * (float(force_n.max()) - base_n) / travel_m
         or _rise_midway(presses, level_n, sensor_noise_n(force_n)) > _RISES
-        or min(_meets_first(presses).before_m, *(press.passes_m[0] for press in presses)) - low_m
-        < _MIN_FREE_SHARE * travel_m
+        or _meets_first(presses).before_m - low_m < 0.5 * _MIN_FREE_SHARE * travel_m
+        or min(press.passes_m[0] for press in presses) - low_m < _MIN_FREE_SHARE * travel_m
     ):
         other = "--zero first or --zero min if position 0 means nothing"
         if base_n < 0.0:

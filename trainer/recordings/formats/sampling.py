@@ -151,7 +151,7 @@ def _without_repeats(raw: RawChannels, fill: bool) -> tuple[RawChannels, int]:
     channels = (raw.time_s, raw.position_m, raw.force_n)
     if {np.shape(channel) for channel in channels} != {(len(raw.rows),)} or not len(raw.rows):
         return raw, 0
-    numbers = np.isfinite(channels).all(axis=0)
+    numbers = np.asarray(np.isfinite(channels).all(axis=0))
     if fill and numbers.any() and not numbers.all():
         return _without_repeats(raw.part(numbers), fill)
     new = np.append(True, np.any([np.diff(channel) != 0.0 for channel in channels], axis=0))
