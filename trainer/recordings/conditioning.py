@@ -1,6 +1,7 @@
 """What a user asks for on import: delays, and steps that take out what a rig adds to samples."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -187,15 +188,13 @@ def find_air_drift(recording: Recording) -> tuple[Recording, Drift] | None:
 
     An object that relaxes, and whose force was zeroed under load, looks alike, but has no surface.
     """
-    if recording.zero != "none" or not (drift := find_drift(recording)):
-        return None
-    time_s = np.arange(len(recording.force_n), dtype=np.float64) * recording.dt_s
-    steady = replace(recording, force_n=recording.force_n - drift.at(time_s))
-    try:
-        find_contact(steady)
-    except DataError:
-        return None
-    return steady, drift
+    if recording.zero == "none" and (drift := find_drift(recording)):
+        time_s = np.arange(len(recording.force_n), dtype=np.float64) * recording.dt_s
+        steady = replace(recording, force_n=recording.force_n - drift.at(time_s))
+        with suppress(DataError):
+            find_contact(steady)
+            return steady, drift
+    return None
 
 
 def _stated_n(value: float | str | None, name: str) -> float | None:
@@ -258,10 +257,7 @@ def _shared_surface(recordings: Sequence[Recording]) -> tuple[list[Recording], s
 
 
 def _require_known_surface(recordings: Sequence[Recording]) -> None:
-    """Raise DataError where the surface is known less well than a share of the deepest press.
-
-    A load cell that drifted by 0.6 N a minute once put it "at 9.5 +- 240 mm", in silence.
-    """
+    """Raise DataError where the surface is known less well than a share of the deepest press."""
     deepest_m = max(float(recording.position_m.max()) for recording in recordings)
     for recording in recordings:
         doubt_m = recording.details["contact_uncertainty_m"]

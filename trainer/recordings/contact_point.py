@@ -82,11 +82,8 @@ def find_contact(
     level_n = threshold_n
     if level_n is None:
         least_n = _MIN_SHARE_OF_PEAK * (float(force_n.max()) - base_n)
-        level_n = max(
-            _NOISES * deviation_n,
-            least_n,
-            _COUNTS * (quantisation_step(force_n) or 0.0),
-        )
+        counts_n = _COUNTS * (quantisation_step(force_n) or 0.0)
+        level_n = max(_NOISES * deviation_n, least_n, counts_n)
     if not (force_n > base_n + level_n).any():
         why = find_hum(recording) or f"is {base_n:.4g} N"
         raise DataError(
@@ -99,8 +96,8 @@ def find_contact(
     _require_air(recording, presses, base_n, level_n)
     met = _meets_first(presses)
     # Half a usual step; where the tool met the surface by steps that are longer, half of that one.
-    doubt_m = max(float(np.median(np.abs(np.diff(position_m)))), met.step_m) / 2
-    doubt_m = max(doubt_m, quantisation_step(position_m) or 0.0)
+    step_m = max(float(np.median(np.abs(np.diff(position_m)))), met.step_m)
+    doubt_m = max(step_m / 2, quantisation_step(position_m) or 0.0)
     surface_m = met.passes_m[0]
     if threshold_n is None:  # a threshold that was stated defines the surface: nothing to go back
         # A press too light for all levels, as the first of growing ones, does not show the law.
@@ -151,10 +148,9 @@ def find_hum(recording: Recording) -> str:
     begin, end = max(runs(low), key=lambda run: run[1] - run[0])
     air_n = recording.force_n[begin:end] - recording.force_n[begin:end].mean()
     power = np.abs(np.fft.rfft(air_n * np.hanning(len(air_n)))) ** 2
-    if len(power) <= 2 * _FEWEST_SWINGS:
-        return ""
-    swings = _FEWEST_SWINGS + int(np.argmax(power[_FEWEST_SWINGS:-1]))
-    if power[swings - 1 : swings + 2].sum() < _ONE_TONE * power.sum():
+    swings = _FEWEST_SWINGS + int(np.argmax(np.append(power[_FEWEST_SWINGS:-1], 0.0)))
+    hums = power[swings - 1 : swings + 2].sum() > _ONE_TONE * power.sum()
+    if len(power) <= 2 * _FEWEST_SWINGS or not hums:
         return ""
     hz = swings / (len(air_n) * recording.dt_s)
     return f"swings by +-{np.sqrt(2.0) * air_n.std():.2g} N at {hz:.3g} Hz, as hum does"

@@ -144,10 +144,7 @@ def sampling_notes(recording: Recording) -> list[str]:
 
 
 def _without_repeats(raw: RawChannels, fill: bool) -> tuple[RawChannels, int]:
-    """The samples without rows that a logger wrote twice, time and all, and how many those are.
-
-    fill: also without rows that lack a number, which are interpolated.
-    """
+    """The samples without rows written twice, and how many; `fill`: nor without a number."""
     channels = (raw.time_s, raw.position_m, raw.force_n)
     if {np.shape(channel) for channel in channels} != {(len(raw.rows),)} or not len(raw.rows):
         return raw, 0
