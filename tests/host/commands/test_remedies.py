@@ -39,6 +39,7 @@ NOT_FOR = {
     "--accept-signs takes it so": ".",
     "right columns": "late|filtered|dead",
     "SECONDS": "swapped",
+    "if the object pushes so there": ".",
 }
 AT_THE_RIG = "record again|sensor.s cable|finer sensor|higher rate|against the rig|press more"
 VALUE = r"'[^']*'|auto|first|min|-?[A-Z_]+|-?[\d.]+|[a-z]+=[^\s,;)]+(?:,[a-z]+=[^\s,;)]+)*"

@@ -17,7 +17,7 @@ from springpot.codegen.types import JsonObject
 from springpot.trainer.recordings.conditioning import find_air_drift
 from springpot.trainer.recordings.contact_point import ContactPoint, find_contact
 from springpot.trainer.recordings.quality.channels import channel_findings, hold_spikes
-from springpot.trainer.recordings.quality.finding import Finding, warning
+from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
 from springpot.trainer.recordings.quality.repeats import (
     Cycles,
     Skew,
@@ -33,6 +33,7 @@ from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import Recordings, given_recordings
 
 _SURFACE_OFF, _TARE = 0.05, 0.02  # of the travel; of the peak force
+_ONE_LOAD = 0.25  # of itself: tares that differ by less are one load
 _SURFACE_DOUBT = 0.1  # of the deepest press: force errs by 5 to 10 % of its peak
 
 Met = tuple[Recording, ContactPoint]
@@ -179,12 +180,20 @@ def contact_findings(recordings: Sequence[Recording]) -> Iterator[Finding]:
             met.append((recording, find_contact(recording)))
     # An object that remembers its last press is met where that left it.
     yield from _surface_findings([item for item in met if not item[0].start_s])
-    for recording, contact in met:
-        if abs(contact.tare_n) > max(contact.threshold_n, _TARE * recording.force_n.max()):
-            yield warning(
-                "tare", recording.name, f"{contact.tare_n:.3g} N without contact",
-                "the model would push or pull where nothing is touched", "import with --tare auto",
-            )  # fmt: skip
+    tares = [
+        (recording, contact.tare_n)
+        for recording, contact in met
+        if abs(contact.tare_n) > max(contact.threshold_n, _TARE * recording.force_n.max())
+    ]
+    tares_n = [tare_n for _, tare_n in tares]
+    shared = 0 < len(tares) == len(recordings) and np.ptp(tares_n) < _ONE_LOAD * abs(tares_n[0])
+    for recording, tare_n in tares:
+        make = refusal if shared and "tare_n" not in recording.details else warning
+        yield make(
+            "tare", recording.name, f"{tare_n:.3g} N without contact",
+            "the model would push or pull where nothing is touched",
+            "import with --tare auto, or with --tare 0 if the object pushes so there",
+        )  # fmt: skip
 
 
 def _surface_findings(met: Sequence[Met]) -> Iterator[Finding]:
