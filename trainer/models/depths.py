@@ -17,7 +17,6 @@ _LOWEST = 0.02  # of the depth: where an object's force is 0 if position 0 is it
 _REST_SHARE = 0.02  # of the peak force
 _PULL, _OFTEN = 0.05, 0.01  # of the peak force, in a share of the samples: it holds the tool
 _HUM_S, _DEVIATIONS = 0.02, 4.0  # a period of the mains, over which a force is averaged; of noise
-_ONE_LOAD = 0.5  # of itself: one that differs more is no load, but a drift
 _LONGEST_PAUSE_S = 600.0
 _LATE = 5  # samples by which clocks of two recordings may overlap
 
@@ -49,14 +48,10 @@ def contact_of(recordings: Sequence[Recording]) -> tuple[Contact, str]:
     if abs(rest_n) < _REST_SHARE * peak_n or peak_n <= 0.0 or any(map(_shows_contact, recordings)):
         return "surface", ""
     if not all("tare_n" in recording.details for recording in recordings):
-        own_n = [rest_force_n([recording]) for recording in recordings]
-        drifts = np.ptp(own_n) > _ONE_LOAD * abs(rest_n)
-        varies = f", of one recording {np.ptp(own_n):.3g} N more than of another" if drifts else ""
-        stated = "OWN_N" if drifts else f"{rest_n:.4g}"
         raise DataError(
-            f"force is {rest_n:.3g} N at the lowest positions{varies}, and no recording leaves the "
-            f"object: import with --tare={stated} if that is a load or an offset of the sensor, "
-            "with --tare 0 if the object pushes so there"
+            f"force is {rest_n:.3g} N at the lowest positions, and no recording leaves the object: "
+            "import with --tare=LOAD_N, that of a load or an offset of the sensor, or with --tare "
+            "0 if the object pushes so there"
         )
     return "always", ""
 
