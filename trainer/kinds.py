@@ -155,8 +155,8 @@ def _poor_fit(fit: "Fit", data: "TrainingSet") -> Iterator[str]:
         yield (
             f"{fit.model.name}: presses that were held out are missed by "
             f"{100.0 * error_n / peak_n:.0f} % of the largest force: the passive model cannot "
-            "follow this object, or the recordings are not of one: see `springpot check`, or try "
-            "--model rf-fd"
+            "follow this object, or the recordings are not of one, or of one zero: see "
+            "`springpot check`, or try --model rf-fd"
         )
 
 
@@ -190,8 +190,8 @@ def _unlike_recordings(fit: "Fit", data: "TrainingSet") -> Iterator[str]:
     if factors[most] > _UNLIKE * factors[least] > 0.0:
         yield (
             f"{most}: at equal motion, its force is {factors[most] / factors[least]:.2g} times "
-            f"that of {least}: if they are of one object, place and unit, the passive model cannot "
-            "follow it: try --model rf-fd"
+            f"that of {least}: if they are of one object, place, unit and zero, the passive model "
+            "cannot follow it: try --model rf-fd"
         )
 
 

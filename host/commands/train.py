@@ -188,7 +188,9 @@ def training_rows(
     if "why" in result:
         rows["  why"] = result["why"]
     for what, (value, width) in result.get("material", {}).items():
-        rows[f"  {what}"] = f"{value:.5g} +- {width:.2g}"
+        doubt = "without interval: not its law" if width is None else f"+- {width:.2g}"
+        at_rest = ", extrapolated to rest" * (what == "stiffness_npm")
+        rows[f"  {what}"] = f"{value:.5g} {doubt}{at_rest}"
     if "residual_percent" in result:
         rows["  missed"] = f"{result['residual_percent']:.3g} % of the force that varies, rms"
     if found is not None:

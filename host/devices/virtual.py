@@ -25,10 +25,11 @@ class SimulatedDevice(VirtualDevice):
     def __init__(self, address: Address, requirements: DeviceRequirements) -> None:
         """Take the hand of the URL. Raises UsageError for a wrong one."""
         simulated = parse_url(address.url)
-        if simulated.presses != PressSettings():
+        of_object = (simulated.variant, simulated.stiffer) != ("a", 1.0)
+        if of_object or simulated.presses != PressSettings():
             raise UsageError(
-                f"{address.url}: rest, rate, drift and glitch are of recorded presses: leave them "
-                "out where a scene is rendered"
+                f"{address.url}: variant, stiffer, rest, rate, drift and glitch are of recorded "
+                "presses: leave them out where a scene is rendered"
             )
         self._hand = SimulatedHand(
             simulated.hand,

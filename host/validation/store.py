@@ -171,6 +171,10 @@ def validation_rows(validation: Validation) -> dict[str, str]:
         felt_too = ", and so does what was felt"
         means = felt_too if validation.mismatches else ": what was felt is what the model says"
         differ = f"{validation.mismatches} of {found.samples} ticks differ{means}"
+        if silent := validation.notes.get("latched", 0):
+            differ += (
+                f"; {100.0 * silent / found.samples:.0f} % of the ticks, latched, had no force"
+            )
     told_notes = notes_in_words(validation.notes, validation.clamped_low, validation.min_n)
     return rows | {
         "C against reference": differ,

@@ -17,14 +17,6 @@ _LOWEST = 0.02  # of the depth: where an object's force is 0 if position 0 is it
 _REST_SHARE = 0.02  # of the peak force
 _PULL, _OFTEN = 0.05, 0.01  # of the peak force, in a share of the samples: it holds the tool
 _HUM_S, _DEVIATIONS = 0.02, 4.0  # a period of the mains, over which a force is averaged; of noise
-_PRELOADED = (
-    "force is {rest_n:.3g} N at the lowest positions and no recording leaves the object: the model "
-    "pushes there too, and has no surface; if position 0 is the surface, record from above it"
-)
-_PULLS = (
-    "force goes to {min_n:.3g} N inside the object: it holds the tool, and the model pulls as it "
-    "does; if nothing held it, look for drift or delay of the force"
-)
 _LONGEST_PAUSE_S = 600.0
 _LATE = 5  # samples by which clocks of two recordings may overlap
 
@@ -47,11 +39,21 @@ def contact_of(recordings: Sequence[Recording]) -> tuple[Contact, str]:
         return "always", ""
     peak_n = max(float(recording.force_n.max()) for recording in recordings)
     if peak_n > 0.0 and pulls(recordings):
-        return "always", _PULLS.format(min_n=min(float(each.force_n.min()) for each in recordings))
+        min_n = min(float(each.force_n.min()) for each in recordings)
+        return "always", (
+            f"force goes to {min_n:.3g} N inside the object: it holds the tool, and the model "
+            "pulls as it does; if nothing held it, look for drift or delay of the force"
+        )
     rest_n = rest_force_n(recordings)
     if abs(rest_n) < _REST_SHARE * peak_n or peak_n <= 0.0 or any(map(_shows_contact, recordings)):
         return "surface", ""
-    return "always", _PRELOADED.format(rest_n=rest_n)
+    if not all("tare_n" in recording.details for recording in recordings):
+        raise DataError(
+            f"force is {rest_n:.3g} N at the lowest positions, and no recording leaves the object: "
+            "import with --tare=LOAD_N, that of a load or an offset of the sensor, or with --tare "
+            "0 if the object pushes so there"
+        )
+    return "always", ""
 
 
 def pulls(recordings: Sequence[Recording]) -> bool:

@@ -21,8 +21,9 @@ from springpot.trainer.features import highpass
 from springpot.trainer.models.fit import Fit, FitOptions, assemble
 from springpot.trainer.models.passive.passive_force import model_along
 from springpot.trainer.models.training_set import TrainingSet
+from springpot.trainer.recordings.quality.signs import correlation
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.signals import sensor_noise_n
+from springpot.trainer.recordings.signals import sensor_noise_n, smoothing_samples
 
 _PER_DECADE, _FASTEST_STEPS, _BEYOND = 2.5, 0.25, 10.0  # time steps, longest recordings
 _FAR, _POINTS = 20.0, 400  # of ln tau beyond the branches: what is left further out is little
@@ -32,6 +33,7 @@ _ZENER_ORDERS = _ORDERS[_ORDERS < 0.71]  # nearer 1 it has but one time constant
 _TIMES, _NEARBY, _ZOOMS, _STEP, _FACTOR = 25, np.arange(-3.0, 4.0), 5, 0.02, 1.6
 _TOUCHES, _NOISES, _SELDOM = 0.01, 4.0, 0.002  # of the peak force, of noise, of the samples
 _BETTER = 0.95  # of the error on what was left out: a fourth number has to be worth it
+_ALIKE = 0.3  # correlation of what is missed: the share of its variance that is no noise
 _ORDER_STEP, _BRANCHED = 3e-4, 5e-4  # accuracy of the search, and of a sum of branches
 
 
@@ -93,21 +95,28 @@ def fit_springpot(
     bias_n = float(table.means[-1] - solid.weights(table.tau_s) @ table.means[:-1])
     passive = to_hammerstein(solid, table.tau_s, data)
     passive = replace(passive, bias_n=bias_n, recovers=way is not data)
-    metadata = _metadata(solid, others, table)
+    smoothed = smoothing_samples(options.smooth_s, data.dt_s)
+    apart = -(-smoothed * len(rows) // data.rows_total)
+    metadata = _metadata(solid, others, table, apart)
     model = assemble(
         "springpot", name, data, options, len(pressed), (None, None), passive, True, metadata
     )
     return Fit(model, len(pressed), 0.0, time.perf_counter() - begin, metadata=metadata)
 
 
-def _metadata(solid: Solid, others: Sequence[Solid], table: _Table) -> JsonObject:
-    """Provenance: each number and half its interval of 1.96 errors, 95 %; what the law misses."""
-    law = {}
+def _metadata(solid: Solid, others: Sequence[Solid], table: _Table, apart: int) -> JsonObject:
+    """Provenance: each number and half its interval of 1.96 errors, 95 %; what the law misses.
+
+    None in place of an interval if it misses alike in rows so far apart that they share no noise.
+    """
+    law, missed_n = {}, table.rows @ [*solid.weights(table.tau_s), -1.0]
+    alike = correlation(missed_n[:-apart], missed_n[apart:])
     for name, value in solid.numbers().items():
         of_others = np.array([other.numbers()[name] for other in others])
         squares = (len(others) - 1) * np.var(of_others)  # the jackknife, Efron and Stein (1981)
         rounding = _ORDER_STEP if name == "order" else _BRANCHED * abs(value)
-        law[name] = [value, float(np.hypot(1.96 * np.sqrt(squares), rounding))]
+        width = float(np.hypot(1.96 * np.sqrt(squares), rounding))
+        law[name] = [value, width if alike < _ALIKE else None]
     all_n = float(np.linalg.norm(table.rows[:, -1])) or 1.0
     percent = 100.0 * table.missed_n(solid) / all_n
     count = len(law) + bool(table.means.any())

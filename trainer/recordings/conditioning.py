@@ -1,17 +1,18 @@
 """What a user asks for on import: delays, and steps that take out what a rig adds to samples."""
 
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
 
 from springpot.codegen.errors import DataError, UsageError
-from springpot.trainer.recordings.contact_point import find_contact
+from springpot.trainer.recordings.contact_point import find_contact, find_hum
 from springpot.trainer.recordings.quality.channels import hold_spikes
 from springpot.trainer.recordings.quality.signs import sign_doubts
 from springpot.trainer.recordings.recording import Recording, Zero
-from springpot.trainer.recordings.signals import find_drift
+from springpot.trainer.recordings.signals import Drift, find_drift
 
 _SMOOTH_S = 0.02  # over which acceleration is taken from positions
 _MIN_WINDOW = 7
@@ -157,9 +158,8 @@ def _from_contact(recording: Recording, options: Conditioning) -> tuple[Recordin
         raise UsageError("--contact-force and --tare find the zero: leave out --zero")
     details, line = dict[str, Any](recording.details), f"{recording.name}: "
     move, contact, drifted_n = options.contact_force is not None, None, 0.0
-    if tare_n is None and (drift := find_drift(recording)):
-        time_s = np.arange(len(recording.force_n), dtype=np.float64) * recording.dt_s
-        recording = replace(recording, force_n=recording.force_n - drift.at(time_s))
+    if tare_n is None and (found := find_air_drift(recording)):
+        recording, drift = found
         details |= {"drift_nps": drift.slope_nps, "drift_bound_nps": drift.bound_nps}
         line += f"drift of {60.0 * drift.slope_nps:.3g} N/min taken off, "
         drifted_n, tare_n = drift.start_n, None if move else 0.0
@@ -181,6 +181,20 @@ def _from_contact(recording: Recording, options: Conditioning) -> tuple[Recordin
             f"where force passes {contact.threshold_n:.3g} N"
         )
     return replace(recording, position_m=position_m, force_n=force_n, details=details), line
+
+
+def find_air_drift(recording: Recording) -> tuple[Recording, Drift] | None:
+    """The recording without the drift of its force in the air, and that; None if it has none.
+
+    An object that relaxes, and whose force was zeroed under load, looks alike, but has no surface.
+    """
+    if recording.zero == "none" and (drift := find_drift(recording)):
+        time_s = np.arange(len(recording.force_n), dtype=np.float64) * recording.dt_s
+        steady = replace(recording, force_n=recording.force_n - drift.at(time_s))
+        with suppress(DataError):
+            find_contact(steady)
+            return steady, drift
+    return None
 
 
 def _stated_n(value: float | str | None, name: str) -> float | None:
@@ -243,10 +257,7 @@ def _shared_surface(recordings: Sequence[Recording]) -> tuple[list[Recording], s
 
 
 def _require_known_surface(recordings: Sequence[Recording]) -> None:
-    """Raise DataError where the surface is known less well than a share of the deepest press.
-
-    A load cell that drifted by 0.6 N a minute once put it "at 9.5 +- 240 mm", in silence.
-    """
+    """Raise DataError where the surface is known less well than a share of the deepest press."""
     deepest_m = max(float(recording.position_m.max()) for recording in recordings)
     for recording in recordings:
         doubt_m = recording.details["contact_uncertainty_m"]
@@ -254,6 +265,7 @@ def _require_known_surface(recordings: Sequence[Recording]) -> None:
             raise DataError(
                 f"{recording.name}: its surface is known to +- {1e3 * doubt_m:.2g} mm alone, of "
                 f"{1e3 * deepest_m:.3g} mm that the object is pressed, for force without contact "
-                "is noisy or drifts, or samples lie far apart: leave --contact-force out if "
-                "position 0 is the surface, else press deeper, or record with less noise"
+                f"{find_hum(recording) or 'is noisy or drifts, or samples lie far apart'}: leave "
+                "--contact-force out if position 0 is the surface, else press deeper, or record "
+                "with less noise"
             )

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from springpot.codegen.arrays import Samples
+from springpot.codegen.arrays import Samples, runs
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.signals import noise_n, quantisation_step, sensor_noise_n
@@ -17,12 +17,13 @@ _LEVEL = 0.2  # of the mean slope: more at the lowest positions is no level with
 _RESTS, _MIDWAY = 0.02, (1 / 3, 2 / 3)  # of the way to the threshold
 _RISES = 0.35  # of the threshold, midway: a force that rises from the first move on
 _NOISES = 5.0
-_OF_QUARTERS = 1.66  # standard deviation of normal noise over the RMS of its least three quarters
 _DEVIATIONS = 2.0  # of a slope, by the noise around it
 _BOUND = 4.0  # deviations, of where noise lets force pass a level
 _MIN_SHARE_OF_PEAK = 0.002
 _COUNTS = 1.5  # of the sensor: noise of less than one makes one, some samples in a row
 _HIGHER = 3.0  # times the threshold: the slope below the surface is taken up to there
+_FEWEST_SWINGS, _ONE_TONE = 4, 0.5  # of a hum, in one visit to the air; of the power there
+_WITHOUT = "import without --contact-force and --tare if position 0 is the surface"
 _STEEPEST, _NEARLY_EXPONENTIAL = 1.5, 1.01  # ratio of ways: F ~ x^2.7, and no surface at all
 
 
@@ -45,7 +46,7 @@ class _Press:
 
     before_m, step_m: the last sample before the first level, and how far the next one is from it.
     rest_n, midway_n: mean of so many samples of force before the tool moves, and midway to the
-    first level; nan of none.
+    first level; nan of none. falls_back: whether force returns to base_n deeper than that.
     """
 
     base_n: float
@@ -55,6 +56,7 @@ class _Press:
     rest_n: float
     midway_n: float
     samples: int
+    falls_back: bool
 
 
 def find_contact(
@@ -80,15 +82,13 @@ def find_contact(
     level_n = threshold_n
     if level_n is None:
         least_n = _MIN_SHARE_OF_PEAK * (float(force_n.max()) - base_n)
-        level_n = max(
-            _NOISES * deviation_n,
-            least_n,
-            _COUNTS * (quantisation_step(force_n) or 0.0),
-        )
+        counts_n = _COUNTS * (quantisation_step(force_n) or 0.0)
+        level_n = max(_NOISES * deviation_n, least_n, counts_n)
     if not (force_n > base_n + level_n).any():
+        why = find_hum(recording) or f"is {base_n:.4g} N"
         raise DataError(
-            f"{recording.name}: force never passes {level_n:.3g} N above its {base_n:.4g} N "
-            "without contact: give a lower --contact-force"
+            f"{recording.name}: force never passes {level_n:.3g} N above that without contact, "
+            f"which {why}: give a lower --contact-force, or {_WITHOUT}"
         )
     starts_n = bases_n or [base_n] * len(ways)
     presses = [_passes(*way, its_n, level_n) for way, its_n in zip(ways, starts_n, strict=True)]
@@ -96,7 +96,8 @@ def find_contact(
     _require_air(recording, presses, base_n, level_n)
     met = _meets_first(presses)
     # Half a usual step; where the tool met the surface by steps that are longer, half of that one.
-    doubt_m = max(float(np.median(np.abs(np.diff(position_m)))), met.step_m) / 2
+    step_m = max(float(np.median(np.abs(np.diff(position_m)))), met.step_m)
+    doubt_m = max(step_m / 2, quantisation_step(position_m) or 0.0)
     surface_m = met.passes_m[0]
     if threshold_n is None:  # a threshold that was stated defines the surface: nothing to go back
         # A press too light for all levels, as the first of growing ones, does not show the law.
@@ -114,35 +115,59 @@ def _require_air(
     """Raise DataError if force is not level before the presses: the tool is on the object."""
     position_m, force_n = recording.position_m, recording.force_n
     low_m, travel_m = float(position_m.min()), float(np.ptp(position_m))
-    begins_m = [p.passes_m[0] for p in presses] + [
-        _meets_first(presses).before_m for _ in presses[:1]
-    ]
     slope_npm = _slope_npm(position_m, force_n, low_m + _LOW_SHARE * travel_m)
     if (
         not presses
         or slope_npm > _LEVEL * (float(force_n.max()) - base_n) / travel_m
         or _rise_midway(presses, level_n, sensor_noise_n(force_n)) > _RISES
-        or min(*begins_m, _meets_first(presses).before_m) - low_m < _MIN_FREE_SHARE * travel_m
+        or _meets_first(presses).before_m - low_m < 0.5 * _MIN_FREE_SHARE * travel_m
+        or min(press.passes_m[0] for press in presses) - low_m < _MIN_FREE_SHARE * travel_m
     ):
-        other = "position 0 means nothing, import with --zero first or min"
+        other = "--zero first or --zero min if position 0 means nothing"
         if base_n < 0.0:
-            other = "force was zeroed under load, with --tare=-PRELOAD_N, the force taken off"
-        raise DataError(
-            f"{recording.name}: never leaves the object (force is {base_n:.4g} N at its lowest "
-            "position), so the surface cannot be found: record from above the object, or, if "
-            f"{other}"
+            other = "--tare=-PRELOAD_N, the force taken off, if it was zeroed under load"
+        why = (
+            f"never leaves the object (force is {base_n:.4g} N at its lowest position), so the "
+            "surface cannot be found: record from above the object, or leave --contact-force and "
+            f"--tare out: pass {other}"
         )
+        if any(press.falls_back for press in presses):
+            why = (
+                "force rises and falls back before the object is met, as the mass of a tool makes "
+                "it: pass what moves beyond the load cell, --mass-kg KG, or press more slowly"
+            )
+        if hum := find_hum(recording):
+            why = f"force without contact {hum}: filter it out in the source, or {_WITHOUT}"
+        raise DataError(f"{recording.name}: {why}")
+
+
+def find_hum(recording: Recording) -> str:
+    """Words on force without contact that swings at one frequency; empty if it does not."""
+    position_m = recording.position_m
+    low = position_m <= position_m.min() + _LOW_SHARE * np.ptp(position_m)
+    begin, end = max(runs(low), key=lambda run: run[1] - run[0])
+    air_n = recording.force_n[begin:end] - recording.force_n[begin:end].mean()
+    power = np.abs(np.fft.rfft(air_n * np.hanning(len(air_n)))) ** 2
+    swings = _FEWEST_SWINGS + int(np.argmax(np.append(power[_FEWEST_SWINGS:-1], 0.0)))
+    hums = power[swings - 1 : swings + 2].sum() > _ONE_TONE * power.sum()
+    if len(power) <= 2 * _FEWEST_SWINGS or not hums:
+        return ""
+    hz = swings / (len(air_n) * recording.dt_s)
+    return f"swings by +-{np.sqrt(2.0) * air_n.std():.2g} N at {hz:.3g} Hz, as hum does"
 
 
 def _deviation_n(levels_n: list[Samples]) -> float:
     """Return the standard deviation of forces about the median of each level, N.
 
-    By the median deviation, which a few samples in contact do not raise; where most samples have
-    one value of a coarse sensor, by the RMS of the least three quarters.
+    By the median deviation, which a few samples in contact do not raise; by steps from sample to
+    sample where that is less by half, as most samples of a coarse sensor have one value.
     """
-    off_n = np.sort(np.abs(np.concatenate([each - np.median(each) for each in levels_n])))
-    quarters_n = off_n[: len(off_n) * 3 // 4]
-    return 1.4826 * float(np.median(off_n)) or _OF_QUARTERS * float(np.sqrt(np.mean(quarters_n**2)))
+    off_n = np.abs(np.concatenate([each - np.median(each) for each in levels_n]))
+    deviation_n, white_n = (
+        1.4826 * float(np.median(off_n)),
+        sensor_noise_n(np.concatenate(levels_n)),
+    )
+    return white_n if deviation_n < 0.5 * white_n else deviation_n
 
 
 def _meets_first(presses: list[_Press]) -> _Press:
@@ -206,7 +231,7 @@ def _passes(position_m: Samples, force_n: Samples, base_n: float, threshold_n: f
     """Positions at which a press passes each level for good, up to the first that it does not."""
     found: list[float] = []
     before_m = step_m = 0.0
-    rest_n, midway_n, samples = np.nan, np.nan, 0
+    rest_n, midway_n, samples, falls_back = np.nan, np.nan, 0, False
     for level_n in base_n + threshold_n * np.array([1.0, _HIGHER, _HIGHER**2]):
         above = force_n > level_n
         stays = above[:-2] & above[1:-1] & above[2:]  # a crossing by noise does not
@@ -218,8 +243,10 @@ def _passes(position_m: Samples, force_n: Samples, base_n: float, threshold_n: f
         if not found:
             before_m, step_m = min(low_m, high_m), abs(high_m - low_m)
             rest_n, midway_n, samples = _on_the_way(position_m[: at + 1], force_n[: at + 1])
+            below = force_n[at:] < base_n + threshold_n / _HIGHER
+            falls_back = bool((below[:-2] & below[1:-1] & below[2:]).any())
         found.append(low_m + float(share) * (high_m - low_m))
-    return _Press(base_n, found, before_m, step_m, rest_n, midway_n, samples)
+    return _Press(base_n, found, before_m, step_m, rest_n, midway_n, samples, falls_back)
 
 
 def _on_the_way(position_m: Samples, force_n: Samples) -> tuple[float, float, int]:

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from support.files.recording_files import PressedObject, motion
 from support.small import press
 
 from springpot.codegen.model.model import Model
@@ -143,3 +144,15 @@ def test_intervals_hold_what_is_found_without_noise(is_zener: bool) -> None:
             inside.append(abs(found - exact[name]) <= half)
     assert np.mean(inside) >= 0.9
     assert 0.0 < model.provenance["residual_percent"] < 10.0
+
+
+def test_a_law_that_is_not_the_objects_has_no_intervals() -> None:
+    """Two Maxwell branches are no fractional solid."""
+    solid, noise = PressedObject(5e-3, 8.0, power=1.0), np.random.default_rng(1)
+    presses = []
+    for seconds in (4.0, 8.0, 16.0):
+        x = motion("cycles", 5e-3, 200.0, seconds)
+        force_n = solid.force(x, 5e-3) + noise.normal(0.0, 0.01, len(x))
+        presses.append(Recording(f"{seconds:g}", x, force_n, 5e-3))
+    law = fit_model("springpot", "x", presses, FitOptions()).metadata["material"]
+    assert {width for _, width in law.values()} == {None}

@@ -154,3 +154,15 @@ def test_rows_that_a_logger_wrote_twice_count_once() -> None:
     table["force_n"] = table["force_n"] + np.where(np.arange(len(rows)) == 41, 1.0, 0.0)
     with pytest.raises(DataError, match="time stands still"):
         Recording.from_frame(table)
+
+
+def test_a_load_that_all_recordings_share_is_refused_unless_stated() -> None:
+    loaded = presses(lambda x, f, _: (x, f + 3.0))
+    with pytest.raises(DataError, match=r"N without contact: .*tare='auto'"):
+        springpot.train(loaded, "hammerstein")
+    assert error([condition(each, Conditioning(tare=3.0))[0] for each in loaded]) < 0.006
+    inside = presses(lambda x, f, _: (x[x > 1e-3] - 1e-3, f[x > 1e-3]))
+    with pytest.raises(DataError, match=r"no recording leaves the object: .*tare=LOAD_N"):
+        springpot.train(inside, "hammerstein")
+    stated = [condition(each, Conditioning(tare=0.0))[0] for each in inside]
+    assert springpot.train(stated, "hammerstein").model.contact == "always"

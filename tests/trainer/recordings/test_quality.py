@@ -1,17 +1,13 @@
 """The quality report: each fault is found, and not found where it is not."""
 
 import itertools
-import json
-import re
 from dataclasses import replace
 from math import gamma
 from pathlib import Path
-from subprocess import CompletedProcess
 
 import numpy as np
 import pytest
 from support.files.mach1 import mach1_recordings
-from support.in_process import spring
 from support.small import training
 
 import springpot
@@ -160,35 +156,3 @@ def test_stiffness_of_the_real_sinusoids(mach1_file: Path) -> None:
     assert stiffness[::4] == pytest.approx([912, 1035], abs=1)
     assert report.findings == []
     assert cycles[-1]["loss"]["angle_uncertainty_rad"] < 0.2
-
-
-def run_import(tmp_path: Path, text: str, *arguments: str) -> CompletedProcess[str]:
-    (tmp_path / "a.csv").write_text(text)
-    return spring("import", tmp_path / "a.csv", "--out", tmp_path / "out", *arguments)
-
-
-def rows(position: str, force: str, stroke: float, peak: float) -> str:
-    motion = 0.5 - 0.5 * np.cos(2 * np.pi * TIME_S)
-    table = zip(TIME_S, stroke * motion, peak * motion, strict=True)
-    lines = [f"{t:.3f},{x:.9g},{f:.9g}" for t, x, f in table]
-    return "\n".join([f"time_s,position_{position},force_{force}", *lines, ""])
-
-
-@pytest.mark.parametrize(
-    ("position", "stroke", "force", "peak"),
-    [("m", 10.0, "N", 8.0), ("mm", 1e6, "N", 8.0), ("mm", 1e-5, "N", 8.0), ("mm", 10.0, "kN", 40)],
-)
-def test_a_wrong_header_is_overridden_as_the_refusal_says(
-    position: str, stroke: float, force: str, peak: float, tmp_path: Path
-) -> None:
-    """Or taken as it is, with a warning."""
-    text = rows(position, force, stroke, peak)
-    refused = run_import(tmp_path, text)
-    assert refused.returncode == 3 and not (tmp_path / "out").exists()
-    other, itself = re.findall(r"--map (\w+=COL:[^\s,]+)", refused.stderr)
-    number = "2" if other.startswith("position") else "3"
-    kept = run_import(tmp_path, text, "--map", itself.replace("COL", number), "--json")
-    assert "unit" in [finding["kind"] for finding in json.loads(kept.stdout)["findings"]]
-    (tmp_path / "other").mkdir()
-    changed = run_import(tmp_path / "other", text, "--map", other.replace("COL", number))
-    assert changed.returncode == 0

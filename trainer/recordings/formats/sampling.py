@@ -24,6 +24,7 @@ _MISSING = 0.5  # of a step: three in a row that are longer by more lack a sampl
 _FILLED_STEPS, _FILLED_S = 5.0, 0.05  # a gap that may be interpolated: the longer of the two
 _RUN = 5  # steps: so many alike are a rate
 _MANY_STEPS = 30
+_DISORDER = 0.05  # of the rows: more that go back in time are no restarts
 _EVEN_STEPS, _TAIL_SHARE = 20, 0.05  # steps before an uneven end, and its share of all
 
 
@@ -81,7 +82,7 @@ def to_recording(raw: RawChannels, name: str, resample_hz: float | None) -> Reco
     without `resample_hz`, uneven steps before the file's end; too few rows; channels that are not
     arrays of one shape (n,). `details` says what was done.
     """
-    raw, repeats = _without_repeats(raw)
+    raw, repeats = _without_repeats(raw, resample_hz is not None)
     _require_samples(raw)
     details, steps_s = dict(raw.details), np.diff(raw.time_s)
     if repeats:
@@ -142,11 +143,14 @@ def sampling_notes(recording: Recording) -> list[str]:
     return notes
 
 
-def _without_repeats(raw: RawChannels) -> tuple[RawChannels, int]:
-    """The samples without rows that a logger wrote twice, time and all, and how many those are."""
+def _without_repeats(raw: RawChannels, fill: bool) -> tuple[RawChannels, int]:
+    """The samples without rows written twice, and how many; `fill`: nor without a number."""
     channels = (raw.time_s, raw.position_m, raw.force_n)
     if {np.shape(channel) for channel in channels} != {(len(raw.rows),)} or not len(raw.rows):
         return raw, 0
+    numbers = np.asarray(np.isfinite(channels).all(axis=0))
+    if fill and numbers.any() and not numbers.all():
+        return _without_repeats(raw.part(numbers), fill)
     new = np.append(True, np.any([np.diff(channel) != 0.0 for channel in channels], axis=0))
     return raw.part(new), int(np.count_nonzero(~new))
 
@@ -161,7 +165,8 @@ def _require_samples(raw: RawChannels) -> None:
     for channel, samples in channels.items():
         bad = np.flatnonzero(~np.isfinite(samples))
         if len(bad):
-            remedy = "cut those rows in the source; in the middle, import the parts"
+            hz = f"{1.0 / np.nanmedian(np.diff(raw.time_s)):.4g}" if channel != "time" else "RATE"
+            remedy = f"{raw.option('resample_hz', hz)} interpolates there, else import the parts"
             if len(bad) == len(samples):
                 remedy = "no row has a number there: choose another column"
             raise raw.refusal(bad, 0, f"{channel} is empty or not a finite number", remedy)
@@ -178,6 +183,8 @@ def _require_samples(raw: RawChannels) -> None:
             "correct the stamps in the source, cut it there or, if every row is one step, state "
             f"the rate in place of the column: {rate}"
         )
+        if np.count_nonzero(np.diff(raw.time_s) < 0.0) > _DISORDER * len(raw.time_s):
+            remedy = "sort the rows by time in the source"
         raise raw.refusal(bad, 1, f"time {what} {here_s:.9g} s", remedy)
 
 

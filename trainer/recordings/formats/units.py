@@ -6,6 +6,7 @@ import shlex
 import unicodedata
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Any, Literal, get_args
 
 from springpot.codegen.errors import DataError
@@ -104,6 +105,12 @@ def factor_to_si(text: str, quantity: Quantity, where: str) -> float:
     return factor * _FACTORS[quantity][symbol]
 
 
+def map_option(quantity: str, column: str, in_python: bool, unit: str) -> str:
+    """The option that states a column and its unit, as it is typed."""
+    stated = f"{quantity}={column}:{unit}"
+    return f"{quantity}={f'{column}:{unit}'!r}" if in_python else f"--map {shlex.quote(stated)}"
+
+
 def choose_unit(
     found: Mapping[str, str | None],
     quantity: Quantity,
@@ -117,10 +124,7 @@ def choose_unit(
     Raises DataError as `factor_to_si` does, and if the map contradicts a unit of the file.
     """
 
-    def option(unit: str) -> str:
-        stated = f"{quantity}={column}:{unit}"
-        return f"{quantity}={f'{column}:{unit}'!r}" if in_python else f"--map {shlex.quote(stated)}"
-
+    option = partial(map_option, quantity, column, in_python)
     origin, text = next(((o, t) for o, t in found.items() if t), ("", ""))
     if not text:
         raise DataError(

@@ -91,12 +91,14 @@ def _force_spikes(position_m: Samples, force_n: Samples) -> Indices:
     """Rows of spikes, ascending: one or two samples in a row.
 
     Not where the tool moves by a tenth of its travel meanwhile, which may be an impact, nor at an
-    end: a recording may begin while force relaxes.
+    end where force goes on: a recording may begin while it relaxes.
     """
     spikes, last = np.zeros(len(force_n), dtype=bool), len(force_n) - 1
     for run in _far_runs(force_n, _LONGEST_N, _SHARE_N):
-        if run[0] > 0 and run[-1] < last:
-            moved_m = float(np.ptp(position_m[run[0] - 1 : run[-1] + 2]))
+        beside_n = force_n[run[-1] + 1 :][:2] if run[0] == 0 else force_n[: run[0]][-2:]
+        goes_on = float(np.ptp(beside_n)) > _SHARE_N * float(np.ptp(force_n))
+        if (run[0] > 0 and run[-1] < last) or not goes_on:
+            moved_m = float(np.ptp(position_m[max(run[0] - 1, 0) : run[-1] + 2]))
             spikes[run] = moved_m <= _STILL * float(np.ptp(position_m))
     return np.flatnonzero(spikes)
 
@@ -164,7 +166,8 @@ def channel_findings(recording: Recording) -> Iterator[Finding]:
                 "wrap", recording.name,
                 f"{channel} jumps {len(wraps)} times by {scale * float(np.ptp(samples)):.3g} "
                 f"{unit} against its own motion, first at {wraps[0] * recording.dt_s:.3f} s",
-                "a counter or a converter wraps there", "unwrap it in the source (numpy.unwrap)",
+                "a counter or a converter wraps there, or samples are spikes",
+                "unwrap it in the source (numpy.unwrap), or cut them out",
             )  # fmt: skip
         if step := quantisation_step(samples):
             grains.append(step)

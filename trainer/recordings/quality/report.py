@@ -14,9 +14,10 @@ import numpy as np
 from springpot.codegen.errors import DataError
 from springpot.codegen.messages import counted
 from springpot.codegen.types import JsonObject
+from springpot.trainer.recordings.conditioning import find_air_drift
 from springpot.trainer.recordings.contact_point import ContactPoint, find_contact
 from springpot.trainer.recordings.quality.channels import channel_findings, hold_spikes
-from springpot.trainer.recordings.quality.finding import Finding, warning
+from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
 from springpot.trainer.recordings.quality.repeats import (
     Cycles,
     Skew,
@@ -30,9 +31,9 @@ from springpot.trainer.recordings.quality.signs import Signs, find_signs, sign_f
 from springpot.trainer.recordings.quality.units import glance, unit_findings
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import Recordings, given_recordings
-from springpot.trainer.recordings.signals import find_drift
 
 _SURFACE_OFF, _TARE = 0.05, 0.02  # of the travel; of the peak force
+_ONE_LOAD = 0.25  # of itself: tares that differ by less are one load
 _SURFACE_DOUBT = 0.1  # of the deepest press: force errs by 5 to 10 % of its peak
 
 Met = tuple[Recording, ContactPoint]
@@ -117,9 +118,11 @@ def check_recordings(given: Recordings) -> QualityReport:
         cycles.append(find_cycles(recording))
         found += channel_findings(recording)
         if not _refused(found):  # one cause, one line: a constant has no unit, a wrap turns signs
-            found += sign_findings(recording, signs[-1])
-            # A turned sign moves the contact, and a sensor that stands still seems to drift.
-            spoiled = _refused(found) or any(finding.kind == "stuck" for finding in found)
+            # A sensor that stands still seems to drift, and to give energy.
+            stuck = any(finding.kind == "stuck" for finding in found)
+            its = sign_findings(recording, signs[-1])
+            found += [each for each in its if not (stuck and each.kind == "energy")]
+            spoiled = _refused(found) or stuck  # a turned sign moves the contact
             whole += [] if spoiled else [recording]
             found += unit_findings(recording)
         findings += found
@@ -155,15 +158,16 @@ def contact_findings(recordings: Sequence[Recording]) -> Iterator[Finding]:
     """Yield findings where position 0 should be the surface and is not, of all together."""
     met: list[Met] = []
     for recording in recordings:
-        if drift := find_drift(recording):
+        if found := find_air_drift(recording):
+            drift = found[1]
             yield warning(
                 "drift", recording.name,
                 f"force without contact drifts by {60.0 * drift.slope_nps:.3g} +- "
                 f"{60.0 * drift.bound_nps:.2g} N/min", "the model would learn it as the object's",
                 "import with --tare auto",
             )  # fmt: skip
-        doubt_m = recording.details.get("contact_uncertainty_m", 0.0)
-        if doubt_m > _SURFACE_DOUBT * recording.position_m.max():
+        doubt_m = recording.details.get("contact_uncertainty_m")
+        if doubt_m and doubt_m > _SURFACE_DOUBT * recording.position_m.max():
             yield warning(
                 "contact", recording.name,
                 f"its surface is known to +- {1e3 * doubt_m:.2g} mm of "
@@ -176,12 +180,20 @@ def contact_findings(recordings: Sequence[Recording]) -> Iterator[Finding]:
             met.append((recording, find_contact(recording)))
     # An object that remembers its last press is met where that left it.
     yield from _surface_findings([item for item in met if not item[0].start_s])
-    for recording, contact in met:
-        if abs(contact.tare_n) > max(3 * contact.threshold_n, _TARE * recording.force_n.max()):
-            yield warning(
-                "tare", recording.name, f"{contact.tare_n:.3g} N without contact",
-                "the model would push or pull where nothing is touched", "import with --tare auto",
-            )  # fmt: skip
+    tares = [
+        (recording, contact.tare_n)
+        for recording, contact in met
+        if abs(contact.tare_n) > max(contact.threshold_n, _TARE * recording.force_n.max())
+    ]
+    tares_n = [tare_n for _, tare_n in tares]
+    shared = 0 < len(tares) == len(recordings) and np.ptp(tares_n) < _ONE_LOAD * abs(tares_n[0])
+    for recording, tare_n in tares:
+        make = refusal if shared and "tare_n" not in recording.details else warning
+        yield make(
+            "tare", recording.name, f"{tare_n:.3g} N without contact",
+            "the model would push or pull where nothing is touched",
+            "import with --tare auto, or with --tare 0 if the object pushes so there",
+        )  # fmt: skip
 
 
 def _surface_findings(met: Sequence[Met]) -> Iterator[Finding]:

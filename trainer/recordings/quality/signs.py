@@ -277,13 +277,13 @@ def _sign_finding(recording: Recording, signs: Signs) -> Finding | None:
         if gives or signs.correlation < _WRONG_SIGN:
             pulls = "the model would pull the hand in"
             return refusal("sign", name, f"force {falls}", pulls, remedy)
-        return warning("sign", name, f"force rather {falls}", "a mass and a late sensor do so",
-                       "remove the mass (--mass-kg) or the delay (--align)")  # fmt: skip
+        mend = "remove the mass, --mass-kg KG, or the delay, --force-delay-s SECONDS --align"
+        return warning("sign", name, f"force rather {falls}", "mass and a late sensor do so", mend)
     if gives:
         return refusal(
             "energy", name, f"{_loss(signs.lost)}, and no object gives any",
             "the model would drive the hand", "take the right columns (--map), or state how late "
-            "force is sampled (--force-delay-s with --align)",
+            "force is sampled, --force-delay-s SECONDS --align",
         )  # fmt: skip
     if signs.position_sign < 0 and signs.by_force:
         what = "both channels are negative where the object is pressed"

@@ -2,10 +2,11 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
-from springpot.trainer.recordings.formats.units import FRAME_NAME
+from springpot.trainer.recordings.formats.units import FRAME_NAME, map_option
 from springpot.trainer.recordings.quality.finding import Finding, refusal, three_digits, warning
 from springpot.trainer.recordings.recording import Recording
 
@@ -88,11 +89,15 @@ def unit_findings(recording: Recording) -> Iterator[Finding]:
             doubt, origin = f"the unit of {channels} looks wrong", stored.get(channels, {})
             make, to_do = warning, "check it against the rig, and state it on import (--map)"
             if not possible and origin.get("from", "device") not in ("map", "device"):
-                smaller = (value > high) != (channels == "time")  # a rate falls as its unit grows
-                form = "{}='COL:{}'" if origin["from"] == FRAME_NAME else "--map {}=COL:{}"
-                other = form.format(channels, f"{0.001 if smaller else 1000}{origin['unit']}")
-                right = form.format(channels, origin["unit"])
-                make, to_do = refusal, f"state it, {other} if the header is wrong, {right} if not"
+                column, in_python = origin.get("column", "COL"), origin["from"] == FRAME_NAME
+                option, unit = partial(map_option, channels, column, in_python), origin["unit"]
+                make, to_do = (
+                    refusal,
+                    (
+                        f"state it, {option(unit)} if the header is right, else "
+                        f"{option('FACTOR' + unit)}, such as 0.001"
+                    ),
+                )
             yield make("unit", recording.name, f"{value:.4g} {what}", doubt, to_do)
 
 
