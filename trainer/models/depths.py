@@ -47,13 +47,13 @@ def contact_of(recordings: Sequence[Recording]) -> tuple[Contact, str]:
     rest_n = rest_force_n(recordings)
     if abs(rest_n) < _REST_SHARE * peak_n or peak_n <= 0.0 or any(map(_shows_contact, recordings)):
         return "surface", ""
-    if not all("tare_n" in recording.details for recording in recordings):
-        raise DataError(
-            f"force is {rest_n:.3g} N at the lowest positions, and no recording leaves the object: "
-            "import with --tare=LOAD_N, that of a load or an offset of the sensor, or with --tare "
-            "0 if the object pushes so there"
-        )
-    return "always", ""
+    if all("tare_n" in recording.details for recording in recordings):
+        return "always", ""
+    return "always", (
+        f"force is {rest_n:.3g} N at the lowest positions, and no recording leaves the object: the "
+        "model pushes there too, and has no surface; import with --tare=LOAD_N, that of a load or "
+        "an offset of the sensor, or with --tare 0 if the object pushes so there"
+    )
 
 
 def pulls(recordings: Sequence[Recording]) -> bool:

@@ -162,7 +162,7 @@ def test_a_load_that_all_recordings_share_is_refused_unless_stated() -> None:
         springpot.train(loaded, "hammerstein")
     assert error([condition(each, Conditioning(tare=3.0))[0] for each in loaded]) < 0.006
     inside = presses(lambda x, f, _: (x[x > 1e-3] - 1e-3, f[x > 1e-3]))
-    with pytest.raises(DataError, match=r"no recording leaves the object: .*tare=LOAD_N"):
+    with pytest.warns(UserWarning, match=r"no recording leaves the object: .*tare=LOAD_N"):
         springpot.train(inside, "hammerstein")
     stated = [condition(each, Conditioning(tare=0.0))[0] for each in inside]
     assert springpot.train(stated, "hammerstein").model.contact == "always"

@@ -143,8 +143,7 @@ def test_signs_that_are_accepted_are_taken_kept_and_said(
     (recording,) = read_recordings([tmp_path / "r"])
     assert recording.signs_accepted
     assert [f.kind for f in check_recordings([recording]).findings if "--accept" in f.line]
-    stated = {**recording.details, "tare_n": 0.0}
-    turned = replace(recording, force_n=recording.force_n - recording.force_n.min(), details=stated)
+    turned = replace(recording, force_n=recording.force_n - recording.force_n.min())
     fit = fit_model("rf-fd", "x", [turned], FitOptions(trees=2, fraction=0.1))
     assert fit.model.provenance["accepted_signs"] == ["press"]
     manifest = {"provenance": fit.model.provenance, "left_out": []}

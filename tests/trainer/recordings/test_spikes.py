@@ -21,8 +21,7 @@ ROWS = np.arange(5, 2995)
 
 def preloaded(hz: float) -> Recording:
     position_m = 0.006 + press(hz, 0.004, 3)
-    stated = {"tare_n": 0.0}  # it is the object's
-    return Recording(f"{hz}", position_m, 1.0 + soft_force(position_m), DT_S, details=stated)
+    return Recording(f"{hz}", position_m, 1.0 + soft_force(position_m), DT_S)
 
 
 def spoiled(item: Recording, rows: list[int], to_m: float) -> Recording:

@@ -33,7 +33,7 @@ from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import Recordings, given_recordings
 
 _SURFACE_OFF, _TARE = 0.05, 0.02  # of the travel; of the peak force
-_ONE_LOAD = 0.25  # of itself: tares that differ by less are one load
+_LOAD, _ONE_LOAD = 0.1, 0.25  # of the peak force; of itself: tares that differ by less are one
 _SURFACE_DOUBT = 0.1  # of the deepest press: force errs by 5 to 10 % of its peak
 
 Met = tuple[Recording, ContactPoint]
@@ -185,8 +185,8 @@ def contact_findings(recordings: Sequence[Recording]) -> Iterator[Finding]:
         for recording, contact in met
         if abs(contact.tare_n) > max(contact.threshold_n, _TARE * recording.force_n.max())
     ]
-    tares_n = [tare_n for _, tare_n in tares]
-    shared = 0 < len(tares) == len(recordings) and np.ptp(tares_n) < _ONE_LOAD * abs(tares_n[0])
+    loads_n = [tare_n for each, tare_n in tares if abs(tare_n) > _LOAD * each.force_n.max()]
+    shared = 0 < len(loads_n) == len(recordings) and np.ptp(loads_n) < _ONE_LOAD * abs(loads_n[0])
     for recording, tare_n in tares:
         make = refusal if shared and "tare_n" not in recording.details else warning
         yield make(
