@@ -44,8 +44,8 @@ def ensemble_ir(regressor: Any) -> Forest:
     kind = type(regressor).__name__
     if kind not in _MADE_OF:
         raise UsageError(
-            f"{kind}: neither a sum of trees nor linear in its features, as C without exp or pow "
-            "needs: give trees of scikit-learn, LightGBM or XGBoost, or a linear regressor"
+            f"{kind}: the force is no sum of trees or weighted features, and the C has no exp or "
+            "pow: fit trees (scikit-learn, LightGBM, XGBoost) or a linear regressor"
         )
     return _MADE_OF[kind](regressor)
 
