@@ -84,7 +84,8 @@ def from_ensemble(
     rows = data.even_rows(_CHECKED_ROWS)
     scale = _scale(data)
     values = _scaled(data, features, rows)
-    require_fitted(regressor := getattr(regressor, "best_estimator_", regressor))
+    regressor = getattr(regressor, "best_estimator_", regressor)  # of a search
+    require_fitted(regressor)
     if regressor.n_features_in_ != values.shape[1]:
         raise UsageError(
             f"{type(regressor).__name__} was fitted on {regressor.n_features_in_} features, these "
@@ -99,7 +100,7 @@ def from_ensemble(
     if np.percentile(differs, 99) > _AGREES * np.abs(predicted_n).max():
         raise UsageError(
             f"{type(regressor).__name__} is no weighted sum of its trees: fit it with a squared or "
-            "absolute error, and without dart, linear_tree or an init of its own"
+            "absolute error, without dart, early stopping, linear_tree or an init of its own"
         )
     require_same_data(regressor, predicted_n[::2], values[::2], force_n[::2])
     options = FitOptions(smooth_s=smooth_s)

@@ -61,10 +61,10 @@ def _bagging(regressor: Any) -> Forest:
     kinds = {type(estimator).__name__ for estimator in regressor.estimators_}
     if not kinds <= {"DecisionTreeRegressor", "ExtraTreeRegressor"}:
         raise UsageError(f"BaggingRegressor of {', '.join(sorted(kinds))}: give one of trees")
-    pairs = zip(_trees(regressor.estimators_), regressor.estimators_features_, strict=True)
-    trees = [
-        (np.where(feature < 0, -1, seen[feature]), *others) for (feature, *others), seen in pairs
-    ]
+    trees = []
+    of_each = zip(_trees(regressor.estimators_), regressor.estimators_features_, strict=True)
+    for (feature, *others), seen in of_each:
+        trees.append((np.where(feature < 0, -1, seen[np.maximum(feature, 0)]), *others))
     return _sum_of(trees, 1.0 / len(trees))
 
 

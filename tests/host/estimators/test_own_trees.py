@@ -45,7 +45,7 @@ ADDED = [
     tree.ExtraTreeRegressor(min_samples_leaf=20, random_state=0),
     GRADIENT(n_estimators=40, random_state=0),
     GRADIENT(n_estimators=40, init="zero", loss="huber", random_state=0),
-    BAGGED(n_estimators=5, max_features=0.5, random_state=0),
+    BAGGED(n_estimators=5, max_features=0.1, random_state=0),
     BAGGED(tree.ExtraTreeRegressor(min_samples_leaf=5), n_estimators=5, random_state=0),
     make_pipeline(StandardScaler(), FOREST(5, min_samples_leaf=20, random_state=0)),
     make_pipeline(MinMaxScaler(), "passthrough", BOOSTED(max_iter=30, random_state=0)),
