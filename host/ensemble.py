@@ -30,7 +30,7 @@ KIND = "ensemble"
 GivenFeatures = Features | Sequence[float] | None
 _AGREES = 1e-4  # of the peak force: float32 leaves a tree now and then on the other side
 _CHECKED_ROWS = 10_000
-# Of 1 - R2 of the same regressor on right features.
+# Of 1 - R2 of the same regressor on right features, or of the mean force.
 _TIMES, _MORE = 2.0, 0.005
 
 
@@ -127,7 +127,7 @@ def require_same_data(
     tested = ~fitted
     r2 = r2_score(force_n[tested], predicted_n[tested])
     r2_of_like = r2_score(force_n[tested], like.predict(values[tested]))
-    if 1.0 - r2 > _TIMES * (1.0 - r2_of_like) + _MORE:
+    if 1.0 - r2 > _TIMES * min(1.0 - r2_of_like, 1.0) + _MORE:
         raise UsageError(
             f"the regressor has an R2 of {r2:.3f} on these recordings, and {r2_of_like:.3f} if it "
             "is fitted on their ensemble_data: it has seen other features (scaled, in another "
