@@ -1,5 +1,6 @@
-"""Tree ensembles of one's own on springpot's features, as models that can be emitted."""
+"""Regressors of one's own on springpot's features, as models that can be emitted."""
 
+import sys
 from collections.abc import Sequence
 from typing import Any
 
@@ -12,7 +13,7 @@ from springpot import Model
 from springpot.codegen.arrays import Samples, given_numbers
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.features import Features
-from springpot.trainer.models.ensembles import ensemble_ir
+from springpot.trainer.models.ensembles import ensemble_ir, linear_ir, require_fitted
 from springpot.trainer.models.fit import FitOptions, assemble
 from springpot.trainer.models.passive.passive_fit import fit_passive
 from springpot.trainer.models.predict import regressor_force
@@ -28,8 +29,8 @@ from springpot.trainer.recordings.recording_file import Recordings, given_record
 KIND = "ensemble"
 GivenFeatures = Features | Sequence[float] | None
 _AGREES = 1e-4  # of the peak force: float32 leaves a tree now and then on the other side
-_CHECKED_ROWS = 5000
-# Of 1 - R2 of the same regressor on right features.
+_CHECKED_ROWS = 10_000
+# Of 1 - R2 of the same regressor on right features, or of the mean force.
 _TIMES, _MORE = 2.0, 0.005
 
 
@@ -67,7 +68,7 @@ def from_ensemble(
     name: str = KIND,
     smooth_s: float | None = FitOptions.smooth_s,
 ) -> Model:
-    """Model of a sum of trees that scikit-learn fitted, scaled columns in front or not.
+    """Model of a sum of trees, scaled columns in front or not, or of what is linear in features.
 
     It was fitted on `ensemble_data` of the same recordings, features and smooth_s, which is checked
     by its R2. The passive model for what lies outside the trained depth is fitted here.
@@ -82,8 +83,9 @@ def from_ensemble(
     features = _features(features, data.dt_s)
     rows = data.even_rows(_CHECKED_ROWS)
     scale = _scale(data)
-    forest = ensemble_ir(regressor).on_scaled(scale)  # a power of two: exact
     values = _scaled(data, features, rows)
+    regressor = getattr(regressor, "best_estimator_", regressor)  # of a search
+    require_fitted(regressor)
     if regressor.n_features_in_ != values.shape[1]:
         raise UsageError(
             f"{type(regressor).__name__} was fitted on {regressor.n_features_in_} features, these "
@@ -93,17 +95,18 @@ def from_ensemble(
     force_n = data.force_n(rows)
     if predicted_n.ndim != 1:
         raise UsageError(f"the regressor has {predicted_n.shape[1]} outputs: fit it on one force")
-    differs = np.abs(regressor_force(forest, values / scale) - predicted_n)
+    found = linear_ir(regressor, values, predicted_n) or ensemble_ir(regressor)
+    differs = np.abs(regressor_force(found, values) - predicted_n)
     if np.percentile(differs, 99) > _AGREES * np.abs(predicted_n).max():
         raise UsageError(
-            f"{type(regressor).__name__} is no weighted sum of its trees (loss "
-            f"{getattr(regressor, 'loss', 'unknown')!r}): fit it with a squared or absolute error"
+            f"{type(regressor).__name__} is no weighted sum of its trees: fit it with a squared or "
+            "absolute error, without dart, early stopping, linear_tree or an init of its own"
         )
-    require_same_data(regressor, predicted_n, values, force_n)
+    require_same_data(regressor, predicted_n[::2], values[::2], force_n[::2])
     options = FitOptions(smooth_s=smooth_s)
     passive, _, _ = fit_passive(data, options)
-    metadata = {"n_nodes": len(forest.feature), "regressor": type(regressor).__name__}
-    parts = (features, forest)
+    metadata = {"regressor": type(regressor).__name__}
+    parts = (features, found.on_scaled(scale))  # a power of two: exact
     return assemble(KIND, name, data, options, data.rows_total, parts, passive, False, metadata)
 
 
@@ -124,7 +127,7 @@ def require_same_data(
     tested = ~fitted
     r2 = r2_score(force_n[tested], predicted_n[tested])
     r2_of_like = r2_score(force_n[tested], like.predict(values[tested]))
-    if 1.0 - r2 > _TIMES * (1.0 - r2_of_like) + _MORE:
+    if 1.0 - r2 > _TIMES * min(1.0 - r2_of_like, 1.0) + _MORE:
         raise UsageError(
             f"the regressor has an R2 of {r2:.3f} on these recordings, and {r2_of_like:.3f} if it "
             "is fitted on their ensemble_data: it has seen other features (scaled, in another "
@@ -133,13 +136,13 @@ def require_same_data(
 
 
 def _rows_of(regressor: Any) -> int:
-    """Rows that a regressor's first tree was fitted on, such as a fraction of all."""
+    """Rows that a regressor's first tree was fitted on, such as a fraction of all; else many."""
     if hasattr(regressor, "steps"):
         return _rows_of(regressor.steps[-1][1])
     if hasattr(regressor, "_predictors"):
         return int(regressor._predictors[0][0].nodes["count"][0])
     first = np.ravel(getattr(regressor, "estimators_", [regressor]))[0]
-    return int(first.tree_.weighted_n_node_samples[0])
+    return int(first.tree_.weighted_n_node_samples[0]) if hasattr(first, "tree_") else sys.maxsize
 
 
 def _features(given: GivenFeatures, dt_s: float) -> Features:

@@ -28,7 +28,7 @@ from springpot.codegen.model.features import (
 )
 from springpot.codegen.model.model import Model, TrainedRange
 from springpot.codegen.model.passive import Damage, Flow, Hammerstein, Memory, Places
-from springpot.codegen.model.regressors import Forest, Quantisation, Rbf
+from springpot.codegen.model.regressors import Forest, Linear, Quantisation, Rbf
 
 MODEL_SCHEMA = 5
 MODEL_MAGIC = b"springpot-model"
@@ -40,7 +40,7 @@ _PARTS: dict[str, type] = {
     part.__name__: part
     for part in (
         Model, TrainedRange, Hammerstein, Flow, Damage, Memory, Places, FirBank, FastFirBank,
-        RecursiveBank, Lags, PositionVelocity, Forest, Quantisation, Rbf,
+        RecursiveBank, Lags, PositionVelocity, Forest, Quantisation, Rbf, Linear,
     )
 }  # fmt: skip
 

@@ -140,6 +140,26 @@ class Rbf(Regressor):
         )
 
 
+@dataclass(frozen=True, eq=False)
+class Linear(Regressor):
+    """force = intercept_n + weights_n @ features; weights_n (features,), N per feature's unit."""
+
+    intercept_n: float
+    weights_n: Samples
+    __repr__ = short_repr
+
+    def require_valid(self, n_features: int) -> None:
+        require(bool(np.isfinite(self.intercept_n)), f"intercept_n: is {self.intercept_n}")
+        require_shape("weights_n", self.weights_n, (n_features,))
+
+    def on_scaled(self, scale: float) -> "Linear":
+        return replace(self, weights_n=self.weights_n * scale)
+
+    def used_columns(self, n_features: int) -> Indices:
+        used = np.flatnonzero(self.weights_n)
+        return used if len(used) else np.zeros(1, dtype=np.intp)
+
+
 def require_trees(forest: Forest, n_features: int) -> None:
     """Raise DataError, with the field's name, where traversing the forest could go astray."""
     n = len(forest.feature)

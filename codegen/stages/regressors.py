@@ -1,4 +1,4 @@
-"""Stages of regressors: forests (sp_forest.h, or nested ifs by m2cgen), radial basis functions."""
+"""Stages of regressors: forests (sp_forest.h, or nested ifs by m2cgen), radial bases, lines."""
 
 import sys
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ from springpot.codegen.model.forest import (
     quantised_leaves,
     rounded,
 )
-from springpot.codegen.model.regressors import Forest, Rbf
+from springpot.codegen.model.regressors import Forest, Linear, Rbf
 from springpot.codegen.scene import Runtime
 from springpot.codegen.stages.compact_forest import LEVELS, CompactForest, compact_forest
 from springpot.codegen.stages.stage import (
@@ -29,7 +29,7 @@ from springpot.codegen.stages.stage import (
     regressor_stage,
     stage_code,
 )
-from springpot.codegen.types import JsonObject, RealType
+from springpot.codegen.types import JsonObject, RealType, Scalar
 
 if TYPE_CHECKING:
     from m2cgen.ast import Expr
@@ -291,3 +291,36 @@ def rbf_stage(rbf: Rbf, kept: Columns, runtime: Runtime, dtype: RealType) -> Rbf
         weights_n=weights,
         tail_n=rbf.tail_n.astype(dtype),
     )
+
+
+@dataclass(frozen=True, eq=False)
+class LinearStage(RegressorStage):
+    """A sum of the weighted features, one after another. weights_n: (features,)."""
+
+    intercept_n: Scalar
+    weights_n: Reals
+
+    headers = ("sp_number.h",)
+    code = stage_code("linear")
+
+    def tables(self) -> list[str]:
+        return [
+            f"enum {{\n    N_FEATURES = {len(self.weights_n)}\n}};",
+            constant_text("linear_intercept_n", self.intercept_n),
+            array_text("linear_weights_n", "sp_real", self.weights_n),
+        ]
+
+    def instructions(self, costs: Costs) -> float:
+        return len(self.weights_n) * costs.direct + 30.0
+
+    def reference(self, features: Reals) -> Reals:
+        force_n: Reals = np.full(len(features), self.intercept_n)
+        for weight_n, feature in zip(self.weights_n, features.T, strict=True):
+            force_n += weight_n * feature
+        return force_n
+
+
+@regressor_stage.register
+def linear_stage(linear: Linear, kept: Columns, runtime: Runtime, dtype: RealType) -> LinearStage:
+    """Weights of the columns that the regressor uses."""
+    return LinearStage(dtype(linear.intercept_n), linear.weights_n[kept].astype(dtype))

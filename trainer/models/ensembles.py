@@ -1,47 +1,59 @@
-"""Node tables of tree ensembles that scikit-learn fitted: sums of trees, exact."""
+"""Regressors that were fitted elsewhere: sums of trees as node tables, and what is linear."""
 
-from collections.abc import Sequence
+import json
+from collections.abc import Iterable
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
-from sklearn.dummy import DummyRegressor
+from numpy.typing import NDArray
 from sklearn.exceptions import NotFittedError
 from sklearn.utils.validation import check_is_fitted
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import UsageError
-from springpot.codegen.model.regressors import Forest
+from springpot.codegen.model.regressors import Forest, Linear
+from springpot.codegen.types import JsonObject
 
-_SEARCHES = ("GridSearchCV", "RandomizedSearchCV", "HalvingGridSearchCV")
+_SAME_LINE = 1e-6  # of the peak force
+# Of each node: feature, below 0 of a leaf; threshold; rows of its children; force of a leaf, N.
+_Tree = tuple[NDArray[Any], ...]
+
+
+def require_fitted(regressor: Any) -> None:
+    """Raise UsageError for what is no fitted regressor."""
+    try:
+        check_is_fitted(regressor)
+    except (NotFittedError, TypeError):
+        kind = regressor if isinstance(regressor, type) else type(regressor)
+        raise UsageError(f"{kind.__name__}: give a regressor fitted on ensemble_data") from None
+
+
+def linear_ir(regressor: Any, values: Samples, predicted_n: Samples) -> Linear | None:
+    """Of a regressor whose predictions are linear in features (n, features); None of others."""
+    n_features = values.shape[1]
+    tried = np.concatenate([np.zeros((1, n_features)), np.eye(n_features)])
+    along_n = np.asarray(regressor.predict(tried), dtype=np.float64)
+    linear = Linear(float(along_n[0]), along_n[1:] - along_n[0])
+    differs = np.abs(linear.intercept_n + values @ linear.weights_n - predicted_n)
+    return linear if differs.max() <= _SAME_LINE * np.abs(predicted_n).max() else None
 
 
 def ensemble_ir(regressor: Any) -> Forest:
-    """Node table of an ensemble that was fitted elsewhere. Raises UsageError for other kinds."""
-    kind = regressor.__name__ if isinstance(regressor, type) else type(regressor).__name__
+    """Node table of a fitted ensemble. Raises UsageError for other kinds."""
+    kind = type(regressor).__name__
     if kind not in _MADE_OF:
-        instead = ", here its best_estimator_" if kind in _SEARCHES else ""
         raise UsageError(
-            f"{kind}: is no sum of trees: give a fitted {', '.join(sorted(_MADE_OF)[:-1])} or "
-            f"{max(_MADE_OF)}{instead}"
+            f"{kind}: the force is no sum of trees or weighted features, and the C has no exp or "
+            "pow: fit trees (scikit-learn, LightGBM, XGBoost) or a linear regressor"
         )
-    try:
-        if isinstance(regressor, type):
-            raise NotFittedError
-        check_is_fitted(regressor)
-    except NotFittedError:
-        raise UsageError(f"{kind}: is not fitted: fit it on ensemble_data first") from None
     return _MADE_OF[kind](regressor)
 
 
 def forest_ir(regressor: Any) -> Forest:
-    """Of a fitted RandomForestRegressor or ExtraTreesRegressor: a mean of trees."""
-    trees = [estimator.tree_ for estimator in regressor.estimators_]
-    return _sum_of(trees, 1.0 / len(trees), 0.0)
-
-
-def _tree(regressor: Any) -> Forest:
-    return _sum_of([regressor.tree_], 1.0, 0.0)
+    """Of a fitted RandomForestRegressor or ExtraTreesRegressor, or of one tree: the mean."""
+    trees = _trees(getattr(regressor, "estimators_", [regressor]))
+    return _sum_of(trees, 1.0 / len(trees))
 
 
 def _bagging(regressor: Any) -> Forest:
@@ -49,43 +61,66 @@ def _bagging(regressor: Any) -> Forest:
     kinds = {type(estimator).__name__ for estimator in regressor.estimators_}
     if not kinds <= {"DecisionTreeRegressor", "ExtraTreeRegressor"}:
         raise UsageError(f"BaggingRegressor of {', '.join(sorted(kinds))}: give one of trees")
-    trees = [estimator.tree_ for estimator in regressor.estimators_]
-    return _sum_of(trees, 1.0 / len(trees), 0.0, regressor.estimators_features_)
+    trees = []
+    of_each = zip(_trees(regressor.estimators_), regressor.estimators_features_, strict=True)
+    for (feature, *others), seen in of_each:
+        trees.append((np.where(feature < 0, -1, seen[np.maximum(feature, 0)]), *others))
+    return _sum_of(trees, 1.0 / len(trees))
 
 
 def _gradient_boosting(regressor: Any) -> Forest:
-    """A constant and a sum of trees, each by the learning rate."""
-    init = regressor.init_
-    if not isinstance(init, DummyRegressor | str):
-        raise UsageError(
-            f"GradientBoostingRegressor begins with {type(init).__name__}: leave init out"
-        )
-    bias_n = 0.0 if isinstance(init, str) else float(init.constant_.item())
-    trees = [estimator.tree_ for estimator in regressor.estimators_[:, 0]]
-    return _sum_of(trees, float(regressor.learning_rate), bias_n)
+    """A constant, unless it begins at 0, and a sum of trees, each by the learning rate."""
+    bias_n = getattr(regressor.init_, "constant_", np.zeros(1)).item()
+    return _sum_of(_trees(regressor.estimators_[:, 0]), float(regressor.learning_rate), bias_n)
 
 
 def _hist_gradient_boosting(regressor: Any) -> Forest:
-    """The sum of its trees and its baseline.
+    """Its baseline and its trees, which decide on doubles as on features rounded to float32."""
+    trees: list[_Tree] = []
+    for nodes in (predictor[0].nodes for predictor in regressor._predictors):
+        feature = np.where(nodes["is_leaf"], -1, nodes["feature_idx"])
+        value_n = np.where(nodes["is_leaf"], nodes["value"], 0.0)
+        trees.append((feature, nodes["num_threshold"], nodes["left"], nodes["right"], value_n))
+    return _sum_of(trees, 1.0, regressor._baseline_prediction.item())
 
-    Its trees compare doubles; on features rounded to float32 the decisions are the same.
-    """
-    trees = [predictor[0].nodes for predictor in regressor._predictors]
-    nodes = np.concatenate(trees)
-    if np.any(nodes["is_categorical"]):
-        raise UsageError("boosted trees with categorical splits: positions are numbers")
-    sizes = np.array([len(tree) for tree in trees])
-    leaf = nodes["is_leaf"].astype(bool)
-    return Forest(
-        feature=np.where(leaf, -1, nodes["feature_idx"]).astype(np.int32),
-        threshold=np.where(leaf, 0.0, nodes["num_threshold"]),
-        left=_children([tree["left"] for tree in trees], sizes, leaf),
-        right=_children([tree["right"] for tree in trees], sizes, leaf),
-        value_n=np.where(leaf, nodes["value"], 0.0).astype(np.float64),
-        roots=_roots(sizes),
-        weight=1.0,
-        bias_n=float(regressor._baseline_prediction.item()),
-    )
+
+def _lightgbm(regressor: Any) -> Forest:
+    """A sum of trees, or the mean of a forest's."""
+    found = regressor.booster_.dump_model()
+    trees = [_nested(tree["tree_structure"]) for tree in found["tree_info"]]
+    if found["average_output"]:
+        return _sum_of(trees, 1.0 / len(trees))
+    # The first tree's leaves hold the mean force too, which would widen the steps of all leaves.
+    *first, value_n = trees[0]
+    trees[0] = (*first, value_n - value_n[-1])
+    return _sum_of(trees, 1.0, float(value_n[-1]))
+
+
+def _xgboost(regressor: Any) -> Forest:
+    """The sum of its trees and its base score."""
+    dump = regressor.get_booster().get_dump(dump_format="json")
+    return _sum_of([_nested(json.loads(tree)) for tree in dump], 1.0, regressor.intercept_.item())
+
+
+def _nested(tree: JsonObject) -> _Tree:
+    """Of the JSON of LightGBM, or of XGBoost, which goes left below a threshold, not at it."""
+    rows: list[tuple[Any, ...]] = []
+
+    def add(node: JsonObject) -> int:
+        row = len(rows)
+        rows.append((-1, 0.0, 0, 0, node.get("leaf", node.get("leaf_value", 0.0))))
+        if "split" in node:
+            below = np.nextafter(np.float32(node["split_condition"]), np.float32(-np.inf))
+            rows[row] = (int(node["split"][1:]), below, *map(add, node["children"]), 0.0)
+        elif "split_feature" in node:
+            if node["decision_type"] != "<=" or node["missing_type"] == "Zero":
+                raise UsageError("LGBMRegressor has categories, or 0 is missing: fit it without")
+            children = add(node["left_child"]), add(node["right_child"])
+            rows[row] = (node["split_feature"], node["threshold"], *children, 0.0)
+        return row
+
+    add(tree)
+    return tuple(np.array(rows).T)
 
 
 def _pipeline(pipeline: Any) -> Forest:
@@ -120,47 +155,41 @@ def _affine(name: str, step: Any) -> tuple[Samples, Samples]:
     return zero, np.diag(gain)
 
 
-def _sum_of(
-    trees: Sequence[Any], weight: float, bias_n: float, columns: Sequence[Any] | None = None
-) -> Forest:
-    """Trees of scikit-learn in one table; columns: of the features that each tree sees."""
-    sizes = np.array([tree.node_count for tree in trees])
-    found = [tree.feature for tree in trees]
-    if columns is not None:
-        pairs = zip(found, columns, strict=True)
-        found = [np.where(its < 0, -1, np.asarray(seen)[np.maximum(its, 0)]) for its, seen in pairs]
-    feature = np.concatenate(found).astype(np.int32)
-    leaf = feature < 0
+def _trees(estimators: Iterable[Any]) -> list[_Tree]:
+    """Tables of scikit-learn's fitted trees."""
+    return [
+        (each.feature, each.threshold, each.children_left, each.children_right, each.value[:, 0, 0])
+        for each in (estimator.tree_ for estimator in estimators)
+    ]
+
+
+def _sum_of(trees: list[_Tree], weight: float, bias_n: float = 0.0) -> Forest:
+    sizes = [len(feature) for feature, *_ in trees]
+    roots = np.cumsum([0, *sizes[:-1]])
+    feature, threshold, left, right, value_n = map(np.concatenate, zip(*trees, strict=True))
+    leaf, first = feature < 0, np.repeat(roots, sizes)
     return Forest(
         feature=np.where(leaf, -1, feature).astype(np.int32),
-        threshold=np.where(leaf, 0.0, np.concatenate([tree.threshold for tree in trees])),
-        left=_children([tree.children_left for tree in trees], sizes, leaf),
-        right=_children([tree.children_right for tree in trees], sizes, leaf),
-        value_n=np.concatenate([tree.value[:, 0, 0] for tree in trees]),
-        roots=_roots(sizes),
+        threshold=np.where(leaf, 0.0, threshold),
+        left=np.where(leaf, 0, left + first).astype(np.int32),
+        right=np.where(leaf, 0, right + first).astype(np.int32),
+        value_n=value_n,
+        roots=roots.astype(np.int32),
         weight=weight,
         bias_n=bias_n,
     )
 
 
-def _roots(sizes: np.ndarray[Any, Any]) -> np.ndarray[Any, np.dtype[np.int32]]:
-    return np.concatenate([[0], np.cumsum(sizes)[:-1]]).astype(np.int32)
-
-
-def _children(
-    children: list[np.ndarray[Any, Any]], sizes: np.ndarray[Any, Any], leaf: np.ndarray[Any, Any]
-) -> np.ndarray[Any, np.dtype[np.int32]]:
-    rows = np.concatenate(children).astype(np.int64) + np.repeat(_roots(sizes), sizes)
-    return np.where(leaf, 0, rows).astype(np.int32)
-
-
 _MADE_OF = {
     "RandomForestRegressor": forest_ir,
     "ExtraTreesRegressor": forest_ir,
-    "DecisionTreeRegressor": _tree,
-    "ExtraTreeRegressor": _tree,
+    "DecisionTreeRegressor": forest_ir,
+    "ExtraTreeRegressor": forest_ir,
     "BaggingRegressor": _bagging,
     "GradientBoostingRegressor": _gradient_boosting,
     "HistGradientBoostingRegressor": _hist_gradient_boosting,
+    "LGBMRegressor": _lightgbm,
+    "XGBRegressor": _xgboost,
+    "XGBRFRegressor": _xgboost,
     "Pipeline": _pipeline,
 }

@@ -13,7 +13,7 @@ from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.errors import DataError
 from springpot.codegen.model.forest import forest_force, quantised_leaves, rounded
 from springpot.codegen.model.model import Model
-from springpot.codegen.model.regressors import Forest, Rbf, Regressor
+from springpot.codegen.model.regressors import Forest, Linear, Rbf, Regressor
 from springpot.trainer.features import feature_values
 from springpot.trainer.models.depths import depth_m, motions
 from springpot.trainer.models.passive.passive_force import model_along
@@ -74,6 +74,11 @@ def _rbf_force(rbf: Rbf, values: Samples) -> Samples:
     system = kernel(scaling(values), rbf.centers)
     force_n: Samples = system @ np.concatenate([rbf.weights_n, rbf.tail_n])
     return force_n
+
+
+@regressor_force.register
+def _linear_force(linear: Linear, values: Samples) -> Samples:
+    return linear.intercept_n + values @ linear.weights_n
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,8 @@ from typing import Any
 from unittest import mock
 
 import pytest
-from support.small import press, recording, small_model, training
+from sklearn.linear_model import Ridge
+from support.small import press, recording, training
 
 from springpot import write_model
 from springpot.codegen.errors import UsageError
@@ -17,6 +18,7 @@ from springpot.host.bench.bench import Bench, holdout, run_bench
 from springpot.host.bench.front import pareto
 from springpot.host.bench.measure import Candidate, default_sweep
 from springpot.host.emission.boards import BOARDS, missing
+from springpot.host.ensemble import ensemble_data, from_ensemble
 from springpot.host.native.toolchain import missing_tools
 from springpot.trainer.models.fit import FitOptions
 
@@ -102,7 +104,7 @@ def test_what_is_measured_is_not_measured_again(folder: Path, tmp_path: Path) ->
 
 def test_a_model_file_stands_beside_the_kinds(tmp_path: Path) -> None:
     file = tmp_path / "mine.spm"
-    write_model(file, small_model())
+    write_model(file, from_ensemble(Ridge().fit(*ensemble_data(training())), training()))
     result = run(tmp_path / "bench", [], (str(file),))
     (point,) = result["points"]
     assert point["model"] == str(file)

@@ -18,6 +18,7 @@ from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.passive import Memory
+from springpot.codegen.model.regressors import Linear
 from springpot.codegen.notes import HELD, RESYNC
 from springpot.codegen.plan import instruction_bound
 from springpot.codegen.scene import Guard, Scene
@@ -62,7 +63,7 @@ SHAPES = {
 
 # A coupling costs the same with every model.
 CASES = [
-    *((variant, "off") for variant in (*VARIANTS, *OF_DEPTH)),
+    *((variant, "off") for variant in (*VARIANTS, *OF_DEPTH, "linear")),
     *((variant, shape) for variant in ("rf-fd fast", "hammerstein") for shape in ("tool", "proxy")),
 ]
 
@@ -71,6 +72,8 @@ CASES = [
 def fitted(variant: str) -> Model:
     if variant in OF_DEPTH:
         return passive_of(branches=8, stops=2, **OF_DEPTH[variant])
+    if variant == "linear":
+        return dataclasses.replace(fitted("rf-fd"), regressor=Linear(0.5, np.linspace(-1, 2, 10)))
     kind, options = VARIANTS[variant]
     return fit_model(kind, "x", training(), FitOptions(seed=1, **options)).model
 

@@ -12,6 +12,7 @@ from springpot.codegen.emit.files import emit_files
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.passive import Places
+from springpot.codegen.model.regressors import Linear
 from springpot.codegen.plan import Plan
 from springpot.codegen.scene import Coupling, Device, Guard, Runtime, Scene, Smoothing
 from support.c import golden_forces
@@ -72,6 +73,8 @@ def every_plan(target: str) -> Iterator[Plan]:
     yield plan_of("laws", law, "float32", "off", target)
     always = replace(hammerstein, contact="always")
     yield plan_of("velocity", always, "float32", "tool", target, velocity="device")
+    linear = replace(small_model(), regressor=Linear(0.5, np.linspace(-1.0, 2.0, 10)))
+    yield plan_of("linear", linear, "float32", "off", target)
     yield plan_of("ifs", small_model(), "float32", "off", target, forest="m2cgen")
 
 
