@@ -25,11 +25,11 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
 @pytest.mark.parametrize(
     ("what", "most"),
     [
-        ("codegen/*.py", 6622),
-        ("trainer/*.py", 8573),
-        ("host/*.py", 13390),
-        ("runtime_c/*.[ch] codegen/*.j2", 7880),
-        ("tests/*.py", 20183),
+        ("codegen/*.py", 6676),
+        ("trainer/*.py", 8688),
+        ("host/*.py", 13400),
+        ("runtime_c/*.[ch] codegen/*.j2", 7887),
+        ("tests/*.py", 20398),
     ],
 )
 def test_lines(what: str, most: int) -> None:

@@ -95,7 +95,7 @@ def fit_springpot(
     bias_n = float(table.means[-1] - solid.weights(table.tau_s) @ table.means[:-1])
     passive = to_hammerstein(solid, table.tau_s, data)
     passive = replace(passive, bias_n=bias_n, recovers=way is not data)
-    smoothed = smoothing_samples(options.smooth_s, data.dt_s)
+    smoothed = smoothing_samples(data.smooth_s, data.dt_s)
     apart = -(-smoothed * len(rows) // data.rows_total)
     metadata = _metadata(solid, others, table, apart)
     model = assemble(
