@@ -33,7 +33,7 @@ from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import Recordings, given_recordings
 
 _SURFACE_OFF, _TARE = 0.05, 0.02  # of the travel; of the peak force
-_LOAD, _ONE_LOAD = 0.1, 0.25  # of the peak force; of itself: tares that differ by less are one
+_LOAD, _ONE_LOAD = 0.25, 0.25  # of the peak force; of itself: tares that differ by less are one
 _SURFACE_DOUBT = 0.1  # of the deepest press: force errs by 5 to 10 % of its peak
 
 Met = tuple[Recording, ContactPoint]
