@@ -21,3 +21,5 @@ def test_a_log_is_compared_with_the_c_and_leaves_the_validation_alone(job: Path)
     assert "not with a measured object" in words
     assert "RMSE" not in words
     assert (job / "c" / "validation" / "result.json").read_text() == before
+    other = spring("run", "--scene", job / "c", "--device", "sim://ecoflex-00-30?variant=b")
+    assert other.returncode == 2 and "leave them out where a scene is rendered" in other.stderr
