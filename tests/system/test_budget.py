@@ -26,10 +26,10 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
     ("what", "most"),
     [
         ("codegen/*.py", 6676),
-        ("trainer/*.py", 8688),
+        ("trainer/*.py", 8689),
         ("host/*.py", 13400),
         ("runtime_c/*.[ch] codegen/*.j2", 7887),
-        ("tests/*.py", 20400),
+        ("tests/*.py", 20404),
     ],
 )
 def test_lines(what: str, most: int) -> None:

@@ -30,7 +30,7 @@ def require_fitted(regressor: Any) -> None:
 
 
 def linear_ir(regressor: Any, values: Samples, predicted_n: Samples) -> Linear | None:
-    """Of a regressor whose predictions are linear in features (n, features); None of others."""
+    """Find what predictions are linear in, features (n, features); None if they are not."""
     n_features = values.shape[1]
     tried = np.concatenate([np.zeros((1, n_features)), np.eye(n_features)])
     along_n = np.asarray(regressor.predict(tried), dtype=np.float64)
@@ -51,7 +51,7 @@ def ensemble_ir(regressor: Any) -> Forest:
 
 
 def forest_ir(regressor: Any) -> Forest:
-    """Of a fitted RandomForestRegressor or ExtraTreesRegressor, or of one tree: the mean."""
+    """Read the mean of a fitted forest's trees, or one tree."""
     trees = _trees(getattr(regressor, "estimators_", [regressor]))
     return _sum_of(trees, 1.0 / len(trees))
 
@@ -103,7 +103,7 @@ def _xgboost(regressor: Any) -> Forest:
 
 
 def _nested(tree: JsonObject) -> _Tree:
-    """Of the JSON of LightGBM, or of XGBoost, which goes left below a threshold, not at it."""
+    """Read a tree's JSON, by LightGBM or by XGBoost, which goes left only below a threshold."""
     rows: list[tuple[Any, ...]] = []
 
     def add(node: JsonObject) -> int:

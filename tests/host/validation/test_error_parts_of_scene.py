@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -42,6 +43,9 @@ def test_a_bare_scene_is_its_model(tmp_path: Path) -> None:
     rows = validation_rows(found)
     assert "the hand feels" not in rows["RMSE, the model alone"]
     assert "signs" not in rows
+    half = replace(found, notes={"latched": found.accuracy.samples // 2})
+    with mock.patch.object(Validation, "felt", ["log"] * 3):
+        assert "; 50 % of the ticks, latched" in validation_rows(half)["C against reference"]
 
 
 def test_the_model_alone_is_judged_on_the_samples_of_the_scene(tmp_path: Path) -> None:

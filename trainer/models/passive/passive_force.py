@@ -69,7 +69,7 @@ def _along(
     for end, seconds in (*motion.pauses, (len(u), 0.0)):
         force_n[begin:end], at[begin:end] = passive.along(u[begin:end])
         if end < len(u):
-            for step_s in _rest_steps_s(seconds, dt_s, surface):
+            for step_s in _rest_steps_s(seconds, dt_s):
                 passive = passive.on(stage_of(step_s))
                 passive.along(u[end : end + 1])
             passive = passive.on(stage)
@@ -79,9 +79,9 @@ def _along(
     return given_n, model.origin_m + model.span_m * at, passive.memory(model)
 
 
-def _rest_steps_s(seconds: float, dt_s: float, surface: bool) -> Iterator[float]:
-    """Steps of a rest at one depth: one, exact; each twice as long, while a surface may recover."""
-    step_s = dt_s if surface else seconds
+def _rest_steps_s(seconds: float, dt_s: float) -> Iterator[float]:
+    """Steps of a rest at one depth, each twice as long as the one before."""
+    step_s = dt_s
     while seconds > 0.0:
         step_s = min(2.0 * step_s, seconds)
         yield step_s

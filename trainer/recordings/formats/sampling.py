@@ -82,7 +82,7 @@ def to_recording(raw: RawChannels, name: str, resample_hz: float | None) -> Reco
     without `resample_hz`, uneven steps before the file's end; too few rows; channels that are not
     arrays of one shape (n,). `details` says what was done.
     """
-    raw, repeats = _without_repeats(raw, resample_hz is not None)
+    raw, repeats = _usable_rows(raw, resample_hz is not None)
     _require_samples(raw)
     details, steps_s = dict(raw.details), np.diff(raw.time_s)
     if repeats:
@@ -143,14 +143,14 @@ def sampling_notes(recording: Recording) -> list[str]:
     return notes
 
 
-def _without_repeats(raw: RawChannels, fill: bool) -> tuple[RawChannels, int]:
-    """The samples without rows written twice, and how many; `fill`: nor without a number."""
+def _usable_rows(raw: RawChannels, fill: bool) -> tuple[RawChannels, int]:
+    """Leave out rows written twice, and count them; with `fill`, rows without a number too."""
     channels = (raw.time_s, raw.position_m, raw.force_n)
     if {np.shape(channel) for channel in channels} != {(len(raw.rows),)} or not len(raw.rows):
         return raw, 0
     numbers = np.asarray(np.isfinite(channels).all(axis=0))
     if fill and numbers.any() and not numbers.all():
-        return _without_repeats(raw.part(numbers), fill)
+        return _usable_rows(raw.part(numbers), fill)
     new = np.append(True, np.any([np.diff(channel) != 0.0 for channel in channels], axis=0))
     return raw.part(new), int(np.count_nonzero(~new))
 

@@ -186,7 +186,8 @@ def contact_findings(recordings: Sequence[Recording]) -> Iterator[Finding]:
         if abs(contact.tare_n) > max(contact.threshold_n, _TARE * recording.force_n.max())
     ]
     loads_n = [tare_n for each, tare_n in tares if abs(tare_n) > _LOAD * each.force_n.max()]
-    shared = 0 < len(loads_n) == len(recordings) and np.ptp(loads_n) < _ONE_LOAD * abs(loads_n[0])
+    every = 0 < len(loads_n) == len(recordings)
+    shared = every and np.ptp(loads_n) < _ONE_LOAD * np.abs(loads_n).max()
     for recording, tare_n in tares:
         make = refusal if shared and "tare_n" not in recording.details else warning
         yield make(

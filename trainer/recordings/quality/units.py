@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import partial
 
 import numpy as np
 
@@ -90,14 +89,12 @@ def unit_findings(recording: Recording) -> Iterator[Finding]:
             make, to_do = warning, "check it against the rig, and state it on import (--map)"
             if not possible and origin.get("from", "device") not in ("map", "device"):
                 column, in_python = origin.get("column", "COL"), origin["from"] == FRAME_NAME
-                option, unit = partial(map_option, channels, column, in_python), origin["unit"]
-                make, to_do = (
-                    refusal,
-                    (
-                        f"state it, {option(unit)} if the header is right, else "
-                        f"{option('FACTOR' + unit)}, such as 0.001"
-                    ),
+                right, other = (
+                    map_option(channels, column, in_python, factor + origin["unit"])
+                    for factor in ("", "FACTOR")
                 )
+                make = refusal
+                to_do = f"state it, {right} if the header is right, else {other}, such as 0.001"
             yield make("unit", recording.name, f"{value:.4g} {what}", doubt, to_do)
 
 
