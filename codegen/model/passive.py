@@ -69,12 +69,6 @@ class Places:
         x_m, y_m = (self.first_m + self.step_m * np.array(node)).tolist()
         return x_m, y_m
 
-    def mixed_n(self, place_m: tuple[float, float]) -> Samples:
-        """Slopes at a place, (slopes,)."""
-        per_step = 1.0 / self.step_m
-        amount = amounts_at(self.amounts, self.first_m, per_step, np.array(place_m))
-        return mixed(amount, self.slopes_n)
-
     @property
     def most_n(self) -> Samples:
         """The greatest of each slope over all places, (slopes,)."""
@@ -323,12 +317,6 @@ class Hammerstein:
             flow=flow and replace(flow, force_n=parts[-1]),
             places=None,
         )
-
-    def at(self, place_m: tuple[float, float] | None) -> "Hammerstein":
-        """The model of one place, x and y, m; None: of the stiffest, if it has several."""
-        if self.places is None:
-            return self
-        return self.with_slopes(self.places.mixed_n(place_m or self.places.stiffest_m))
 
     def stiffened(self, factor: float) -> "Hammerstein":
         """The passive model whose force at x is this one's at factor x."""

@@ -25,11 +25,11 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
 @pytest.mark.parametrize(
     ("what", "most"),
     [
-        ("codegen/*.py", 6676),
-        ("trainer/*.py", 8689),
+        ("codegen/*.py", 6664),
+        ("trainer/*.py", 8692),
         ("host/*.py", 13400),
         ("runtime_c/*.[ch] codegen/*.j2", 7887),
-        ("tests/*.py", 20404),
+        ("tests/*.py", 20424),
     ],
 )
 def test_lines(what: str, most: int) -> None:

@@ -46,8 +46,8 @@ def predict_each_n(model: Model, pieces: Sequence[tuple[Recording, Indices]]) ->
         surface = model.contact == "surface"
         parts = [np.zeros(0)] * len(pieces)
         for motion in motions(recordings, depths, surface):
-            here = model.hammerstein.at(recordings[motion.recordings[0]].place_m)
-            along_n = model_along(here, motion, model.dt_s, surface)[0]
+            place_m = recordings[motion.recordings[0]].place_m
+            along_n = model_along(model.hammerstein, motion, model.dt_s, surface, place_m)[0]
             for number, start in zip(motion.recordings, motion.starts, strict=True):
                 parts[number] = along_n[start + pieces[number][1]]
         force_n += np.concatenate(parts)

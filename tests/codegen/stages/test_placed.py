@@ -8,21 +8,22 @@ import numpy as np
 import pytest
 from support.small import damage, flow, passive_model, press, scene, wandering
 
-from springpot import Model
+from springpot import Model, Recording
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import DataError
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.model_file import model_bytes
-from springpot.codegen.model.passive import Hammerstein, Places
+from springpot.codegen.model.passive import Hammerstein, Places, amounts_at
 from springpot.codegen.plan import state_bytes
 from springpot.codegen.reference import run_reference
 from springpot.host.native.scene_library import SceneLibrary, built
+from springpot.trainer.models.predict import predict_n
 
 SOFT, STIFF = (0.0, -0.01), (0.01, 0.01)
 CURVE_N = np.linspace(0.5, 3.0, 9)
 RICH: dict[str, Any] = {
     "n_by_depth": 1, "rate_ratio": 16.0, "flow": flow(0.6), "damage": damage(CURVE_N),
-    "recovers": True,
+    "recovers": True, "growth": 2.0,
 }  # fmt: skip
 LAWS: dict[str, dict[str, Any]] = {"plain": {}, "all": RICH}
 
@@ -47,6 +48,12 @@ def placed(law: str = "plain", materials: int = 2, seed: int = 0) -> Model:
 
 def with_places(passive: Hammerstein, places: Places) -> Hammerstein:
     return replace(passive.with_slopes(places.most_n), places=places)
+
+
+def of_place(passive: Hammerstein, place_m: tuple[float, float]) -> Hammerstein:
+    places = passive.places
+    amount = amounts_at(places.amounts, places.first_m, 1.0 / places.step_m, np.array(place_m))
+    return passive.with_slopes(amount @ places.slopes_n)
 
 
 def called(
@@ -119,7 +126,7 @@ def test_the_emitted_force_is_that_of_the_place() -> None:
     model = placed("all", 2)
     model = replace(model, hammerstein=replace(model.hammerstein, recovers=False))
     here, position = (0.013, 0.002), press(2.0)
-    one_place = replace(model, hammerstein=model.hammerstein.at(here))
+    one_place = replace(model, hammerstein=of_place(model.hammerstein, here))
     forces = [
         run_reference(make_plan(each, scene(number="float64")), position, places=places).force_n
         for each, places in ((model, [(0, here)]), (one_place, []))
@@ -127,9 +134,22 @@ def test_the_emitted_force_is_that_of_the_place() -> None:
     np.testing.assert_allclose(forces[0], forces[1], atol=1e-12 * forces[1].max())
 
 
+def test_a_prediction_at_a_place_is_the_emitted_force() -> None:
+    model, here, position = placed("all", 2), (0.013, 0.002), 1.3 * press(2.0)
+    plan = make_plan(model, scene(number="float64"))
+    emitted_n = plan.passive.reference(position, np.array([0]), [(0, here)])
+    recording = Recording(
+        "pad", position, np.zeros(len(position)), plan.dt_s, place_x_m=here[0], place_y_m=here[1]
+    )
+    predicted_n = predict_n(model, recording)
+    assert position.max() > model.hammerstein.origin_m + 1.2 * model.hammerstein.span_m
+    np.testing.assert_allclose(predicted_n, emitted_n, atol=1e-12 * emitted_n.max())
+
+
 def test_limits_and_coupling_are_those_of_the_stiffest_place() -> None:
     model = placed()
-    stiffest = replace(model, hammerstein=model.hammerstein.at(None))
+    place_m = model.hammerstein.places.stiffest_m
+    stiffest = replace(model, hammerstein=of_place(model.hammerstein, place_m))
     assert make_plan(model, scene()).stiffness_npm >= make_plan(stiffest, scene()).stiffness_npm
 
 

@@ -13,18 +13,20 @@ from springpot.codegen.stages.passive.motion import PassiveMotion
 from springpot.codegen.stages.stage import SceneTicks
 from springpot.trainer.models.depths import DepthMotion
 from springpot.trainer.models.training_set import TrainingSet
+from springpot.trainer.recordings.recording import Site
 
 _CLEARLY = 0.9  # times the error
 
 
 def model_along(
-    model: Hammerstein, motion: DepthMotion, dt_s: float, surface: bool
+    model: Hammerstein, motion: DepthMotion, dt_s: float, surface: bool, place_m: Site | None = None
 ) -> tuple[Samples, Samples]:
     """Force along a motion, (n,), N, and the depth at which the model is then, (n,), m.
 
-    That is the tool's, or the surface's while the tool is away.
+    That is the tool's, or the surface's while the tool is away. place_m: of a map, x and y, m;
+    None: of the stiffest.
     """
-    return _along(model, motion, dt_s, surface)[:2]
+    return _along(model, motion, dt_s, surface, place_m)[:2]
 
 
 def with_memory(model: Hammerstein, data: TrainingSet) -> Hammerstein:
@@ -56,11 +58,12 @@ def with_memory(model: Hammerstein, data: TrainingSet) -> Hammerstein:
 
 
 def _along(
-    model: Hammerstein, motion: DepthMotion, dt_s: float, surface: bool
+    model: Hammerstein, motion: DepthMotion, dt_s: float, surface: bool, place_m: Site | None = None
 ) -> tuple[Samples, Samples, Memory]:
     @cache
     def stage_of(step_s: float) -> HammersteinStage:
-        return hammerstein_stage(model, SceneTicks(step_s, surface=surface), "penetration")
+        ticks = SceneTicks(step_s, surface=surface)
+        return hammerstein_stage(model, ticks, "penetration").at(place_m)
 
     stage = stage_of(dt_s)
     u = (motion.depth_m - stage.config.origin_m) * stage.config.per_span
