@@ -1,4 +1,4 @@
-/* springpot 0.1.0 ee7bbb17ca0ce5a10af3c4a4564eb855913b24a5f5da9c5e68afa83522d9b662 */
+/* springpot 0.1.0 34f136ff004374b60627926c08799d737466beded8b4c1b7856b83c5f35e55d1 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:

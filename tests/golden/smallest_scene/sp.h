@@ -1,4 +1,4 @@
-/* springpot 0.1.0 609f54482b9bb9444b6dddeefef62a1f4da4f6237e89f05f56a8b597417dac37 */
+/* springpot 0.1.0 eb313f7907896ee9787be53c23f19c72f327cab2ebf37c2ba273f09dad817c40 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:

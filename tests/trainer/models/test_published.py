@@ -38,7 +38,7 @@ def curves() -> dict[str, Recording]:
 )
 def test_vhb_in_tension(trained: str, tested: str, percent: float) -> None:
     def those(stretches: str) -> list[Recording]:
-        names = [f"loading_{word[0]}d{word[1]}" for word in stretches.split()]
+        names = ["loading_" + "d".join(word) for word in stretches.split()]
         return [its for name, its in curves().items() if name.startswith(tuple(names))]
 
     fit = train(those(trained), "hammerstein")
