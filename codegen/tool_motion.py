@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Flags, Reals
+from springpot.codegen.model.formulas import SMALLEST
 from springpot.codegen.plan import Plan
-from springpot.codegen.stages.stage import SMALLEST, Starts
+from springpot.codegen.stages.stage import Starts
 
 SILENCE_WORTH = 0.15625  # SP_SILENCE_WORTH
 

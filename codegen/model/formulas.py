@@ -8,7 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Indices, Real, Reals, Samples
+from springpot.codegen.types import Scalar
 
+SMALLEST = 1e-30  # SP_SMALLEST of sp_number.h
 Place = tuple[Indices, Reals]  # piece of a curve and share of the way through it, both (n,)
 
 
@@ -114,6 +116,26 @@ def flow_grown(held: Reals, loss: Reals, n_cubic: int) -> Reals:
     cubic = np.sqrt(real(1) + loss[:n_cubic] * square[..., :n_cubic])
     fifth = square[..., n_cubic:] * square[..., n_cubic:]
     return np.concatenate([cubic, np.sqrt(np.sqrt(real(1) + loss[n_cubic:] * fifth))], axis=-1)
+
+
+def numbers(values: Reals) -> list[Scalar]:
+    """Numbers of an array, (n,), for loops over ticks: Python's own are doubles, and fast."""
+    return values.tolist() if values.dtype == np.float64 else list(values)
+
+
+def play(u: Reals, begin: Scalar, radius: Real) -> list[Scalar]:
+    """sp_stops_play: play of a stop after each tick, (n,), from `begin` on."""
+    p, bounds = begin, zip(numbers(u - radius), numbers(u + radius), strict=True)
+    return [p := low if not p > low else p if p < high else high for low, high in bounds]
+
+
+def relaxing(loss: Scalar, rises: Reals, begin: Scalar) -> list[Scalar]:
+    """sp_poles.h: state of a pole after each tick, (n,), 0 where it would be near denormal."""
+    h = begin
+    return [
+        h := x if (x := h + (rise - loss * h)) >= SMALLEST or x <= -SMALLEST else x * 0
+        for rise in numbers(rises)
+    ]
 
 
 def loss_and_gain(tau_s: Samples, dt_s: float) -> tuple[Reals, Reals]:

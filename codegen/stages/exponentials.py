@@ -11,11 +11,10 @@ import numpy as np
 from springpot.codegen.arrays import Indices, Reals, Samples
 from springpot.codegen.literals import array_text
 from springpot.codegen.model.features import FastFirBank, RecursiveBank
-from springpot.codegen.model.formulas import loss_and_gain
+from springpot.codegen.model.formulas import SMALLEST, loss_and_gain, numbers, relaxing
 from springpot.codegen.stages.stage import (
     DOUBLE,
     REAL,
-    SMALLEST,
     U32,
     Columns,
     Costs,
@@ -25,7 +24,6 @@ from springpot.codegen.stages.stage import (
     Starts,
     feature_stage,
     held_before,
-    numbers,
     padded,
     segments,
     stage_code,
@@ -87,12 +85,7 @@ def pole_states(loss: Reals, rises: Reals, h: Reals) -> Reals:
     """sp_poles.h: states after each tick, (n, poles), from h, (poles,); rises (n,), (n, poles)."""
     states = np.empty((len(rises), len(h)), dtype=loss.dtype)
     for k, (its_loss, begin) in enumerate(zip(numbers(loss), numbers(h), strict=True)):
-        along, its_h = [], begin
-        for rise in numbers(rises if rises.ndim == 1 else rises[:, k]):
-            its_h = its_h + (rise - its_loss * its_h)
-            its_h = its_h if abs(its_h) >= SMALLEST else its_h * 0
-            along.append(its_h)
-        states[:, k] = along
+        states[:, k] = relaxing(its_loss, rises if rises.ndim == 1 else rises[:, k], begin)
     return states
 
 

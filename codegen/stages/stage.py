@@ -16,6 +16,7 @@ import numpy as np
 from springpot.codegen.arrays import Indices, Reals
 from springpot.codegen.messages import short_repr
 from springpot.codegen.model.features import Features
+from springpot.codegen.model.formulas import SMALLEST
 from springpot.codegen.model.regressors import Regressor
 from springpot.codegen.scene import Runtime, Target
 from springpot.codegen.types import JsonObject, RealType, Scalar
@@ -25,7 +26,6 @@ Starts = Indices  # ticks at which the history restarts with the sample held
 
 REAL, U32, DOUBLE = "real", "u32", "double"
 VECTOR_WIDTH = 4  # SP_VECTOR_WIDTH of sp_weighted_sum.h
-SMALLEST = 1e-30  # SP_SMALLEST of sp_number.h
 LARGEST = 1e6  # SP_LARGEST
 
 
@@ -248,11 +248,6 @@ def bounded(x: Scalar) -> Scalar:
     largest = x.dtype.type(LARGEST)
     below = x if x < largest else largest
     return below if below > -largest else -largest
-
-
-def numbers(values: Reals) -> list[Scalar]:
-    """Numbers of an array, (n,), for loops over ticks: Python's own are doubles, and fast."""
-    return values.tolist() if values.dtype == np.float64 else list(values)
 
 
 def padded(n: int, vector_width: int = VECTOR_WIDTH) -> int:

@@ -9,12 +9,14 @@ from numpy.typing import NDArray
 from springpot.codegen.arrays import Flags, Reals, Samples
 from springpot.codegen.literals import array_text
 from springpot.codegen.model.formulas import (
+    SMALLEST,
     Place,
     curve_nodes,
     curve_place,
     curve_values,
     flow_functions,
     flow_loss,
+    numbers,
     pieces_of_one,
     with_beyond,
 )
@@ -22,11 +24,9 @@ from springpot.codegen.model.passive import Damage, Flow, power_order
 from springpot.codegen.stages.stage import (
     LARGEST,
     REAL,
-    SMALLEST,
     Costs,
     Member,
     SceneTicks,
-    numbers,
 )
 from springpot.codegen.types import RealType, Scalar
 

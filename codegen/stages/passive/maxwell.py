@@ -10,10 +10,17 @@ import numpy as np
 
 from springpot.codegen.arrays import Reals
 from springpot.codegen.literals import array_text
-from springpot.codegen.model.formulas import Place, loss_and_gain, loss_by_depth, straight_values
+from springpot.codegen.model.formulas import (
+    SMALLEST,
+    Place,
+    loss_and_gain,
+    loss_by_depth,
+    numbers,
+    straight_values,
+)
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.stages.exponentials import SLOW_TICKS, pole_states
-from springpot.codegen.stages.stage import SMALLEST, Costs, SceneTicks, numbers, padded
+from springpot.codegen.stages.stage import Costs, SceneTicks, padded
 
 
 @dataclass(frozen=True)
@@ -76,12 +83,11 @@ class MaxwellBranches:
         lost = straight_values(self.loss, place).astype(rises.dtype)
         states = np.empty_like(rises)
         for k, begin in enumerate(numbers(h)):
-            along, its_h = [], begin
-            for rise, its_lost in zip(numbers(rises[:, k]), numbers(lost[:, k]), strict=True):
-                its_h = its_h + (rise - its_lost * (its_h + half * rise))
-                its_h = its_h if abs(its_h) >= SMALLEST else its_h * 0
-                along.append(its_h)
-            states[:, k] = along
+            z, ticks = begin, zip(numbers(rises[:, k]), numbers(lost[:, k]), strict=True)
+            states[:, k] = [
+                z := x if abs(x := z + (rise - loss * (z + half * rise))) >= SMALLEST else x * 0
+                for rise, loss in ticks
+            ]
         return states
 
 

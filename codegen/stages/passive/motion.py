@@ -6,9 +6,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from springpot.codegen.arrays import Reals
-from springpot.codegen.model.formulas import Place, curve_place, curve_values, flow_functions
+from springpot.codegen.model.formulas import (
+    Place,
+    curve_place,
+    curve_values,
+    flow_functions,
+    numbers,
+    play,
+)
 from springpot.codegen.model.passive import Hammerstein, Memory, power_order
-from springpot.codegen.stages.stage import VECTOR_WIDTH, numbers
+from springpot.codegen.stages.stage import VECTOR_WIDTH
 from springpot.codegen.types import Scalar
 
 if TYPE_CHECKING:
@@ -153,18 +160,11 @@ class PassiveMotion:
     def _played(self, u: Reals) -> Reals:
         """Play of each stop, (n, stops)."""
         radius = self._stage.radius
-        play, ends = np.empty((len(u), len(radius)), dtype=u.dtype), np.empty_like(radius)
+        found = np.empty((len(u), len(radius)), dtype=u.dtype)
         for k, begin in enumerate(numbers(self._play)):
-            p = begin
-            low, high = numbers(u - radius[k]), numbers(u + radius[k])
-            along = []
-            for its_low, its_high in zip(low, high, strict=True):
-                p = p if p > its_low else its_low
-                p = p if p < its_high else its_high
-                along.append(p)
-            play[:, k], ends[k] = along, p
-        self._play = ends
-        return play
+            found[:, k] = play(u, begin, radius[k])
+        self._play = found[-1]
+        return found
 
 
 def _summed(held: Reals) -> Reals:

@@ -13,6 +13,7 @@ from springpot.codegen.model.formulas import (
     flow_grown,
     flow_loss,
     loss_by_depth,
+    play,
     rates_by_depth,
     straight_values,
 )
@@ -24,13 +25,13 @@ from springpot.trainer.models.passive.passive_terms import Terms
 from springpot.trainer.models.training_set import TrainingSet
 
 _AT_ONCE = 1 << 18  # samples of functions along a motion: those of a press fit into a cache
-_CHUNK = 1 << 16  # samples that stand as Python's numbers at once
 
 
 def columns(terms: Terms, motion: DepthMotion, dt_s: float, rows: Indices) -> Samples:
     """Values of all terms along a motion from rest, at rows of it: shape (rows, terms)."""
     u = terms.shares(motion.depth_m)
-    played = [play(u, radius_m / terms.span_m)[rows] for radius_m in terms.radius_m]
+    radii = np.array(terms.radius_m) / terms.span_m
+    played = [np.array(play(u, float(u[0]), radius))[rows] for radius in radii]
     place, *plays = (curve_place(each, terms.nodes) for each in (u, *played))
 
     def curves_of(along: Samples, some: Samples) -> list[Samples]:
@@ -114,17 +115,6 @@ def _lost(terms: Terms, place: Place, steps_s: Samples) -> list[Samples]:
         lost[paused] = -np.expm1(-steps_s[paused] * rate)
         found.append(lost)
     return found
-
-
-def play(u: Samples, radius: float) -> Samples:
-    """Play operator of one radius, (n,), from rest at the first sample."""
-    out = np.empty_like(u)
-    p = float(u[0])
-    for begin in range(0, len(u), _CHUNK):
-        for i, x in enumerate(u[begin : begin + _CHUNK].tolist(), begin):
-            p = min(max(p, x - radius), x + radius)
-            out[i] = p
-    return out
 
 
 def worn_share(u: Samples, heal_s: float, steps_s: Samples) -> Samples:
