@@ -25,11 +25,11 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
 @pytest.mark.parametrize(
     ("what", "most"),
     [
-        ("codegen/*.py", 6664),
-        ("trainer/*.py", 8692),
+        ("codegen/*.py", 6681),
+        ("trainer/*.py", 8682),
         ("host/*.py", 13400),
         ("runtime_c/*.[ch] codegen/*.j2", 7876),
-        ("tests/*.py", 20516),
+        ("tests/*.py", 20435),
     ],
 )
 def test_lines(what: str, most: int) -> None:
