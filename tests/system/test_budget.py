@@ -29,7 +29,7 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
         ("trainer/*.py", 8682),
         ("host/*.py", 13400),
         ("runtime_c/*.[ch] codegen/*.j2", 7876),
-        ("tests/*.py", 20435),
+        ("tests/*.py", 20427),
     ],
 )
 def test_lines(what: str, most: int) -> None:

@@ -102,6 +102,7 @@ def test_what_is_measured_is_not_measured_again(folder: Path, tmp_path: Path) ->
         run(again, SMALL)
 
 
+@pytest.mark.slow
 def test_a_model_file_stands_beside_the_kinds(tmp_path: Path) -> None:
     file = tmp_path / "mine.spm"
     write_model(file, from_ensemble(Ridge().fit(*ensemble_data(training())), training()))

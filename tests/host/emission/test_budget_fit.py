@@ -8,7 +8,6 @@ from support.small import model_file, press, recording, scene, small_fit
 
 from springpot.codegen.errors import BudgetError, DataError, UsageError
 from springpot.codegen.scene import Budget, Scene
-from springpot.host.emission import budget_fit
 from springpot.host.emission.budget_fit import emit_fitting
 from springpot.host.emission.emission import emit
 from springpot.host.validation.validation import validate
@@ -26,22 +25,10 @@ def tight(tmp_path_factory: pytest.TempPathFactory) -> tuple[Scene, Path, int]:
     return dataclasses.replace(scene(), budget=budget), model, 2 * whole.flash_bytes // 3
 
 
-def build_few(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Try few forests: one that fits is among them."""
-    monkeypatch.setattr(budget_fit, "_TREES", (1.0, 0.5, 0.2))
-    monkeypatch.setattr(budget_fit, "_LEAVES", (1, 8))
-
-
-@pytest.mark.parametrize("forests", ["few", pytest.param("all", marks=pytest.mark.slow)])
+@pytest.mark.slow
 def test_the_best_forest_that_fits_is_emitted(
-    tmp_path: Path,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-    tight: tuple[Scene, Path, int],
-    forests: str,
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], tight: tuple[Scene, Path, int]
 ) -> None:
-    if forests == "few":
-        build_few(monkeypatch)
     chosen, model, flash_bytes = tight
     with pytest.raises(BudgetError, match="--fit --recording REC makes a forest smaller"):
         emit_fitting(chosen, model, tmp_path / "c", False, [EVALUATION], fit=False)

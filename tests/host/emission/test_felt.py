@@ -55,7 +55,7 @@ def test_a_slow_recording_is_rendered_at_1000_hz_where_it_must(stiff: float) -> 
     assert held == (rate_notices(plan) == []) == (stiff < 0.1)
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("rate_hz", [40.0, 60.0, 90.0, 200.0, 1000.0])
 def test_a_loop_that_no_coupling_holds_for_every_hand_is_said(rate_hz: float) -> None:
     plan = make_plan(fitted("hammerstein", 200.0), with_rate(rate_hz), accept_unsafe=True)

@@ -66,6 +66,7 @@ def one_twice_as_deep() -> list[Recording]:
     return [tissue(name, position_m, 4.0) for name, position_m in motions.items()]
 
 
+@pytest.mark.slow
 def test_a_fold_without_the_deepest_recording_has_ordinary_weights_and_errors() -> None:
     # Without a penalty on bends: weights of 1e25 on the curves that the fold never reached.
     data = training_set(one_twice_as_deep(), smooth_s=0.0)
@@ -129,6 +130,7 @@ def test_an_object_is_pressed_deeper_than_it_was_trained(stiffening: float, deep
     assert stiffening < 0.0 or error_n < its_n / 3.0
 
 
+@pytest.mark.slow
 def test_an_object_that_flows_is_fitted_by_flow() -> None:
     recordings = []
     for hz, share in product((0.5, 3.0), (0.3, 0.6, 1.0)):

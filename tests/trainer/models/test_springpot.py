@@ -124,7 +124,7 @@ def test_a_zener_solid_comes_back_with_its_instant_stiffness() -> None:
     assert law["instant_npm"] == pytest.approx(300.0, rel=0.02)
 
 
-@pytest.mark.few(1)
+@pytest.mark.slow
 @pytest.mark.parametrize("is_zener", [False, True])
 def test_intervals_hold_what_is_found_without_noise(is_zener: bool) -> None:
     """95 % intervals of noisy presses hold most of the numbers, and are short."""

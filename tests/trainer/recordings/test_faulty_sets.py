@@ -107,6 +107,7 @@ def test_a_sensor_that_stands_still_is_named_and_no_drift() -> None:
     assert "stuck" in found and "drift" not in found
 
 
+@pytest.mark.slow
 @pytest.mark.filterwarnings("always::UserWarning")
 def test_presses_of_another_object_are_named() -> None:
     fit = springpot.train(presses(other_object), "hammerstein")
@@ -156,6 +157,7 @@ def test_rows_that_a_logger_wrote_twice_count_once() -> None:
         Recording.from_frame(table)
 
 
+@pytest.mark.slow
 def test_a_load_that_all_recordings_share_is_refused_unless_stated() -> None:
     loaded = presses(lambda x, f, _: (x, f + 3.0))
     with pytest.raises(DataError, match=r"N without contact: .*tare='auto'"):
