@@ -21,15 +21,13 @@ from judges_recordings import SEED, SETTINGS, Recordings, recorded
 from spring_dashpot import spring_dashpot_percent
 from support.files.mach1 import mach1_recordings
 
+from springpot import train
 from springpot.codegen.make_plan import make_plan
 from springpot.host.bench.bench import code_hash
 from springpot.host.bench.measure import bench_scene, hot_ns, prediction_errors
 from springpot.host.native.compiler import machine_metadata
 from springpot.host.native.scene_library import built
 from springpot.host.simulation.objects import FOREIGN_OBJECTS, OBJECTS
-from springpot.trainer.kinds import fit_kind
-from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.training_set import training_set
 from springpot.trainer.recordings.quality.repeats import find_noise_floor
 
 MACH1 = "mach1"
@@ -52,13 +50,11 @@ def recordings(cell: Cell, seed: int) -> tuple[Recordings, Recordings, float | N
 def judged(cell: Cell, seed: int, code: str) -> dict[str, Any]:
     """One cell, by every kind; a failure is a result. code: hash of what measures."""
     training, test, floor_n = recordings(cell, seed)
-    options = FitOptions()
-    data = training_set(training, options.smooth_s)
     peak_n = max(float(np.abs(each.force_n).max()) for each in test)
     models: dict[str, Any] = {}
     for kind in KINDS:
         try:
-            models[kind] = measured(kind, data, options, test)
+            models[kind] = measured(kind, training, test)
         except Exception as error:
             models[kind] = {"failed": f"{type(error).__name__}: {error}"}
     return {
@@ -66,17 +62,17 @@ def judged(cell: Cell, seed: int, code: str) -> dict[str, Any]:
         "structure": cell[1],
         "floor_percent": None if floor_n is None else 100.0 * floor_n / peak_n,
         "spring_dashpot_percent": spring_dashpot_percent(training, test),
-        "rows": data.rows_total,
+        "rows": sum(len(each.force_n) for each in training),
         "models": models,
     }
 
 
-def measured(kind: str, data: Any, options: FitOptions, test: Recordings) -> dict[str, Any]:
+def measured(kind: str, training: Recordings, test: Recordings) -> dict[str, Any]:
     """One model: fitted, built, and replayed on the test part."""
-    fit = fit_kind(kind, "judged", data, options)
+    fit = train(training, kind)
     plan = make_plan(fit.model, bench_scene("float32"), accept_unsafe=True)
     with built(plan) as library:
-        errors = prediction_errors(plan, library, test, data.recordings)
+        errors = prediction_errors(plan, library, test, training)
         tick_ns = hot_ns(library, test)
     percent = errors["rmse_percent_of_peak"]
     if not np.isfinite(percent):
