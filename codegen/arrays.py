@@ -1,4 +1,4 @@
-"""Names for arrays that every floor uses, and arrays of what a person gives."""
+"""Names for arrays that every floor uses, and arrays that a person gives."""
 
 from typing import Any
 
@@ -37,7 +37,7 @@ def given_numbers(values: Any, argument: str) -> Samples:
     raise DataError(f"{argument}: holds {what}: give one number a sample")
 
 
-def kept_numbers(values: Any, argument: str) -> Samples:
+def frozen_numbers(values: Any, argument: str) -> Samples:
     """As `given_numbers`, in an array that cannot be written to: a copy if the argument can be."""
     found = given_numbers(values, argument)
     if found.flags.writeable or found.base is not None:

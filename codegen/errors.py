@@ -55,7 +55,7 @@ class DeviceError(SpringpotError):
 
 
 class UnsafeError(SpringpotError):
-    """A scene whose loop is unstable: refused.
+    """A scene with an unstable loop: refused.
 
     >>> emit("stiff", model=model, scene=Scene(1, "a", "a.spm", coupling=Coupling("tool", 1e6)))
     Traceback (most recent call last):

@@ -18,7 +18,7 @@ _LOG = logging.getLogger("springpot.progress")
 
 
 def number_of(number: int, what: str) -> str:
-    """Write how many there are of what.
+    """Write a count and its noun.
 
     >>> number_of(1, "gap"), number_of(2, "gap")
     ('1 gap', '2 gaps')

@@ -51,12 +51,12 @@ def unused_orders(model: Model, dtype: RealType) -> list[LeftOut]:
     if model.features is None or model.regressor is None:
         return []
     features = model.features
-    kept = model.regressor.used_columns(features.n_features)
+    used = model.regressor.used_columns(features.n_features)
     orders = features.fractional_orders
-    unused = [order for i, order in enumerate(orders) if i not in set(kept.tolist())]
+    unused = [order for i, order in enumerate(orders) if i not in set(used.tolist())]
     if not unused:
         return []
-    vector_width = padded(len(orders)) - padded(max(len(kept), 1))
+    vector_width = padded(len(orders)) - padded(max(len(used), 1))
     names = ", ".join(f"{order:g}" for order in unused)
     saved = vector_width * features.table_rows * np.dtype(dtype).itemsize
     return [LeftOut(f"orders {names}", "no split uses them", saved)]
@@ -75,7 +75,7 @@ def units_left_out(
         (estimates, "velocity estimate", needless, 4 * size),
         (alpha is not None, "smoothing", "smoothing.time_constant_s is 0", 2 * size),
     )
-    return [LeftOut(what, why, saved) for kept, what, why, saved in found if not kept]
+    return [LeftOut(what, why, saved) for present, what, why, saved in found if not present]
 
 
 @dataclass(frozen=True, eq=False)

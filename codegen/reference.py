@@ -9,7 +9,7 @@ from springpot.codegen.notes import CLAMPED, HELD, LATCHED, LIMITED, OUTSIDE, RA
 from springpot.codegen.plan import Plan
 from springpot.codegen.proxy_motion import ContactTrace, Coupled, proxy_motion, shaped
 from springpot.codegen.stages.model_stages import clip, model_force
-from springpot.codegen.stages.passive.placed import Taken
+from springpot.codegen.stages.passive.placed import PlaceTicks
 from springpot.codegen.stages.stage import Starts, flushed
 from springpot.codegen.tool_motion import Followed, Guarded, at_rows, followed, guarded
 from springpot.codegen.types import Scalar
@@ -28,7 +28,7 @@ def run_reference(
     position_m: Reals,
     velocity_mps: Reals | None = None,
     predicted_m: Reals | None = None,
-    places: Taken = (),
+    places: PlaceTicks = (),
 ) -> Run:
     """Run the plan on positions (and device velocities) from a fresh state.
 
@@ -44,11 +44,11 @@ def run_reference(
         starts = motion.starts
         contact = motion.position > 0 if plan.contact else np.ones(len(motion.position), dtype=bool)
         pressed = motion.position
-        taken = _taken(plan, motion, contact, places)
+        felt = _felt(plan, motion, contact, places)
         if plan.at_proxy:
 
             def at_proxy(first: int, proxy: Reals, begun: Starts, asked: Flags) -> Reals:
-                since = [(max(row - first, 0), place_m) for row, place_m in taken]
+                since = [(max(row - first, 0), place_m) for row, place_m in felt]
                 return model_force(plan, _depths(plan, proxy)[0], begun, asked, since)
 
             predicted = predicted_m
@@ -59,21 +59,21 @@ def run_reference(
         heard = motion.row >= 0
         notes = np.where(samples.resync, RESYNC, 0).astype(np.int32)
         notes[heard] |= np.where(outside[motion.row[heard]], OUTSIDE, 0).astype(np.int32)
-        model_n = model_force(plan, depths, starts, contact, taken)
+        model_n = model_force(plan, depths, starts, contact, felt)
         output = OutputStage(plan)
         force_n = output.run(samples, motion, pressed, model_n, contact, notes)
     return Run(force_n=force_n, notes=notes)
 
 
-def _taken(plan: Plan, motion: Followed, contact: Flags, places: Taken) -> Taken:
-    """Rows in which a place is taken: once the tool is off the object, or the history restarts."""
+def _felt(plan: Plan, motion: Followed, contact: Flags, places: PlaceTicks) -> PlaceTicks:
+    """Rows from which a place is felt: once the tool is off the object, or the history restarts."""
     if plan.passive is None or plan.passive.placed is None:
         return ()
     open_rows = np.append(np.union1d(np.flatnonzero(~contact), motion.starts), len(contact))
     # What comes before a tick's own row are the ticks missed before it, which the same call makes.
     begin = 1 + np.maximum.accumulate(np.append(-1, motion.row))
     asked = [(int(begin[tick]), place_m) for tick, place_m in places]
-    return plan.passive.placed.taken(
+    return plan.passive.placed.felt(
         asked, lambda row: int(open_rows[np.searchsorted(open_rows, row)])
     )
 

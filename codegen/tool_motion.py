@@ -1,4 +1,4 @@
-"""The reference of what every stage sees: samples as the guard takes them, a row for each tick."""
+"""Reference of the samples that every stage sees: as the guard takes them, a row for each tick."""
 
 from dataclasses import dataclass
 
@@ -17,7 +17,7 @@ SILENCE_WORTH = 0.15625  # SP_SILENCE_WORTH
 class Guarded:
     """Samples of a run as the guard takes them, (n,) each.
 
-    position: m. ticks: since the sample taken before; 0 where none is taken. share: of the held
+    position: m. ticks: since the last accepted sample; 0 where none is accepted. share: of the held
     force that is felt then. resync: the history restarts at it. latched: the watchdog has fallen;
     fall: for so much of a tick without a sample.
     """
@@ -89,7 +89,7 @@ class Followed:
     """The tool's way through a run.
 
     (rows,): position, m; velocity, m/s; missed: no sample came. row: (n,), of each tick's sample,
-    -1 where none was taken. starts: rows of restarts.
+    -1 where none was accepted. starts: rows of restarts.
     """
 
     position: Reals
@@ -105,17 +105,17 @@ def followed(plan: Plan, samples: Guarded, device_mps: Reals) -> Followed:
     With the estimated velocity of a coupling: at a constant acceleration from the velocity before.
     device_mps: (n,), the device's own velocity.
     """
-    taken = np.flatnonzero(samples.ticks)
-    ticks = samples.ticks[taken]
+    accepted = np.flatnonzero(samples.ticks)
+    ticks = samples.ticks[accepted]
     rows = np.cumsum(ticks) - 1
     total = int(ticks.sum())
     position = np.zeros(total, dtype=samples.position.dtype)
     missed = np.ones(total, dtype=bool)
-    position[rows] = samples.position[taken]
+    position[rows] = samples.position[accepted]
     missed[rows] = False
     row = np.full(len(samples.ticks), -1)
-    row[taken] = rows
-    starts = rows[samples.resync[taken]]
+    row[accepted] = rows
+    starts = rows[samples.resync[accepted]]
     if plan.velocity is not None:
         velocity = _estimated(plan, position, rows, ticks, starts)
     else:
@@ -127,8 +127,8 @@ def followed(plan: Plan, samples: Guarded, device_mps: Reals) -> Followed:
 
 def at_rows(of_ticks: Reals, row: NDArray[np.int64], missed: Flags) -> Reals:
     """Values of ticks, (n,), at the rows of their samples and of the ticks missed before."""
-    taken = np.flatnonzero(row >= 0)
-    return of_ticks[taken[np.cumsum(~missed) - ~missed]]
+    accepted = np.flatnonzero(row >= 0)
+    return of_ticks[accepted[np.cumsum(~missed) - ~missed]]
 
 
 def _estimated(

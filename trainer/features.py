@@ -31,7 +31,7 @@ DIRECT = 4
 FAST_FIR_POLES = 8
 _FASTEST_TICKS = (1.0, 1.5, 2.0, 3.0, 4.0)
 _SLOWEST_WINDOWS = (0.5, 1.0, 2.0, 6.0)
-_KEPT = 1e-15  # of a state after a tick: of less nothing is left
+_LEAST_LEFT = 1e-15  # of a state after a tick: of less nothing is left
 _LOG_PIECE = 200.0  # e^-200 is a float64 yet
 _CHUNK = 8192  # rows whose windows are gathered at once
 
@@ -201,15 +201,15 @@ def highpass_by_depth(values: Samples, lost: Samples) -> Samples:
     return _decaying(1.0 - lost, (1.0 - 0.5 * lost)[:, None] * rises)
 
 
-def _decaying(kept: Samples, added: Samples) -> Samples:
-    """h[i] = kept[i] h[i-1] + added[i] from 0, (n, k); kept, (n,), above 0.
+def _decaying(left: Samples, added: Samples) -> Samples:
+    """h[i] = left[i] h[i-1] + added[i] from 0, (n, k); left, (n,), above 0.
 
-    By sums of what is added over the product of what is kept, in pieces in which that product
+    By sums of what is added over the product of what is left, in pieces in which that product
     stays a number.
     """
-    logs = np.log(np.maximum(kept, _KEPT))
+    logs = np.log(np.maximum(left, _LEAST_LEFT))
     passed = np.cumsum(logs)
-    cuts = [0, *(1 + np.flatnonzero(np.diff(np.floor(passed / -_LOG_PIECE)))).tolist(), len(kept)]
+    cuts = [0, *(1 + np.flatnonzero(np.diff(np.floor(passed / -_LOG_PIECE)))).tolist(), len(left)]
     h, last = np.empty_like(added), np.zeros_like(added[0])
     for begin, end in pairwise(cuts):
         before = passed[begin] - logs[begin]

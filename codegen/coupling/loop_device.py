@@ -52,7 +52,7 @@ class LoopDevice:
         }
 
     def words(self, dt_s: float) -> str:
-        """Whose device a check assumed, in a line."""
+        """Describe the device that a check assumed, in a line."""
         figures = [
             f"{value:g} {unit}" + (" (assumed)" if self.stated and name not in self.stated else "")
             for name, value, unit in (

@@ -70,20 +70,20 @@ def code_of(text: str) -> str:
 def without_unused(found: Sequence[str]) -> list[str]:
     """Leave out the functions of this file that no other block calls.
 
-    One that stands among directives of the preprocessor is kept.
+    One that stands among directives of the preprocessor stays.
     """
-    kept = list(found)
+    used = list(found)
     while True:
-        words = [set(re.findall(r"\w+", code_of(block))) for block in kept]
+        words = [set(re.findall(r"\w+", code_of(block))) for block in used]
         unused = [
             i
-            for i, block in enumerate(kept)
+            for i, block in enumerate(used)
             if (name := _own_function(block)) is not None
             and not any(name in other for k, other in enumerate(words) if k != i)
         ]
         if not unused:
-            return kept
-        kept = [block for i, block in enumerate(kept) if i not in unused]
+            return used
+        used = [block for i, block in enumerate(used) if i not in unused]
 
 
 def _own_function(block: str) -> str | None:

@@ -20,7 +20,7 @@ class Features(ABC):
     False
     """
 
-    engine: ClassVar[str] = "fir"  # how history is kept: samples ("fir") or poles ("recursive")
+    engine: ClassVar[str] = "fir"  # how history is stored: samples ("fir") or poles ("recursive")
     exact_at_any_rate: ClassVar[bool] = False
 
     @property
@@ -87,8 +87,8 @@ class FractionalBank(Features):
         return self._with_table(getattr(self, self.table) * factor), 1.0
 
     def take(self, columns: Indices) -> Self:
-        taken = self._with_table(getattr(self, self.table)[:, columns])
-        return replace(taken, orders=tuple(self.orders[i] for i in columns))
+        chosen = self._with_table(getattr(self, self.table)[:, columns])
+        return replace(chosen, orders=tuple(self.orders[i] for i in columns))
 
     def require_valid(self) -> None:
         fits = len(self.orders) > 0 and all(0.0 <= r <= 1.0 for r in self.orders)

@@ -75,7 +75,7 @@ def curve_values(nodes: Reals, place: Place) -> Reals:
 
 
 def straight_values(nodes: Reals, place: Place) -> Reals:
-    """Values (n, columns) of what is straight between nodes (J + 1, columns)."""
+    """Values (n, columns) of functions that are straight between nodes (J + 1, columns)."""
     piece, way = place
     begin = nodes[piece]
     values: Reals = begin + way[:, None] * (nodes[piece + 1] - begin)

@@ -21,7 +21,7 @@ _MAX_NODES = 100  # of a curve, and of an axis of a map
 _MAX_GROWTH = 2.0
 _MAX_RATE_RATIO = 1e4  # of relaxation at the surface and at the trained depth
 _ROUNDED = 1.0 - 1e-12
-FLOW_SHARE = 0.2  # of the force at the trained depth, at which a flowing branch is said to relax
+FLOW_SHARE = 0.2  # of the force at the trained depth: there a flow has its stated time constant
 
 
 @dataclass(frozen=True, eq=False)

@@ -74,10 +74,10 @@ class WeightedSumStage(FeatureStage):
         return total
 
 
-def in_lanes(weights: Reals, kept: Indices, dtype: type) -> Reals:
-    """The columns `kept`, padded with zeros to whole vectors: (terms, capacity)."""
-    found: Reals = np.zeros((len(weights), padded(max(len(kept), 1))), dtype=dtype)
-    found[:, : len(kept)] = weights[:, kept]
+def in_lanes(weights: Reals, used: Indices, dtype: type) -> Reals:
+    """The columns `used`, padded with zeros to whole vectors: (terms, capacity)."""
+    found: Reals = np.zeros((len(weights), padded(max(len(used), 1))), dtype=dtype)
+    found[:, : len(used)] = weights[:, used]
     return found
 
 
@@ -150,18 +150,18 @@ class RecursiveStage(WeightedSumStage):
 
 @feature_stage.register
 def recursive_stage(
-    bank: RecursiveBank, kept: Columns, dt_s: float, dtype: RealType
+    bank: RecursiveBank, used: Columns, dt_s: float, dtype: RealType
 ) -> RecursiveStage:
-    """Keep the columns `kept`; order the poles fast first."""
+    """Keep the columns `used`; order the poles fast first."""
     order = np.argsort(bank.tau_s)
     loss, gain = loss_and_gain(bank.tau_s[order], dt_s)
     slow = bank.tau_s[order] > SLOW_TICKS * dt_s
     slow &= dtype is np.float32
     return RecursiveStage(
-        orders=tuple(bank.orders[i] for i in kept),
+        orders=tuple(bank.orders[i] for i in used),
         loss=loss[~slow].astype(dtype),
         slow_loss=loss[slow],
-        weights=in_lanes(gain[:, None] * bank.weights[order], kept, dtype),
+        weights=in_lanes(gain[:, None] * bank.weights[order], used, dtype),
     )
 
 
@@ -235,14 +235,14 @@ class FastFirStage(WeightedSumStage):
 
 
 @feature_stage.register
-def fast_fir_stage(bank: FastFirBank, kept: Columns, dt_s: float, dtype: RealType) -> FastFirStage:
-    """Keep the columns `kept` of the bank."""
+def fast_fir_stage(bank: FastFirBank, used: Columns, dt_s: float, dtype: RealType) -> FastFirStage:
+    """Keep the columns `used` of the bank."""
     n_direct = len(bank.weights) - len(bank.tau_ticks) - 1
     own = bank.length - 1 - n_direct
     return FastFirStage(
-        orders=tuple(bank.orders[i] for i in kept),
+        orders=tuple(bank.orders[i] for i in used),
         keep=np.exp(-1.0 / bank.tau_ticks).astype(dtype),
         leave=np.exp(-own / bank.tau_ticks).astype(dtype),
-        weights=in_lanes(bank.weights, kept, dtype),
+        weights=in_lanes(bank.weights, used, dtype),
         length=bank.length,
     )

@@ -11,7 +11,7 @@ from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
 from springpot.codegen.stages import exponentials, regressors, windows
 from springpot.codegen.stages.passive.hammerstein import HammersteinStage, hammerstein_stage
-from springpot.codegen.stages.passive.placed import Taken
+from springpot.codegen.stages.passive.placed import PlaceTicks
 from springpot.codegen.stages.stage import (
     FeatureStage,
     RegressorStage,
@@ -52,17 +52,17 @@ def model_force(
     motion: dict[str, Reals],
     starts: Starts,
     contact: Flags,
-    taken: Taken = (),
+    places: PlaceTicks = (),
 ) -> Reals:
     """Force of the model's stages, (n,), N; 0 where there is no contact.
 
-    motion: "penetration" and "clipped", each (n,), m. contact: (n,). taken: places, as in
+    motion: "penetration" and "clipped", each (n,), m. contact: (n,). places: as in
     `HammersteinStage.reference`.
     """
     zero = motion["clipped"].dtype.type(0)
     terms: list[Reals] = []
     if stages.passive is not None:
-        terms.append(stages.passive.reference(motion[stages.passive.follows], starts, taken))
+        terms.append(stages.passive.reference(motion[stages.passive.follows], starts, places))
     if stages.features is not None and stages.regressor is not None:
         model_n = np.zeros(len(contact), dtype=zero.dtype)
         features = stages.features.reference(motion["clipped"], starts)
@@ -101,9 +101,9 @@ def model_stages(model: Model, scene: Scene, ticks: SceneTicks) -> Stages:
         excess = (along("penetration"), along("clipped"))
     if model.features is None or model.regressor is None:
         return Stages(None, None, passive, excess)
-    kept = model.regressor.used_columns(model.features.n_features)
+    used = model.regressor.used_columns(model.features.n_features)
     with blaming("the stage of the features", type(model.features), UsageError):
-        features = feature_stage(model.features, kept, ticks.dt_s, ticks.dtype)
+        features = feature_stage(model.features, used, ticks.dt_s, ticks.dtype)
     with blaming("the stage of the regressor", type(model.regressor), UsageError):
-        regressor = regressor_stage(model.regressor, kept, scene.runtime, ticks.dtype)
+        regressor = regressor_stage(model.regressor, used, scene.runtime, ticks.dtype)
     return Stages(features, regressor, passive, excess)

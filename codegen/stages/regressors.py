@@ -165,19 +165,19 @@ class IfsStage(ForestStage):
 
 @regressor_stage.register
 def forest_stage(
-    forest: Forest, kept: Columns, runtime: Runtime, dtype: RealType
+    forest: Forest, used: Columns, runtime: Runtime, dtype: RealType
 ) -> RegressorStage:
     """Nodes of 4 bytes; nested ifs where the scene asks for them.
 
     Raises UsageError for a forest that is too large for either.
     """
-    forest = forest.on_columns(kept)
+    forest = forest.on_columns(used)
     leaves = quantised_leaves(forest)
     if runtime.forest == "m2cgen":
-        return IfsStage(forest, leaves, len(kept), dtype)
+        return IfsStage(forest, leaves, len(used), dtype)
     compact = compact_forest(forest, leaves)
     vectors = runtime.target == "host"
-    return CompactForestStage(forest, leaves, len(kept), dtype, compact, vectors)
+    return CompactForestStage(forest, leaves, len(used), dtype, compact, vectors)
 
 
 def score_source(forest: Forest, leaves: QuantisedLeaves) -> str:
@@ -274,7 +274,7 @@ class RbfStage(RegressorStage):
 
 
 @regressor_stage.register
-def rbf_stage(rbf: Rbf, kept: Columns, runtime: Runtime, dtype: RealType) -> RbfStage:
+def rbf_stage(rbf: Rbf, used: Columns, runtime: Runtime, dtype: RealType) -> RbfStage:
     """Pad the centers. Raises UsageError for anything but two features."""
     n, n_features = rbf.centers.shape
     if n_features != 2:
@@ -321,6 +321,6 @@ class LinearStage(RegressorStage):
 
 
 @regressor_stage.register
-def linear_stage(linear: Linear, kept: Columns, runtime: Runtime, dtype: RealType) -> LinearStage:
+def linear_stage(linear: Linear, used: Columns, runtime: Runtime, dtype: RealType) -> LinearStage:
     """Weights of the columns that the regressor uses."""
-    return LinearStage(dtype(linear.intercept_n), linear.weights_n[kept].astype(dtype))
+    return LinearStage(dtype(linear.intercept_n), linear.weights_n[used].astype(dtype))

@@ -220,16 +220,16 @@ class RegressorStage(ABC):
 
 
 @singledispatch
-def feature_stage(features: Features, kept: Columns, dt_s: float, dtype: RealType) -> FeatureStage:
-    """The C of the columns `kept` of some features; each kind registers its own."""
+def feature_stage(features: Features, used: Columns, dt_s: float, dtype: RealType) -> FeatureStage:
+    """The C of the columns `used` of some features; each kind registers its own."""
     raise TypeError(f"{type(features).__name__} has no stage: register one with feature_stage")
 
 
 @singledispatch
 def regressor_stage(
-    regressor: Regressor, kept: Columns, runtime: Runtime, dtype: RealType
+    regressor: Regressor, used: Columns, runtime: Runtime, dtype: RealType
 ) -> RegressorStage:
-    """The C of a regressor on the columns `kept`; each kind registers its own."""
+    """The C of a regressor on the columns `used`; each kind registers its own."""
     raise TypeError(f"{type(regressor).__name__} has no stage: register one with regressor_stage")
 
 

@@ -38,7 +38,7 @@ TIME_S = 0.004  # of the low-pass
 
 @dataclass(frozen=True, eq=False)
 class FirStage(FeatureStage):
-    """orders: those kept. taps: shape (orders, length), zero beyond `n_taps`."""
+    """orders: those used. taps: shape (orders, length), zero beyond `n_taps`."""
 
     orders: tuple[float, ...]
     taps: Reals
@@ -109,17 +109,17 @@ def tap_sums(taps: Reals, newest_first: Reals, n: int) -> Reals:
 
 
 @feature_stage.register
-def fir_stage(bank: FirBank, kept: Columns, dt_s: float, dtype: RealType) -> FirStage:
-    """Keep the columns `kept` of the bank."""
+def fir_stage(bank: FirBank, used: Columns, dt_s: float, dtype: RealType) -> FirStage:
+    """Keep the columns `used` of the bank."""
     n_taps = len(bank.taps)
-    taps: Reals = np.zeros((max(len(kept), 1), padded(n_taps, SUMS)), dtype=dtype)
-    taps[: len(kept), :n_taps] = bank.taps[:, kept].T
-    return FirStage(orders=tuple(bank.orders[i] for i in kept), taps=taps, n_taps=n_taps)
+    taps: Reals = np.zeros((max(len(used), 1), padded(n_taps, SUMS)), dtype=dtype)
+    taps[: len(used), :n_taps] = bank.taps[:, used].T
+    return FirStage(orders=tuple(bank.orders[i] for i in used), taps=taps, n_taps=n_taps)
 
 
 @dataclass(frozen=True, eq=False)
 class LagsStage(FeatureStage):
-    """lags: those kept, in samples; difference: past positions enter as x(t) - x(t - lag)."""
+    """lags: those used, in samples; difference: past positions enter as x(t) - x(t - lag)."""
 
     lags: NDArray[np.uint32]
     difference: bool
@@ -164,9 +164,9 @@ class LagsStage(FeatureStage):
 
 
 @feature_stage.register
-def lags_stage(lags: Lags, kept: Columns, dt_s: float, dtype: RealType) -> LagsStage:
-    """Keep the lags `kept`."""
-    chosen = np.array([lags.samples[i] for i in kept] or [0], dtype=np.uint32)
+def lags_stage(lags: Lags, used: Columns, dt_s: float, dtype: RealType) -> LagsStage:
+    """Keep the lags `used`."""
+    chosen = np.array([lags.samples[i] for i in used] or [0], dtype=np.uint32)
     return LagsStage(lags=chosen, difference=lags.difference)
 
 
@@ -212,9 +212,9 @@ class PositionVelocityStage(FeatureStage):
 
 @feature_stage.register
 def position_velocity_stage(
-    features: PositionVelocity, kept: Columns, dt_s: float, dtype: RealType
+    features: PositionVelocity, used: Columns, dt_s: float, dtype: RealType
 ) -> PositionVelocityStage:
-    """Depth and its velocity, whichever of them are `kept`."""
+    """Depth and its velocity, whichever of them are `used`."""
     per_step = [1.0 / (j * dt_s) for j in range(1, features.length + 1)]
     return PositionVelocityStage(np.array(per_step, dtype=dtype), dtype(features.band_m))
 

@@ -23,13 +23,13 @@ static inline void sp_damage_rest(uint32_t n, sp_real u, sp_real *deepest)
 /* Share of one curve. healed: of M - v, in this tick. */
 static inline sp_real sp_damage_share(sp_real healed, sp_real v, sp_real *deepest)
 {
-    const sp_real kept = *deepest - healed * (*deepest - v);
-    if (!(kept > v)) {
+    const sp_real left = *deepest - healed * (*deepest - v);
+    if (!(left > v)) {
         *deepest = v;
         return (sp_real)1;
     }
-    *deepest = kept;
-    const sp_real share = v / kept;
+    *deepest = left;
+    const sp_real share = v / left;
     return share < (sp_real)1 ? share : (sp_real)1; /* it is: the analyser sees it so */
 }
 

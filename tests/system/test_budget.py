@@ -26,10 +26,10 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
     ("what", "most"),
     [
         ("codegen/*.py", 6681),
-        ("trainer/*.py", 8682),
+        ("trainer/*.py", 8681),
         ("host/*.py", 13400),
         ("runtime_c/*.[ch] codegen/*.j2", 7876),
-        ("tests/*.py", 20427),
+        ("tests/*.py", 20423),
     ],
 )
 def test_lines(what: str, most: int) -> None:

@@ -24,16 +24,16 @@ _LATE = 5  # samples by which clocks of two recordings may overlap
 def contact_of(recordings: Sequence[Recording]) -> tuple[Contact, str]:
     """Return "surface" where force is 0 at position 0, "always" where the tool never leaves.
 
-    And why there is no surface, where nobody said so. The tool never leaves where an importer moved
-    the zero, or where force at the lowest depth is 2 % of the peak or more and no recording shows
-    where contact begins. (One that does has a tare: it is no force that the object pushes with.)
+    And why there is no surface, unless a person stated it. The tool never leaves if an importer
+    moved the zero, or if force at the lowest depth is 2 % of the peak or more and no recording
+    shows where contact begins. (One that does has a tare: the object does not push with it.)
     Nor does it leave what holds it: `pulls`.
     """
     moved = [recording.name for recording in recordings if recording.zero != "none"]
     if moved and len(moved) != len(recordings):
-        kept = next(recording.name for recording in recordings if recording.zero == "none")
+        without = next(recording.name for recording in recordings if recording.zero == "none")
         raise DataError(
-            f"{moved[0]} was imported with --zero and {kept} without: import all the same way"
+            f"{moved[0]} was imported with --zero and {without} without: import all the same way"
         )
     if moved:
         return "always", ""

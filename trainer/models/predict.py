@@ -19,8 +19,8 @@ from springpot.trainer.models.depths import depth_m, motions
 from springpot.trainer.models.passive.passive_force import model_along
 from springpot.trainer.recordings.recording import Recording, Site, Zero, site_words
 
-_DEEP = 1.5  # times the trained depth: from here on it is said
-_TOO_DEEP = 10.0  # and from here on refused: no extrapolation, but another unit
+_DEEP = 1.5  # times the trained depth: from here on a line warns
+_TOO_DEEP = 10.0  # and from here on it is refused: no extrapolation, but another unit
 
 
 def predict_n(model: Model, recording: Recording) -> Samples:
@@ -194,12 +194,12 @@ def require_compatible(recording: Recording, model: Model, tick_s: float | None 
     tick_s: of the scene, which may have a rate of its own; without one, the model's. A model that
     is exact at any rate takes slower recordings too, see `at_ticks`.
     """
-    dt_s, whose = (model.dt_s, "model") if tick_s is None else (tick_s, "scene")
+    dt_s, owner = (model.dt_s, "model") if tick_s is None else (tick_s, "scene")
     ticks_between = recording.dt_s / dt_s
     slower = tick_s is not None and model.exact_at_any_rate and ticks_between > 1.0
     if not slower and abs(ticks_between - 1.0) > 1e-3:
         raise DataError(
-            f"{recording.name} is sampled at {recording.rate_hz:g} Hz, the {whose} at "
+            f"{recording.name} is sampled at {recording.rate_hz:g} Hz, the {owner} at "
             f"{1 / dt_s:g} Hz: import it from its source with --resample-hz {1 / dt_s:g}"
         )
     moved = zero_of(model) != "none"

@@ -28,7 +28,7 @@ class Conditioning:
     mass_kg: of what moves beyond the load cell; its inertial force is removed.
     tare: force without contact, N, or "auto": found out of contact.
     contact_force: force above the tare that marks the surface, N, or "auto": just above the noise.
-    accept_signs: signs that the data speak against are those of the rig; said wherever it is used.
+    accept_signs: signs that the data speak against are those of the rig; each use repeats it.
 
     >>> Conditioning(tare="auto", mass_kg=0.02).mass_kg
     0.02

@@ -188,7 +188,7 @@ def _way_back_m(passes_m: list[float], noise: float, low_m: float) -> tuple[floa
     ways between them are in the ratio r = 3^(1/n), and x_0 is the first way over r - 1 above the
     threshold's position (Aitken). Open is the difference from the line through the first two,
     r = 3, with what noise, a share of the threshold, moves that by. A law that is nearly
-    exponential, r = 1, has no surface that could be told. Force that passes the threshold alone
+    exponential, r = 1, has no surface to find. Force that passes the threshold alone
     shows none either: it is anywhere up to low_m, the highest position above the object.
     """
     ways_m = np.maximum(np.diff(passes_m), 0.0)

@@ -40,7 +40,7 @@ CREATE TABLE part (id INTEGER PRIMARY KEY, checksum INTEGER NOT NULL, content BL
 class JournalWriter:
     """Write one recording as it is made; `finish` turns it into an HDF5 file.
 
-    Use it as a context manager: where it is left by an error, what was recorded is kept in the
+    Use it as a context manager: where it is left by an error, what was recorded stays in the
     journal, and one line reports it. Where nothing was recorded, no journal is left.
     """
 

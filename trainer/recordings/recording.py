@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal, get_args
 
 import numpy as np
 
-from springpot.codegen.arrays import Samples, kept_numbers
+from springpot.codegen.arrays import Samples, frozen_numbers
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.messages import number_of
 
@@ -85,7 +85,7 @@ class Recording:
         object.__setattr__(self, "zero", zero_word(self.zero))
         object.__setattr__(self, "dt_s", _seconds(self.dt_s, self.name))
         for channel in ("position_m", "force_n"):
-            object.__setattr__(self, channel, kept_numbers(getattr(self, channel), channel))
+            object.__setattr__(self, channel, frozen_numbers(getattr(self, channel), channel))
         channels = {"position": self.position_m, "force": self.force_n, **self.channels}
         for channel, samples in channels.items():
             if samples.ndim != 1 or samples.shape != self.position_m.shape:
@@ -182,7 +182,7 @@ class Recording:
 
     @property
     def signs_accepted(self) -> bool:
-        """Whether a person said on import that the signs are right, whatever the data say."""
+        """Whether a person stated on import that the signs are right, whatever the data say."""
         return self.details.get("accepted_signs") is True
 
     @property

@@ -165,6 +165,6 @@ def _straightened_n(recording: Recording, smooth_s: float) -> float:
     """RMS that smoothing takes off a force in contact beyond its noise, N."""
     samples = smoothing_samples(smooth_s, recording.dt_s)
     contact = np.abs(recording.force_n) > _IN_CONTACT * np.abs(recording.force_n).max()
-    taken_n = (recording.force_n - smoothed(recording, smooth_s).force_n)[contact]
+    removed_n = (recording.force_n - smoothed(recording, smooth_s).force_n)[contact]
     noise_n = sensor_noise_n(recording.force_n)
-    return math.sqrt(max(0.0, float(np.mean(taken_n**2)) - noise_n**2 * (1.0 - 1.0 / samples)))
+    return math.sqrt(max(0.0, float(np.mean(removed_n**2)) - noise_n**2 * (1.0 - 1.0 / samples)))

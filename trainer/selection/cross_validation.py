@@ -1,4 +1,4 @@
-"""Error of forests on rows that a fit has not seen, whose features are made once for all folds."""
+"""Error of forests on rows that a fit has not seen; features are made once for all folds."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -19,13 +19,13 @@ _TEST_ROWS = 12_000
 
 @dataclass(frozen=True, eq=False)
 class RowFold:
-    """One fold of a family: which of the fitted rows it keeps, which of the tested ones it holds.
+    """One fold of a family: the fitted rows that are shown, the tested ones that are held out.
 
     left_n: what the passive part, fitted without this fold, leaves over at all tested rows, N.
     """
 
     family: int
-    kept: Flags
+    shown: Flags
     held: Flags
     left_n: Samples
 
@@ -49,9 +49,8 @@ class FoldedRows:
         )
         measured_n, test_n = data.force_n(self.fitted), data.force_n(self.tested)
         for fold in self.folds:
-            kept, held = fold.kept, fold.held
-            forest = fitted_forest(options, values[kept], measured_n[kept])
-            yield rms(forest.predict(test_values[held]) - test_n[held])
+            forest = fitted_forest(options, values[fold.shown], measured_n[fold.shown])
+            yield rms(forest.predict(test_values[fold.held]) - test_n[fold.held])
 
 
 def folded_rows(data: TrainingSet, options: FitOptions) -> FoldedRows:
@@ -67,10 +66,10 @@ def folded_rows(data: TrainingSet, options: FitOptions) -> FoldedRows:
     folds = []
     for family, (of_fitted, of_tested) in enumerate(zip(*families, strict=True)):
         for number in of_fitted.tested:
-            kept, held = of_fitted.number != number, of_tested.number == number
-            if kept.any() and held.any():
+            shown, held = of_fitted.number != number, of_tested.number == number
+            if shown.any() and held.any():
                 weights = passive.weights_without(family, number)
                 if weights is not None:
                     left_n = test_n - passive.rows.given_n(test_values @ weights)
-                    folds.append(RowFold(family, kept, held, left_n))
+                    folds.append(RowFold(family, shown, held, left_n))
     return FoldedRows(data, fitted, tested, tuple(folds))

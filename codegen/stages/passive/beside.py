@@ -150,14 +150,14 @@ class DamageCurves:
         for k, (healed, begin) in enumerate(
             zip(numbers(self.healed), numbers(deepest), strict=True)
         ):
-            kept_along, most = [], begin
+            along, most = [], begin
             for its_v in numbers(v):
-                kept = most - healed * (most - its_v)
-                kept_along.append(kept)
-                most = kept if kept > its_v else its_v
-            kept = np.array(kept_along, dtype=u.dtype)
-            below = kept > v
-            share = np.where(below, v / np.where(below, kept, u.dtype.type(1)), u.dtype.type(1))
+                left = most - healed * (most - its_v)
+                along.append(left)
+                most = left if left > its_v else its_v
+            left = np.array(along, dtype=u.dtype)
+            below = left > v
+            share = np.where(below, v / np.where(below, left, u.dtype.type(1)), u.dtype.type(1))
             force_n += values[:, k] * (share if k < self.n_linear else share * share * share)
             ends[k] = most
         return force_n, ends

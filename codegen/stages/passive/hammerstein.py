@@ -19,7 +19,7 @@ from springpot.codegen.stages.passive.beside import (
 )
 from springpot.codegen.stages.passive.maxwell import MaxwellBranches, branch_steps
 from springpot.codegen.stages.passive.motion import PassiveMotion
-from springpot.codegen.stages.passive.placed import PlacedCurves, Taken, placed_curves
+from springpot.codegen.stages.passive.placed import PlacedCurves, PlaceTicks, placed_curves
 from springpot.codegen.stages.stage import (
     DOUBLE,
     REAL,
@@ -220,23 +220,23 @@ class HammersteinStage(Stage):
     def _surface_instructions(self, costs: Costs) -> float:
         return costs.surface + self.config.n_pieces * costs.surface_piece if self.surface else 0.0
 
-    def reference(self, depth: Reals, starts: Starts, taken: Taken = ()) -> Reals:
+    def reference(self, depth: Reals, starts: Starts, places: PlaceTicks = ()) -> Reals:
         """Force of every tick, (n,), N.
 
-        taken: ticks in which a place is, m, the first of them in the first; without any, the most
-        of all places.
+        places: the first tick of each, m, the first of them in tick 0; without any, the most of all
+        places.
         """
         config = self.config
         u = (depth - config.origin_m) * config.per_span
         force_n = np.empty_like(u)
-        places = dict(taken)
-        later = [tick for tick in places if 0 < tick < len(depth)]
+        chosen = dict(places)
+        later = [tick for tick in chosen if 0 < tick < len(depth)]
         changes = np.union1d(starts, later).astype(np.intp)
         stage = self
         for begin, end, rests in segments(len(depth), changes):
             # A restart leaves the model at rest at u; the C's state begins as zeros.
             at_rest = u[begin] if rests else u.dtype.type(0)
-            stage = self.at(places[begin]) if begin in places else stage
+            stage = self.at(chosen[begin]) if begin in chosen else stage
             force_n[begin:end] = PassiveMotion(stage, at_rest).along(u[begin:end])[0]
         return force_n if self.pulls else np.where(force_n > 0, force_n, u.dtype.type(0))
 

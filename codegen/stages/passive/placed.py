@@ -14,7 +14,7 @@ from springpot.codegen.types import RealType
 
 _STIFFEST = "stiffest"
 _ROUNDED_UP = 1.0 + 1e-5
-Taken = Sequence[tuple[int, tuple[float, float]]]  # ticks in which a place is taken, and which
+PlaceTicks = Sequence[tuple[int, tuple[float, float]]]  # first tick of a place, m
 
 
 @dataclass(frozen=True)
@@ -87,8 +87,8 @@ class PlacedCurves:
         per_step = np.array([config.per_step_x, config.per_step_y])
         return first_m, per_step, np.array(place_m, dtype=first_m.dtype)
 
-    def taken(self, asked: Taken, lets_in: Callable[[int], int]) -> Taken:
-        """Places that are taken, and the rows in which they are, from those that are asked for.
+    def felt(self, asked: PlaceTicks, lets_in: Callable[[int], int]) -> PlaceTicks:
+        """Places that are felt, and the first row of each, from those that are asked for.
 
         asked: rows from which each is asked for, in order; lets_in: the first row from one on in
         which the tool is off the object, or the history restarts. A place that is felt already

@@ -2,7 +2,7 @@
 
 The force at a place is linear in what its materials are, and in how much there is of each. So each
 of the two is found by non-negative least squares from the sites' normal equations while the other
-is kept.
+stays.
 """
 
 from collections.abc import Sequence
@@ -96,9 +96,9 @@ class MapProblem:
         here = self.amounts
         scaled = [_scaled(self.sites[k], here[k : k + 1]) for k in self.full]
         weights = sparse_solve(self._smooth(reduce(add, scaled), 1), self.terms.blocks, SPARSE_LOSS)
-        kept = np.bincount(self.terms.blocks, weights) > 0.0
-        kept[0] = True  # the spring
-        columns = kept[self.terms.blocks]
+        used = np.bincount(self.terms.blocks, weights) > 0.0
+        used[0] = True  # the spring
+        columns = used[self.terms.blocks]
         square = np.ix_(columns, columns)
         sites = [
             replace(its, matrix=its.matrix[square], vector=its.vector[columns])

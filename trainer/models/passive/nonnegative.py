@@ -118,10 +118,10 @@ def sparse_solve(normal: Normal, blocks: Indices, loss: float) -> Samples:
     limit = (1.0 + loss) * normal.rmse(weights)
     while True:
         size = np.bincount(blocks, normal.contribution(weights))
-        kept = size[blocks] > 0.0
+        present = size[blocks] > 0.0
         trials = []
         for block in np.argsort(np.where(size > 0.0, size, np.inf))[:_TRIED]:
-            without = kept & (blocks != block)
+            without = present & (blocks != block)
             if size[block] > 0.0 and without.any():
                 trial = normal.solve(without, weights)
                 trials.append((normal.rmse(trial), trial))

@@ -78,11 +78,11 @@ class PassiveChoice:
         """Fitted without a fold of a family, (terms,), N; None if that leaves no rows."""
         _, first = np.unique(self.rows.piece, return_index=True)
         numbers = self.rows.families[family].number[first]
-        kept = [part for part, its in zip(self.parts, numbers, strict=True) if its != fold]
-        if sum(part.rows for part in kept) == 0:
+        others = [part for part, its in zip(self.parts, numbers, strict=True) if its != fold]
+        if sum(part.rows for part in others) == 0:
             return None
-        kept_normal = _penalised(kept, self.penalty, self.terms)
-        return self.rows.peak_n * kept_normal.solve(near=self._all_weights)
+        normal = _penalised(others, self.penalty, self.terms)
+        return self.rows.peak_n * normal.solve(near=self._all_weights)
 
     def judged(self, values: Samples) -> "PassiveChoice":
         """The same with its errors; values of its terms at all rows, (rows, terms)."""

@@ -206,19 +206,19 @@ def to_model(terms: Terms, weights: Samples) -> Hammerstein:
 
 
 def _flow(terms: Terms, force_n: Samples) -> Flow | None:
-    kept = [(*each, n) for each, n in zip(terms.flow, force_n.tolist(), strict=True) if n > 0.0]
-    if not kept:
+    used = [(*each, n) for each, n in zip(terms.flow, force_n.tolist(), strict=True) if n > 0.0]
+    if not used:
         return None
-    tau_s, power, degree, its_n = (np.array(each) for each in zip(*kept, strict=True))
+    tau_s, power, degree, its_n = (np.array(each) for each in zip(*used, strict=True))
     return Flow(1.0 / (tau_s * FLOW_SHARE ** (power - 1.0)), power, degree, its_n)
 
 
 def _damage(terms: Terms, curve_n: Samples) -> Damage | None:
-    kept = curve_n.any(axis=1)
-    if not kept.any():
+    used = curve_n.any(axis=1)
+    if not used.any():
         return None
-    heal_s, power = (np.array(each)[kept] for each in zip(*terms.damage, strict=True))
-    return Damage(heal_s, power, curve_n[kept])
+    heal_s, power = (np.array(each)[used] for each in zip(*terms.damage, strict=True))
+    return Damage(heal_s, power, curve_n[used])
 
 
 def parameter_count(model: Hammerstein) -> int:

@@ -2,7 +2,7 @@
 
 A passive model is fitted along the tool's way. If its surface recovers (sp_surface.h), it is not
 where the tool is while that is away, and what it remembers is another thing. So it is fitted again
-along the way that it took itself, a few times, and kept if that explains the recordings better.
+along the way that it took itself, a few times, and stays if it explains the recordings better.
 """
 
 from collections.abc import Sequence
