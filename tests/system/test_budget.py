@@ -26,10 +26,10 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
     ("what", "most"),
     [
         ("codegen/*.py", 6681),
-        ("trainer/*.py", 8681),
+        ("trainer/*.py", 8685),
         ("host/*.py", 13400),
         ("runtime_c/*.[ch] codegen/*.j2", 7876),
-        ("tests/*.py", 20423),
+        ("tests/*.py", 20433),
     ],
 )
 def test_lines(what: str, most: int) -> None:

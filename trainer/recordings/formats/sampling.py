@@ -82,11 +82,9 @@ def to_recording(raw: RawChannels, name: str, resample_hz: float | None) -> Reco
     without `resample_hz`, uneven steps before the file's end; too few rows; channels that are not
     arrays of one shape (n,). `details` says what was done.
     """
-    raw, repeats = _usable_rows(raw, resample_hz is not None)
+    raw, notes = _usable_rows(raw, resample_hz is not None)
     _require_samples(raw)
-    details, steps_s = dict(raw.details), np.diff(raw.time_s)
-    if repeats:
-        details["repeated_rows"] = f"{number_of(repeats, 'row')} left out, equal to the row before"
+    details, steps_s = {**raw.details, **notes}, np.diff(raw.time_s)
     off = raw.is_off(steps_s)
     if resample_hz is None and len(steps_s) > _EVEN_STEPS and off[0] and not off[1:].any():
         details["first_row_cut"] = (
@@ -131,8 +129,8 @@ def to_recording(raw: RawChannels, name: str, resample_hz: float | None) -> Reco
 
 
 def sampling_notes(recording: Recording) -> list[str]:
-    """Return lines about a first row that was cut, gaps that were filled, and an uneven end."""
-    keys = ("repeated_rows", "first_row_cut", "gaps")
+    """Return lines about rows that were left out, gaps that were filled, and an uneven end."""
+    keys = ("empty_ends", "repeated_rows", "first_row_cut", "gaps")
     notes = [recording.details[key] for key in keys if key in recording.details]
     if tail := recording.details["sampling"].get("tail"):
         notes.append(
@@ -143,16 +141,22 @@ def sampling_notes(recording: Recording) -> list[str]:
     return notes
 
 
-def _usable_rows(raw: RawChannels, fill: bool) -> tuple[RawChannels, int]:
-    """Leave out rows written twice, and count them; with `fill`, rows without a number too."""
+def _usable_rows(raw: RawChannels, fill: bool) -> tuple[RawChannels, dict[str, str]]:
+    """Leave out rows written twice, and with `fill` rows without a number; and say so, by key."""
     channels = (raw.time_s, raw.position_m, raw.force_n)
     if {np.shape(channel) for channel in channels} != {(len(raw.rows),)} or not len(raw.rows):
-        return raw, 0
-    numbers = np.asarray(np.isfinite(channels).all(axis=0))
+        return raw, {}
+    notes, numbers = {}, np.asarray(np.isfinite(channels).all(axis=0))
     if fill and numbers.any() and not numbers.all():
-        return _usable_rows(raw.part(numbers), fill)
-    new = np.append(True, np.any([np.diff(channel) != 0.0 for channel in channels], axis=0))
-    return raw.part(new), int(np.count_nonzero(~new))
+        inside = np.flatnonzero(numbers)
+        if ends := len(numbers) - 1 - int(inside[-1] - inside[0]):
+            notes["empty_ends"] = f"{number_of(ends, 'row')} without a number at the ends: left out"
+        raw = raw.part(numbers)
+    steps = [np.diff(channel) != 0.0 for channel in (raw.time_s, raw.position_m, raw.force_n)]
+    new = np.append(True, np.any(steps, axis=0))
+    if repeats := int(np.count_nonzero(~new)):
+        notes["repeated_rows"] = f"{number_of(repeats, 'row')} left out, equal to the row before"
+    return raw.part(new), notes
 
 
 def _require_samples(raw: RawChannels) -> None:

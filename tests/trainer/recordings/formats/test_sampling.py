@@ -55,6 +55,16 @@ def test_a_gap_is_found_at_any_row_and_a_logger_that_slows_down_has_none(
     assert f"row {row + 2}: gap of" in refusal(tmp_path, rows(even), rate=100.0)
 
 
+def test_rows_without_a_number_at_the_ends_are_left_out_with_a_line(tmp_path: Path) -> None:
+    time_s = np.arange(100) * 0.01
+    lines = rows(time_s, "%.2f").splitlines()
+    for k in (1, 50, 99, 100):
+        lines[k] = lines[k].rpartition(",")[0] + ","
+    found = load(tmp_path, "\n".join(lines) + "\n", resample_hz=100.0)
+    assert found.details["empty_ends"] == "3 rows without a number at the ends: left out"
+    assert len(found.force_n) == 97 and found.details["empty_ends"] in sampling_notes(found)
+
+
 @pytest.mark.parametrize("first_s", [2.08e-3, 0.5e-3, 0.3])
 def test_a_first_row_that_is_out_of_step_is_cut(first_s: float, tmp_path: Path) -> None:
     """Interpolation onto it would blur every other sample, and lower the noise floor."""
