@@ -29,7 +29,7 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
         ("trainer/*.py", 8685),
         ("host/*.py", 13400),
         ("runtime_c/*.[ch] codegen/*.j2", 7876),
-        ("tests/*.py", 20433),
+        ("tests/*.py", 20469),
     ],
 )
 def test_lines(what: str, most: int) -> None:
