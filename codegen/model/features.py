@@ -192,11 +192,13 @@ class Lags(Features):
 class PositionVelocity(Features):
     """Position (m) and velocity (m/s) by first-order adaptive windowing.
 
-    length: maximum number of steps of the window. band_m: noise band.
+    length: maximum number of steps of the window. band_m: noise band. weight: of the newest
+    velocity in an exponential moving average; 1: none.
     """
 
     length: int
     band_m: float
+    weight: float = 1.0
 
     @property
     def n_features(self) -> int:

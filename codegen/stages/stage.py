@@ -243,6 +243,11 @@ def flushed(x: Scalar) -> Scalar:
     return x.dtype.type(0) if abs(x) < x.dtype.type(SMALLEST) else x
 
 
+def smoothed(weight: Scalar, average: Scalar, newest: Scalar) -> Scalar:
+    """sp_smooth: a moving average with the newest value in it."""
+    return flushed(average + weight * (newest - average))
+
+
 def bounded(x: Scalar) -> Scalar:
     """sp_bounded: a state within +-LARGEST; what is no number becomes the largest."""
     largest = x.dtype.type(LARGEST)

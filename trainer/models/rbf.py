@@ -35,17 +35,20 @@ Pair = tuple[int, int]
 def fit_rbf_fd(
     name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
 ) -> Fit:
-    """Radial basis functions on two fractional derivatives (equation 12), of all 45 pairs.
+    """Radial basis functions on two fractional derivatives (equation 12), of all pairs of orders.
 
     The pair is chosen by cross-validation over recordings; with options.select "paper" by the error
-    on the validation recordings, as the paper did. Raises UsageError if those are missing then.
+    on the validation recordings, as the paper did. Raises UsageError if those are missing then, or
+    for fewer than two orders.
     """
     begin = time.perf_counter()
-    rows = data.rows(options.fraction, options.seed)
-    bank = fractional_features(data.dt_s, options.window_s, options.engine)
+    rows, orders = data.rows(options.fraction, options.seed), options.orders or PAPER_ORDERS
+    if len(orders) < 2:
+        raise UsageError("orders: rbf-fd chooses two: give at least two")
+    bank = fractional_features(data.dt_s, options.window_s, options.engine, orders)
     values, force_n = data.features(bank, rows), data.force_n(rows)
     feature_s = time.perf_counter() - begin
-    key = ("pairs", options.window_s, options.engine, options.fraction, options.seed)
+    key = ("pairs", orders, options.window_s, options.engine, options.fraction, options.seed)
     families = fold_families(data, rows, options.seed)
     by_folds, search_s = data.once(key, lambda: _pair_errors(values, force_n, families))
     begin = time.perf_counter()
@@ -57,7 +60,7 @@ def fit_rbf_fd(
         raise UsageError("--select paper chooses orders on validation recordings: give --validate")
     search_s += time.perf_counter() - begin
     chosen = pairs[options.select]
-    metadata = {"pairs": {how: [PAPER_ORDERS[i] for i in pair] for how, pair in pairs.items()}}
+    metadata = {"pairs": {how: [orders[i] for i in pair] for how, pair in pairs.items()}}
     features = bank.take(np.array(chosen))
     fit = _fitted("rbf-fd", name, data, options, features, values[:, chosen], force_n, metadata)
     return replace(fit, feature_s=feature_s, search_s=search_s)
@@ -69,7 +72,7 @@ def fit_rbf_pv(
     """Radial basis functions on position and velocity (equation 13, [13])."""
     begin = time.perf_counter()
     rows = data.rows(options.fraction, options.seed)
-    features = foaw_features(data.dt_s)
+    features = foaw_features(data.dt_s, options.velocity_weight)
     values, force_n = data.features(features, rows), data.force_n(rows)
     feature_s = time.perf_counter() - begin
     fit = _fitted("rbf-pv", name, data, options, features, values, force_n, {})
@@ -97,9 +100,9 @@ def _fitted(
     return Fit(model, rows, feature_s=0.0, fit_s=fit_s, metadata=metadata)
 
 
-def foaw_features(dt_s: float) -> PositionVelocity:
-    """Velocity estimate over at most 24 ms, in a band of 15 um (Janabi-Sharifi et al. 2000)."""
-    return PositionVelocity(length=max(1, round(FOAW_S / dt_s)), band_m=FOAW_BAND_M)
+def foaw_features(dt_s: float, weight: float) -> PositionVelocity:
+    """Velocity over at most 24 ms, in a band of 15 um (Janabi-Sharifi et al. 2000), averaged."""
+    return PositionVelocity(max(1, round(FOAW_S / dt_s)), FOAW_BAND_M, weight)
 
 
 def _pair_errors(values: Samples, force_n: Samples, families: Sequence[Folds]) -> dict[Pair, float]:
