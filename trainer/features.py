@@ -231,10 +231,7 @@ def _windowed(taps: Samples, depth_m: Samples, rows: Indices) -> Samples:
 
 @feature_values.register
 def _lag_values(lags: Lags, depth_m: Samples, dt_s: float, rows: Indices) -> Samples:
-    past = [depth_m[np.maximum(rows - lag, 0)] for lag in lags.samples]
-    if lags.difference:
-        past = [past[0], *(past[0] - values for values in past[1:])]
-    return np.stack(past, axis=1)
+    return np.stack([depth_m[np.maximum(rows - lag, 0)] for lag in lags.samples], axis=1)
 
 
 @feature_values.register

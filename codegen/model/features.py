@@ -169,13 +169,9 @@ class RecursiveBank(FractionalBank):
 
 @dataclass(frozen=True)
 class Lags(Features):
-    """The position and past positions.
-
-    samples: lags, ascending, the first one 0. difference: past ones enter as x(t) - x(t - lag).
-    """
+    """The position and past positions. samples: lags, ascending, the first one 0."""
 
     samples: tuple[int, ...]
-    difference: bool
 
     @property
     def n_features(self) -> int:

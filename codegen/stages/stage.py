@@ -94,6 +94,12 @@ class Member:
     __repr__ = short_repr
 
 
+def window_members(samples: str, newest: str, length: int) -> tuple[Member, Member]:
+    """A window, twice so that its samples are contiguous, and where it begins (sp_window.h)."""
+    twice = Member(f"sp_real {samples}[2 * {length}]", (REAL,) * (2 * length))
+    return twice, Member(f"uint32_t {newest}", (U32,))
+
+
 @dataclass(frozen=True, eq=False)
 class Probe:
     """Sums of made-up inputs whose bits the self-test compares.

@@ -29,6 +29,7 @@ from springpot.codegen.stages.stage import (
     padded,
     smoothed,
     stage_code,
+    window_members,
 )
 from springpot.codegen.types import RealType, Scalar
 
@@ -58,12 +59,7 @@ class FirStage(FeatureStage):
 
     @property
     def members(self) -> tuple[Member, ...]:
-        """The window, twice so that its samples are contiguous, and where it begins."""
-        length = self.taps.shape[1]
-        return (
-            Member(f"sp_real history[2 * {length}]", (REAL,) * (2 * length)),
-            Member("uint32_t newest", (U32,)),
-        )
+        return window_members("history", "newest", self.taps.shape[1])
 
     def tables(self) -> list[str]:
         names = ", ".join(f"{order:g}" for order in self.orders)
@@ -119,10 +115,9 @@ def fir_stage(bank: FirBank, kept: Columns, dt_s: float, dtype: RealType) -> Fir
 
 @dataclass(frozen=True, eq=False)
 class LagsStage(FeatureStage):
-    """lags: those kept, in samples; difference: past positions enter as x(t) - x(t - lag)."""
+    """lags: those kept, in samples."""
 
     lags: NDArray[np.uint32]
-    difference: bool
 
     headers = ("sp_lags.h",)
 
@@ -158,8 +153,7 @@ class LagsStage(FeatureStage):
         for rows, samples in held_before(depth, starts, longest):
             n = len(samples) - longest
             for i, lag in enumerate(self.lags.tolist()):
-                past = samples[longest - lag : longest - lag + n]
-                result[rows, i] = samples[longest:] - past if self.difference and lag else past
+                result[rows, i] = samples[longest - lag : longest - lag + n]
         return result
 
 
@@ -167,7 +161,7 @@ class LagsStage(FeatureStage):
 def lags_stage(lags: Lags, kept: Columns, dt_s: float, dtype: RealType) -> LagsStage:
     """Keep the lags `kept`."""
     chosen = np.array([lags.samples[i] for i in kept] or [0], dtype=np.uint32)
-    return LagsStage(lags=chosen, difference=lags.difference)
+    return LagsStage(chosen)
 
 
 @dataclass(frozen=True, eq=False)
@@ -191,14 +185,8 @@ class PositionVelocityStage(FeatureStage):
 
     @property
     def members(self) -> tuple[Member, ...]:
-        """The window, twice so that its samples are contiguous, where it begins; the average."""
-        length = len(self.per_step) + 1
-        average = () if self.weight is None else (Member("sp_real clipped_mps", (REAL,)),)
-        return (
-            Member(f"sp_real clipped_track[2 * {length}]", (REAL,) * (2 * length)),
-            Member("uint32_t clipped_newest", (U32,)),
-            *average,
-        )
+        window = window_members("clipped_track", "clipped_newest", len(self.per_step) + 1)
+        return window if self.weight is None else (*window, Member("sp_real clipped_mps", (REAL,)))
 
     def tables(self) -> list[str]:
         weight = [] if self.weight is None else [constant_text("clipped_weight", self.weight)]

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 f55b06862be6fa3673ec4e18e63955b277ac03bd8c5d8da990569a0d5b7bb6f0 */
+/* springpot 0.1.0 91d8cf7d2d211f5808ad28911b4efe6d436cdbc3d329c531a3501985e216ed3f */
 /* pad: the whole scene, its self-test too. How to call it: soft_pad.h.
  *
  * In the order of a tick: units, each named by its file in springpot and without what this scene does
@@ -141,9 +141,6 @@ static inline uint32_t soft_pad_silence_missed(const soft_pad_silence_config *co
     const float ticks = (silent_s + tick_s) * config->per_dt;
     return ticks >= (float)1.5 ? (uint32_t)(ticks - (float)0.5) : 0;
 }
-
-/* Shortest time step, of a tick: what is divided by it stays finite. */
-#define SP_SILENCE_SHORTEST ((float)0.0009765625)
 
 /* ----------------------------------------------------------------------------------- sp_guard.h */
 
@@ -911,7 +908,7 @@ uint32_t soft_pad_state_size(void)
 
 const char *soft_pad_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"f55b06862be6fa3673ec4e18e63955b277ac03bd8c5d8da990569a0d5b7bb6f0\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"91d8cf7d2d211f5808ad28911b4efe6d436cdbc3d329c531a3501985e216ed3f\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 f55b06862be6fa3673ec4e18e63955b277ac03bd8c5d8da990569a0d5b7bb6f0 */
+/* springpot 0.1.0 91d8cf7d2d211f5808ad28911b4efe6d436cdbc3d329c531a3501985e216ed3f */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SOFT_PAD_RATE_HZ:

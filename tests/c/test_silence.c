@@ -76,21 +76,6 @@ TEST(silences_add_up)
 static const sp_silence_config exact = {
     .dt_s = TICK, .per_dt = (sp_real)1024, .watchdog_s = (sp_real)20.5 * TICK};
 
-TEST(the_last_tick_lasts_what_the_missed_ones_leave)
-{
-    const struct {
-        double silent, tick;
-        uint32_t left;
-        double lasts;
-    } cases[] = {{3, 0.5, 3, 0.5}, {3, 1.25, 3, 1.25}, {0, 1, 0, 1}, {3, 0.25, 4, 0.0009765625}};
-    for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        const sp_silence_state state = {.silent_s = (sp_real)cases[i].silent * TICK};
-        const sp_real tick_s = (sp_real)cases[i].tick * TICK;
-        const sp_real last_s = sp_silence_last(&exact, &state, tick_s, cases[i].left);
-        CHECK(last_s == (sp_real)cases[i].lasts * TICK);
-    }
-}
-
 TEST(half_a_tick_more_is_a_tick_missed)
 {
     const sp_silence_state one = {.silent_s = TICK};

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 ee7bbb17ca0ce5a10af3c4a4564eb855913b24a5f5da9c5e68afa83522d9b662 */
+/* springpot 0.1.0 e5c241e44d494eeaa72725db074867a74a4f67b9fc019c37cffb603b79bbd893 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 609f54482b9bb9444b6dddeefef62a1f4da4f6237e89f05f56a8b597417dac37 */
+/* springpot 0.1.0 01e8c98a926f568f9deabb1d8f86554fdf17c3b47004cca8477bea73b944fdaf */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:
