@@ -4,7 +4,6 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.signal import lfilter
 from scipy.special import gamma
 
 Samples = NDArray[np.float64]
@@ -58,11 +57,6 @@ def coupled_n(
         before_m = tool
         found_n.append(coupling_n)
     return np.array(found_n)
-
-
-def averaged_n(force_n: Samples) -> Samples:
-    """The moving average of section V, of weight 0.7 on the newest."""
-    return np.asarray(lfilter([0.7], [1.0, -0.3], force_n))
 
 
 def growth(damping_nspm: float) -> float:

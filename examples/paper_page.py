@@ -20,8 +20,7 @@ STYLE = """
 body { font: 15px/1.4 sans-serif; margin: 2rem auto; max-width: 80rem; padding: 0 1rem }
 table { border-collapse: collapse; width: 100% } figure { margin: 2rem 0 }
 td, th { border: 1px solid #ccc; padding: .3rem; vertical-align: top; text-align: left }
-svg { max-width: 100%; height: auto }
-.agrees { background: #e3f3e6 } .differs { background: #fbe5e2 }
+svg { max-width: 100%; height: auto } .agrees { background: #efe } .differs { background: #fee }
 """
 Line = tuple[str, Samples, Samples, str, str]  # label, x, y, color, style
 
@@ -74,8 +73,7 @@ def lines(number: int, one: Result) -> list[Line]:
               for kind in KINDS),
         ]  # fmt: skip
     if number == 8:
-        return [*percentiles(one), ("just noticeable, above 2 N: 10 %", np.array([2.0, 10.0]),
-                                    np.array([10.0, 10.0]), "k", "--")]  # fmt: skip
+        return percentiles(one)
     if number == 13:
         ms, (model_n, felt_n) = np.arange(500.0), one.coupled_n
         return [("rf-fd alone, N", ms, model_n[3000:3500], "k", "-"),
@@ -91,7 +89,8 @@ def lines(number: int, one: Result) -> list[Line]:
 def percentiles(one: Result) -> list[Line]:
     """Percentage errors in bins of the measured force, at least 0.25 N."""
     edges = np.arange(0.25, 10.01, 0.75)
-    bins, found = np.digitize(one.measured_n, edges), []
+    bins, jnd = np.digitize(one.measured_n, edges), np.array([[2.0, 10.0], [10.0, 10.0]])
+    found = [("just noticeable above 2 N: 10 %", jnd[0], jnd[1], "k", "--")]
     for kind in KINDS:
         off = 100.0 * np.abs(one.predicted_n[kind] / np.maximum(one.measured_n, 0.25) - 1.0)
         for share, style in ((50, "-"), (95, ":")):
@@ -113,24 +112,21 @@ def panels(number: int, results: Sequence[Result]) -> Figure:
         axes.set_yscale("log" if number == 8 else "linear")
         axes.set_title(one.name, fontsize=9)
         axes.tick_params(labelsize=8)
-    handles, labels = figure.axes[0].get_legend_handles_labels()
-    if labels:
-        figure.legend(handles, labels, loc="outside lower center", ncols=5, frameon=False)
+    labelled = figure.axes[0].get_legend_handles_labels()
+    figure.legend(*labelled, loc="outside lower center", ncols=5, frameon=False)
     return figure
 
 
 def bars(results: Sequence[Result]) -> Figure:
     """Figures 9 and 10."""
     figure = Figure(figsize=(12, 3.2), layout="constrained")
-    errors, times = figure.subplots(1, 2)
-    for shift, kind in enumerate(KINDS):
-        places = np.arange(len(results)) + 0.25 * (shift - 1)
-        for axes, values in ((errors, [one.rmse_n[kind] for one in results]),
-                             (times, [one.modelling_s[kind] for one in results])):  # fmt: skip
-            axes.bar(places, values, 0.24, color=COLORS[kind], label=kind)
-    errors.set_ylabel("RMSE, N")
-    times.set_ylabel("modelling time, s")
-    for axes in (errors, times):
+    for axes, label, name in zip(figure.subplots(1, 2), ("RMSE, N", "modelling time, s"),
+                                 ("rmse_n", "modelling_s"), strict=True):  # fmt: skip
+        for shift, kind in enumerate(KINDS):
+            heights = [getattr(one, name)[kind] for one in results]
+            places = np.arange(len(results)) + 0.25 * (shift - 1)
+            axes.bar(places, heights, 0.24, color=COLORS[kind], label=kind)
+        axes.set_ylabel(label)
         axes.set_xticks(range(len(results)), [one.name for one in results], fontsize=8)
         axes.legend(frameon=False)
     return figure

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from paper_formulas import Samples, averaged_n, coupled_n, rms
+from paper_formulas import Samples, coupled_n, rms
+from scipy.signal import lfilter
 
 OBJECTS = ("ecoflex-00-10", "ecoflex-00-30", "ecoflex-00-50", "dragon-skin-fx", "dragon-skin-10")
 KINDS = ("rf-fd", "rbf-fd", "rbf-pv")
@@ -75,8 +76,7 @@ class Result:
     def percent_off(self, kind: str) -> Samples:
         """Absolute error in % of the measured force, where that is above 2 N."""
         above = self.measured_n > 2.0
-        measured_n, predicted_n = self.measured_n[above], self.predicted_n[kind][above]
-        return 100.0 * np.abs(predicted_n - measured_n) / measured_n
+        return 100.0 * np.abs(self.predicted_n[kind][above] / self.measured_n[above] - 1.0)
 
     def shown_error_n(self, kind: str) -> Samples:
         """Error on the signal that figure 7 shows, (n,)."""
@@ -84,10 +84,10 @@ class Result:
 
     @property
     def coupled_n(self) -> tuple[Samples, Samples]:
-        """Force of rf-fd on the signal that is shown, and through Algorithm 1 and the average."""
+        """Force of rf-fd on the signal that is shown, and coupled and averaged."""
         model_n = self.predicted_n["rf-fd"][self.shown]
         felt_n = coupled_n(self.position_m[self.shown], lambda tick, tool, proxy: model_n[tick])
-        return model_n, averaged_n(felt_n)
+        return model_n, lfilter([0.7], [1.0, -0.3], felt_n)
 
     def lost_mj(self, kind: str) -> float:
         """Energy that the C takes from a tool in a signal: the area of figure 17's loops."""

@@ -24,7 +24,7 @@ from paper_page import headline, page
 from paper_results import COUPLED, KINDS, OBJECTS, ORDERS, OWN, PAST, SLOW_S, Hands, Result
 
 import springpot
-from springpot import predict
+from springpot import predict, record
 
 # What the paper does and springpot's defaults do not. The features that a split tries are not
 # stated: a third is what the paper's software takes.
@@ -33,7 +33,6 @@ LETTER: Mapping[str, Mapping[str, Any]] = {
     "rbf-fd": {"select": "paper"},
     "rbf-pv": {"velocity_weight": 0.7},
 }
-AVERAGE_S = 0.00083  # of the force: a weight of 0.7 at 1 kHz
 
 
 def measured(name: str, folder: Path, every: int = 1, n: int = 10, trees: int = 100) -> Result:
@@ -42,14 +41,13 @@ def measured(name: str, folder: Path, every: int = 1, n: int = 10, trees: int = 
     Less work for a test: one press in `every`, n signals, forests of so many trees.
     """
     url = f"sim://{name}?variant=a"
-    presses = springpot.record(url, "paper", folder / "presses", seed=1)
-    raw = springpot.record(url, "validation", folder / "signals", seed=2)[:n]
-    signals = [averaged(signal) for signal in raw]
+    presses = record(url, "paper", folder / "presses", seed=1)
+    signals = [averaged(one) for one in record(url, "validation", folder / "s", seed=2)[:n]]
     train = partial(springpot.train, presses[::every], trees=trees, smooth_s=0.025)
     scene = springpot.Scene(1, "paper", "model.spm")
     scene, coupled = (replace(scene, coupling=replace(scene.coupling, mode=mode),
                               smoothing=replace(scene.smoothing, time_constant_s=average_s))
-                      for mode, average_s in (("off", 0.0), ("tool", AVERAGE_S)))  # fmt: skip
+                      for mode, average_s in (("off", 0.0), ("tool", 0.83e-3)))  # fmt: skip
 
     fits = {kind: train(kind, validation=signals if kind == "rbf-fd" else (), **LETTER[kind])
             for kind in KINDS}  # fmt: skip
@@ -81,6 +79,7 @@ def measured(name: str, folder: Path, every: int = 1, n: int = 10, trees: int = 
     small_ns = {kind: checked("small", fit)["tick_ns"]["hot_median"] for kind, fit in small.items()}
     length = len(signals[0].force_n)
     median = int(np.argsort(errors_n(signals, predicted_n["rf-fd"]))[len(signals) // 2])
+    forces_n = {kind: [predict(fit, one) for one in signals] for kind, fit in more.items()}
     own = springpot.emit(folder / "own", model=more[OWN], scene=scene, accept_unsafe=True)
     return Result(
         name=name,
@@ -91,9 +90,8 @@ def measured(name: str, folder: Path, every: int = 1, n: int = 10, trees: int = 
         importance=importance,
         modelling_s={kind: fit.feature_s + fit.fit_s for kind, fit in {**fits, **more}.items()},
         validated=validated,
-        rmse_n={kind: float(np.mean(errors_n(signals, [predict(fit, one) for one in signals])))
-                for kind, fit in more.items()}
-        | {kind: float(np.mean(errors_n(signals, forces))) for kind, forces in predicted_n.items()},
+        rmse_n={kind: errors_n(signals, found_n).mean() for kind, found_n in
+                {**forces_n, **predicted_n}.items()},
         nodes={"rf-fd": fits["rf-fd"].metadata["n_nodes"], OWN: more[OWN].metadata["n_nodes"]},
         hands={PAST: in_hands(more[PAST], scene), "rf-fd": in_hands(fits["rf-fd"], scene),
                COUPLED: in_hands(fits["rf-fd"], coupled)},
@@ -143,9 +141,10 @@ def in_hands(fit: springpot.Fit, scene: springpot.Scene) -> Hands:
     )
 
 
-def errors_n(signals: Sequence[springpot.Recording], forces_n: Sequence[Samples]) -> list[float]:
-    """RMSE of forces on each signal, N."""
-    return [rms(force_n - one.force_n) for one, force_n in zip(signals, forces_n, strict=True)]
+def errors_n(signals: Sequence[springpot.Recording], forces_n: Sequence[Samples]) -> Samples:
+    """RMSE of forces on each signal, (signals,), N."""
+    pairs = zip(signals, forces_n, strict=True)
+    return np.array([rms(force_n - one.force_n) for one, force_n in pairs])
 
 
 def slow_ticks(loaded: Any, position_m: Samples) -> tuple[Samples, Samples, Samples]:
