@@ -81,7 +81,7 @@ def lines(number: int, one: Result) -> list[Line]:
     if number == 14:
         time_s, slow_n, force_n = (values[:3000] for values in one.slow)
         return [("1 ms, N", time_s, force_n, "k", "-"), ("1.27 ms, N", time_s, slow_n, FIRST, "--")]
-    part = slice(0, one.shown.stop - one.shown.start, 10)
+    part = slice(1000, 4000, 5)
     return [(f"{kind}, N", 1e3 * one.position_m[part], force_n[part], COLORS[kind], "-")
             for kind, force_n in one.predicted_n.items()]  # fmt: skip
 
@@ -90,7 +90,7 @@ def percentiles(one: Result) -> list[Line]:
     """Percentage errors in bins of the measured force, at least 0.25 N."""
     edges = np.arange(0.25, 10.01, 0.75)
     bins, jnd = np.digitize(one.measured_n, edges), np.array([[2.0, 10.0], [10.0, 10.0]])
-    found = [("just noticeable above 2 N: 10 %", jnd[0], jnd[1], "k", "--")]
+    found = [("just noticeable: 10 %", jnd[0], jnd[1], "k", "--")]
     for kind in KINDS:
         off = 100.0 * np.abs(one.predicted_n[kind] / np.maximum(one.measured_n, 0.25) - 1.0)
         for share, style in ((50, "-"), (95, ":")):
@@ -112,8 +112,8 @@ def panels(number: int, results: Sequence[Result]) -> Figure:
         axes.set_yscale("log" if number == 8 else "linear")
         axes.set_title(one.name, fontsize=9)
         axes.tick_params(labelsize=8)
-    labelled = figure.axes[0].get_legend_handles_labels()
-    figure.legend(*labelled, loc="outside lower center", ncols=5, frameon=False)
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center",
+                  ncols=2 * len(results), fontsize=8, frameon=False)  # fmt: skip
     return figure
 
 
@@ -153,6 +153,6 @@ def derivatives() -> Figure:
 def framed(number: int, figure: Figure) -> str:
     """A figure as SVG with its caption."""
     figure.savefig(file := io.StringIO(), format="svg", metadata={"Date": None})
-    svg, name = file.getvalue(), {9: "9, 10", 19: "19, 20"}.get(number, number)
-    caption = f"Figure {name}. {WORDS['captions'][str(number)]}"
+    svg, name = file.getvalue(), {9: "s 9 and 10", 19: "s 19 and 20"}.get(number, f" {number}")
+    caption = f"Figure{name}. {WORDS['captions'][str(number)]}"
     return f"<figure>{svg[svg.index('<svg') :]}<figcaption>{escape(caption)}</figcaption></figure>"

@@ -64,13 +64,12 @@ def measured(name: str, folder: Path, every: int = 1, n: int = 10, trees: int = 
     importance = np.asarray(fits["rf-fd"].metadata["importance"])
 
     forest = partial(train, "rf-fd", **LETTER["rf-fd"])
-    best = tuple(ORDERS[k] for k in sorted(np.argsort(importance)[-5:]))
     as_chosen = {"rbf-fd": {"orders": pairs["paper"]}}  # without the search
     more = {
         **{f"{kind}, all rows": train(kind, fraction=1.0, **as_chosen.get(kind, LETTER[kind]))
            for kind in KINDS},
         "rbf-fd, by cross-validation": train("rbf-fd", orders=pairs["cv"]),
-        "five orders": forest(orders=best),
+        "five orders": forest(orders=[ORDERS[k] for k in sorted(np.argsort(importance)[-5:])]),
         "orders to 1": forest(orders=(*ORDERS, *(0.5 + order for order in ORDERS))),
         PAST: forest(past_positions=True),
         OWN: train("rf-fd"),
