@@ -198,7 +198,8 @@ class PositionVelocityStage(FeatureStage):
         ]
 
     def instructions(self, costs: Costs) -> float:
-        return float(len(self.per_step) * costs.velocity_step + 60.0)
+        average = 0.0 if self.weight is None else 15.0
+        return float(len(self.per_step) * costs.velocity_step + 60.0 + average)
 
     def reference(self, depth: Reals, starts: Starts) -> Reals:
         length = len(self.per_step)
