@@ -220,7 +220,7 @@ def rendering(results: Results) -> dict[str, Found]:
             all(abs(a / b - 1.0) < 0.01 for a, b in zip(as_printed, meant, strict=True))),
         "V, algorithm 1, parameters": (
             f"A stretch grows {printed:.0f} times a step. Stable below "
-            f"{formulas.largest_damping_nspm():.1f} Ns/m", printed <= 1.0),
+            f"{formulas.largest_damping_nspm():.4g} Ns/m", printed <= 1.0),
         "V, virtual coupling": (
             f"Unsteady, of {alone[0].cases[0]}: {bad}. Active cells, of 30: {cells}",
             all(min(each) >= 0 for each in gains) and any(max(each) > 0 for each in gains)),

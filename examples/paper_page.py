@@ -128,7 +128,7 @@ def bars(results: Sequence[Result]) -> Figure:
             axes.bar(places, heights, 0.24, color=COLORS[kind], label=kind)
         axes.set_ylabel(label)
         axes.set_xticks(range(len(results)), [one.name for one in results], fontsize=8)
-        axes.legend(frameon=False)
+    figure.legend(*axes.get_legend_handles_labels(), loc="outside right center", frameon=False)
     return figure
 
 
