@@ -27,11 +27,7 @@ def literal(value: Scalar) -> str:
 
 def array_text(name: str, c_type: str, values: Reals) -> str:
     """`static const` definition of a 1-D or 2-D array, row by row."""
-    if values.ndim == 2:
-        rows, columns = values.shape
-        head = f"static const {c_type} {name}[{rows} * {columns}] = {{"
-    else:
-        head = f"static const {c_type} {name}[{len(values)}] = {{"
+    head = f"static const {c_type} {name}[{' * '.join(map(str, values.shape))}] = {{"
     return "\n".join([head, *wrapped(map(literal, values.ravel())), "};"])
 
 

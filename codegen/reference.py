@@ -10,7 +10,7 @@ from springpot.codegen.plan import Plan
 from springpot.codegen.proxy_motion import ContactTrace, Coupled, proxy_motion, shaped
 from springpot.codegen.stages.model_stages import clip, model_force
 from springpot.codegen.stages.passive.placed import PlaceTicks
-from springpot.codegen.stages.stage import Starts, flushed
+from springpot.codegen.stages.stage import Starts, smoothed
 from springpot.codegen.tool_motion import Followed, Guarded, at_rows, followed, guarded
 from springpot.codegen.types import Scalar
 
@@ -137,9 +137,7 @@ class OutputStage:
         if self._couple is not None:
             force = self._couple.force(x, v, force)
         if self._plan.smooth_alpha is not None:
-            alpha, held = self._plan.smooth_alpha, self._smoothed
-            self._smoothed = flushed(held + alpha * (force - held))
-            force = self._smoothed
+            force = self._smoothed = smoothed(self._plan.smooth_alpha, self._smoothed, force)
         return force
 
     def _forget(self) -> None:

@@ -76,6 +76,7 @@ def train(
     tree_rows: float = FitOptions.tree_rows,
     split_features: float = FitOptions.split_features,
     n_centers: int = FitOptions.n_centers,
+    velocity_weight: float = FitOptions.velocity_weight,
     select: Literal["cv", "paper"] = FitOptions.select,
     engine: Engine | None = FitOptions.engine,
     round_features: bool = FitOptions.round_features,
@@ -98,6 +99,7 @@ def train(
     tree_rows: share of the rows that each tree is fitted on; 1 as usual.
     split_features: share of the features that each split tries.
     n_centers: how many radial basis functions rbf-fd and rbf-pv have.
+    velocity_weight: of the newest velocity in rbf-pv's moving average; 1: no average.
     select: rbf-fd chooses by cross-validation, or as the paper on `validation`.
     engine: of the fractional filters: taps, the same from a few exponentials, or exponentials that
     are exact at any rate; None: taps, and the last where the window is long.

@@ -7,7 +7,7 @@ to the derivative at any rate.
 
 from collections.abc import Sequence
 from functools import singledispatch
-from itertools import pairwise
+from itertools import accumulate, pairwise
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -231,10 +231,7 @@ def _windowed(taps: Samples, depth_m: Samples, rows: Indices) -> Samples:
 
 @feature_values.register
 def _lag_values(lags: Lags, depth_m: Samples, dt_s: float, rows: Indices) -> Samples:
-    past = [depth_m[np.maximum(rows - lag, 0)] for lag in lags.samples]
-    if lags.difference:
-        past = [past[0], *(past[0] - values for values in past[1:])]
-    return np.stack(past, axis=1)
+    return np.stack([depth_m[np.maximum(rows - lag, 0)] for lag in lags.samples], axis=1)
 
 
 @feature_values.register
@@ -243,6 +240,7 @@ def _position_velocity_values(
 ) -> Samples:
     per_step = 1.0 / (dt_s * np.arange(1, features.length + 1))
     held = np.concatenate([np.full(features.length, depth_m[0]), depth_m])
-    windows = sliding_window_view(held, features.length + 1)[rows]
-    velocity = foaw(per_step, np.float64(features.band_m), windows)
-    return np.stack([depth_m[rows], velocity], axis=1)
+    windows = sliding_window_view(held, features.length + 1)
+    velocity, w = foaw(per_step, np.float64(features.band_m), windows), features.weight
+    averages = accumulate(velocity.tolist(), lambda held, new: w * new + (1.0 - w) * held)
+    return np.stack([depth_m, list(averages)], axis=1)[rows]

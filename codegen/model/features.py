@@ -7,6 +7,7 @@ A kind of one's own is a frozen dataclass of this base, with a stage that is reg
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
+from math import log, log1p
 from typing import Any, ClassVar, Self
 
 from springpot.codegen.arrays import Indices, Samples, require, require_positive, require_shape
@@ -169,13 +170,9 @@ class RecursiveBank(FractionalBank):
 
 @dataclass(frozen=True)
 class Lags(Features):
-    """The position and past positions.
-
-    samples: lags, ascending, the first one 0. difference: past ones enter as x(t) - x(t - lag).
-    """
+    """The position and past positions. samples: lags, ascending, the first one 0."""
 
     samples: tuple[int, ...]
-    difference: bool
 
     @property
     def n_features(self) -> int:
@@ -192,11 +189,13 @@ class Lags(Features):
 class PositionVelocity(Features):
     """Position (m) and velocity (m/s) by first-order adaptive windowing.
 
-    length: maximum number of steps of the window. band_m: noise band.
+    length: maximum number of steps of the window. band_m: noise band. weight: of the newest
+    velocity in an exponential moving average; 1: none.
     """
 
     length: int
     band_m: float
+    weight: float = 1.0
 
     @property
     def n_features(self) -> int:
@@ -204,6 +203,13 @@ class PositionVelocity(Features):
 
     def memory_s(self, dt_s: float) -> float:
         return self.length * dt_s
+
+    def settling_s(self, dt_s: float) -> float:
+        averaged = 0.0 if self.weight == 1.0 else log(0.02) / log1p(-self.weight)
+        return self.memory_s(dt_s) + averaged * dt_s
+
+    def require_valid(self) -> None:
+        require(0.0 < self.weight <= 1.0, f"weight: {self.weight} is not within 0 .. 1")
 
     def stiffened(self, factor: float) -> tuple["PositionVelocity", float]:
         return replace(self, band_m=self.band_m / factor), factor

@@ -151,15 +151,12 @@ def foaw(per_step: Reals, band_m: Real, windows: Reals) -> Reals:
     every sample (end-fit; Janabi-Sharifi, Hayward, Chen 2000).
     """
     newest = windows[:, -1]
-    slope = minimum = maximum = np.zeros_like(newest)
-    longer = np.ones(len(newest), dtype=bool)
+    slope, longer = np.zeros_like(newest), np.ones(len(newest), dtype=bool)
+    minimum, maximum = slope - np.inf, slope + np.inf
     for j, per_s in enumerate(per_step):
         rise = newest - windows[:, -2 - j]
         candidate = rise * per_s
         low, high = (rise - band_m) * per_s, (rise + band_m) * per_s
-        if j == 0:
-            slope, minimum, maximum = candidate, low, high
-            continue
         longer &= (candidate >= minimum) & (candidate <= maximum)
         slope = np.where(longer, candidate, slope)
         minimum = np.where(longer & (low > minimum), low, minimum)

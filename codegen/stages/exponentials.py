@@ -15,7 +15,6 @@ from springpot.codegen.model.formulas import SMALLEST, loss_and_gain, numbers, r
 from springpot.codegen.stages.stage import (
     DOUBLE,
     REAL,
-    U32,
     Columns,
     Costs,
     FeatureStage,
@@ -25,8 +24,8 @@ from springpot.codegen.stages.stage import (
     feature_stage,
     held_before,
     padded,
-    segments,
     stage_code,
+    window_members,
 )
 from springpot.codegen.types import RealType
 
@@ -55,11 +54,7 @@ class WeightedSumStage(FeatureStage):
 
     def probe(self) -> Probe:
         rows, vector_width = self.weights.shape
-        return Probe(
-            inputs=rows,
-            outputs=vector_width,
-            sums=self.weigh,
-        )
+        return Probe(rows, vector_width, self.weigh)
 
     def sum_instructions(self, costs: Costs) -> float:
         """Bound of the instructions of the weighted sums alone."""
@@ -137,14 +132,13 @@ class RecursiveStage(WeightedSumStage):
 
     def reference(self, depth: Reals, starts: Starts) -> Reals:
         result = np.zeros((len(depth), self.n_features), dtype=depth.dtype)
-        for begin, end, held in segments(len(depth), starts):
-            first = depth[begin] if held else depth.dtype.type(0)
-            rises = np.diff(depth[begin:end], prepend=first)
+        for rows, samples in held_before(depth, starts, 1):
+            rises = np.diff(samples)
             fast = pole_states(self.loss, rises, np.zeros_like(self.loss))
             slow_rises, at_rest = rises.astype(np.float64), np.zeros_like(self.slow_loss)
             slow = pole_states(self.slow_loss, slow_rises, at_rest)
             states = np.concatenate([fast, slow.astype(depth.dtype)], axis=1)
-            result[begin:end] = self.weigh(states)[:, : self.n_features]
+            result[rows] = self.weigh(states)[:, : self.n_features]
         return result
 
 
@@ -186,13 +180,8 @@ class FastFirStage(WeightedSumStage):
 
     @property
     def members(self) -> tuple[Member, ...]:
-        """The window, twice so that its samples are contiguous; where it begins; the poles."""
-        window = 2 * (self.length + 1)
-        return (
-            Member(f"sp_real history[{window}]", (REAL,) * window),
-            Member("uint32_t newest", (U32,)),
-            Member(f"sp_real poles[{len(self.keep)}]", (REAL,) * len(self.keep)),
-        )
+        poles = Member(f"sp_real poles[{len(self.keep)}]", (REAL,) * len(self.keep))
+        return (*window_members("history", "newest", self.length + 1), poles)
 
     def tables(self) -> list[str]:
         rows, width = self.weights.shape
@@ -211,11 +200,9 @@ class FastFirStage(WeightedSumStage):
 
     def reference(self, depth: Reals, starts: Starts) -> Reals:
         result = np.zeros((len(depth), self.n_features), dtype=depth.dtype)
-        stretches = segments(len(depth), starts)
-        pasts = held_before(depth, starts, self.length)
-        for (begin, end, _), (_, samples) in zip(stretches, pasts, strict=True):
-            terms = self._terms(samples, end - begin)
-            result[begin:end] = self.weigh(terms)[:, : self.n_features]
+        for rows, samples in held_before(depth, starts, self.length):
+            terms = self._terms(samples, rows.stop - rows.start)
+            result[rows] = self.weigh(terms)[:, : self.n_features]
         return result
 
     def _terms(self, samples: Reals, n: int) -> Reals:

@@ -94,6 +94,12 @@ class Member:
     __repr__ = short_repr
 
 
+def window_members(samples: str, newest: str, length: int) -> tuple[Member, Member]:
+    """A window, twice so that its samples are contiguous, and where it begins (sp_window.h)."""
+    twice = Member(f"sp_real {samples}[2 * {length}]", (REAL,) * (2 * length))
+    return twice, Member(f"uint32_t {newest}", (U32,))
+
+
 @dataclass(frozen=True, eq=False)
 class Probe:
     """Sums of made-up inputs whose bits the self-test compares.
@@ -241,6 +247,11 @@ def vector_width_of(runtime: Runtime) -> int:
 def flushed(x: Scalar) -> Scalar:
     """sp_flushed: one number, or 0 where it would be near denormal."""
     return x.dtype.type(0) if abs(x) < x.dtype.type(SMALLEST) else x
+
+
+def smoothed(weight: Scalar, average: Scalar, newest: Scalar) -> Scalar:
+    """sp_smooth: a moving average with the newest value in it."""
+    return flushed(average + weight * (newest - average))
 
 
 def bounded(x: Scalar) -> Scalar:

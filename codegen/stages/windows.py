@@ -25,10 +25,11 @@ from springpot.codegen.stages.stage import (
     Stage,
     Starts,
     feature_stage,
-    flushed,
     held_before,
     padded,
+    smoothed,
     stage_code,
+    window_members,
 )
 from springpot.codegen.types import RealType, Scalar
 
@@ -58,12 +59,7 @@ class FirStage(FeatureStage):
 
     @property
     def members(self) -> tuple[Member, ...]:
-        """The window, twice so that its samples are contiguous, and where it begins."""
-        length = self.taps.shape[1]
-        return (
-            Member(f"sp_real history[2 * {length}]", (REAL,) * (2 * length)),
-            Member("uint32_t newest", (U32,)),
-        )
+        return window_members("history", "newest", self.taps.shape[1])
 
     def tables(self) -> list[str]:
         names = ", ".join(f"{order:g}" for order in self.orders)
@@ -119,10 +115,9 @@ def fir_stage(bank: FirBank, used: Columns, dt_s: float, dtype: RealType) -> Fir
 
 @dataclass(frozen=True, eq=False)
 class LagsStage(FeatureStage):
-    """lags: those used, in samples; difference: past positions enter as x(t) - x(t - lag)."""
+    """lags: those used, in samples."""
 
     lags: NDArray[np.uint32]
-    difference: bool
 
     headers = ("sp_lags.h",)
 
@@ -158,8 +153,7 @@ class LagsStage(FeatureStage):
         for rows, samples in held_before(depth, starts, longest):
             n = len(samples) - longest
             for i, lag in enumerate(self.lags.tolist()):
-                past = samples[longest - lag : longest - lag + n]
-                result[rows, i] = samples[longest:] - past if self.difference and lag else past
+                result[rows, i] = samples[longest - lag : longest - lag + n]
         return result
 
 
@@ -167,39 +161,45 @@ class LagsStage(FeatureStage):
 def lags_stage(lags: Lags, used: Columns, dt_s: float, dtype: RealType) -> LagsStage:
     """Keep the lags `used`."""
     chosen = np.array([lags.samples[i] for i in used] or [0], dtype=np.uint32)
-    return LagsStage(lags=chosen, difference=lags.difference)
+    return LagsStage(chosen)
 
 
 @dataclass(frozen=True, eq=False)
 class PositionVelocityStage(FeatureStage):
-    """Features: depth, velocity of the depth. per_step: shape (length,), 1/s."""
+    """Features: depth, velocity of the depth. per_step: shape (length,), 1/s.
+
+    weight: of the newest velocity in its moving average; None: there is none.
+    """
 
     per_step: Reals
     band_m: Real
+    weight: Real | None
 
     n_features = 2
-    headers = ("sp_window.h", "sp_velocity.h")
 
     code = stage_code("position_velocity")
 
     @property
+    def headers(self) -> tuple[str, ...]:
+        return "sp_window.h", "sp_velocity.h", *(() if self.weight is None else ("sp_smooth.h",))
+
+    @property
     def members(self) -> tuple[Member, ...]:
-        """The window, twice so that its samples are contiguous, and where it begins."""
-        length = len(self.per_step) + 1
-        return (
-            Member(f"sp_real clipped_track[2 * {length}]", (REAL,) * (2 * length)),
-            Member("uint32_t clipped_newest", (U32,)),
-        )
+        window = window_members("clipped_track", "clipped_newest", len(self.per_step) + 1)
+        return window if self.weight is None else (*window, Member("sp_real clipped_mps", (REAL,)))
 
     def tables(self) -> list[str]:
+        weight = [] if self.weight is None else [constant_text("clipped_weight", self.weight)]
         return [
             f"enum {{\n    N_CLIPPED_STEPS = {len(self.per_step)}\n}};",
             array_text("clipped_per_step", "sp_real", self.per_step),
             constant_text("clipped_band_m", self.band_m),
+            *weight,
         ]
 
     def instructions(self, costs: Costs) -> float:
-        return float(len(self.per_step) * costs.velocity_step + 60.0)
+        average = 0.0 if self.weight is None else 15.0
+        return float(len(self.per_step) * costs.velocity_step + 60.0 + average)
 
     def reference(self, depth: Reals, starts: Starts) -> Reals:
         length = len(self.per_step)
@@ -207,6 +207,10 @@ class PositionVelocityStage(FeatureStage):
         for rows, samples in held_before(depth, starts, length):
             windows = sliding_window_view(samples, length + 1)
             velocity[rows] = foaw(self.per_step, self.band_m, windows)
+            if self.weight is not None:
+                average = velocity.dtype.type(0)
+                for i in range(rows.start, rows.stop):
+                    velocity[i] = average = smoothed(self.weight, average, velocity[i])
         return np.stack([depth, velocity], axis=1)
 
 
@@ -216,7 +220,8 @@ def position_velocity_stage(
 ) -> PositionVelocityStage:
     """Depth and its velocity, whichever of them are `used`."""
     per_step = [1.0 / (j * dt_s) for j in range(1, features.length + 1)]
-    return PositionVelocityStage(np.array(per_step, dtype=dtype), dtype(features.band_m))
+    weight = None if features.weight == 1.0 else dtype(features.weight)
+    return PositionVelocityStage(np.array(per_step, dtype=dtype), dtype(features.band_m), weight)
 
 
 @dataclass(frozen=True)
@@ -239,8 +244,7 @@ class ToolVelocityStage(Stage):
 
     def next(self, velocity_mps: Scalar, before_m: Scalar, x: Scalar) -> Scalar:
         """sp_tool_velocity: the velocity at x, m/s, a tick after before_m."""
-        difference = (x - before_m) * self.rate_hz
-        return flushed(velocity_mps + self.weight * (difference - velocity_mps))
+        return smoothed(self.weight, velocity_mps, (x - before_m) * self.rate_hz)
 
 
 def tool_velocity_stage(ticks: SceneTicks) -> ToolVelocityStage:

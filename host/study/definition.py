@@ -91,13 +91,10 @@ class Study(_Closed):
         return self.conditions() + again * (self.lower_bound_trials - 1)
 
 
-_ADAPTER = TypeAdapter(Study)
-
-
 def read_study(file: Path) -> Study:
     """Read a study file. Raises UsageError that names the key, its value and what it may be."""
     study = checked_keys(
-        _ADAPTER, toml_as_json(file, _MAX_BYTES, "study file"), str(file),
+        TypeAdapter(Study), toml_as_json(file, _MAX_BYTES, "study file"), str(file),
         lambda place: [key.name for key in fields(StudyMaterial if place else Study)],
     )  # fmt: skip
     if problem := _problem(study):

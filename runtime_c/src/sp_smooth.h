@@ -1,12 +1,12 @@
-/* Smoothing: an exponential moving average of the force, weight `alpha` on the newest. */
+/* Smoothing: an exponential moving average, weight `alpha` on the newest value. */
 #ifndef SP_SMOOTH_H
 #define SP_SMOOTH_H
 
 #include "sp_number.h"
 
-static inline sp_real sp_smooth(sp_real alpha, sp_real *smoothed, sp_real force_n)
+static inline sp_real sp_smooth(sp_real alpha, sp_real *smoothed, sp_real newest)
 {
-    *smoothed = sp_flushed(*smoothed + alpha * (force_n - *smoothed));
+    *smoothed = sp_flushed(*smoothed + alpha * (newest - *smoothed));
     return *smoothed;
 }
 

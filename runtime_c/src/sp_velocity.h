@@ -15,10 +15,10 @@
 static inline sp_real sp_velocity_foaw(const sp_real *window, const sp_real *per_step,
                                        uint32_t length, sp_real band_m)
 {
-    sp_real slope = (window[0] - window[1]) * per_step[0];
-    sp_real lower = (window[0] - window[1] - band_m) * per_step[0];
-    sp_real upper = (window[0] - window[1] + band_m) * per_step[0];
-    for (uint32_t j = 1; j < length; j++) {
+    sp_real slope = (sp_real)0;
+    sp_real lower = -SP_REAL_MAX;
+    sp_real upper = SP_REAL_MAX;
+    for (uint32_t j = 0; j < length; j++) {
         const sp_real rise = window[0] - window[j + 1];
         const sp_real candidate = rise * per_step[j];
         if (!(candidate >= lower && candidate <= upper)) {

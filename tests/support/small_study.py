@@ -38,17 +38,12 @@ scenes.passive = "{HARD}.toml"
 """
 
 
-def write_small_study(folder: Path, text: str = STUDY) -> Path:
-    """A study file with its scenes and models beside it."""
+def planned_study(folder: Path, participants: int = 2) -> StudyPlan:
     for name in (SOFT, HARD):
         shutil.copyfile(TESTS / "golden" / "press" / f"{name}.spm", folder / f"{name}.spm")
         write_scene(folder / f"{name}.toml", Scene(schema=1, name=name, model=f"{name}.spm"))
-    (folder / "study.toml").write_text(text)
-    return folder / "study.toml"
-
-
-def planned_study(folder: Path, participants: int = 2) -> StudyPlan:
-    return write_plan(write_small_study(folder), participants, folder / "plan")
+    (folder / "study.toml").write_text(STUDY)
+    return write_plan(folder / "study.toml", participants, folder / "plan")
 
 
 @dataclass
@@ -63,20 +58,16 @@ class Typist:
         return self.lines.pop(0) + "\n" if self.lines else ""
 
 
-def rate_study(plan: StudyPlan, shift: dict[str, float], leave: int = 0, sd: float = 5.0) -> None:
-    """Everybody rates all trials, but the last person `leave` of them.
-
-    Person 04 and 13 scatter widely, 06 and 13 take sides; shift: points by method.
-    """
+def rate_study(plan: StudyPlan, shift: dict[str, float]) -> None:
+    """Everybody rates; 04 and 13 scatter widely, 06 and 13 take sides. shift: points by method."""
     rng = np.random.default_rng(1)
     for person in plan.participants:
-        level = rng.normal(80.0, sd)
+        level = rng.normal(80.0, 5.0)
         plan.folder(person).mkdir(exist_ok=True)
         own = [trial for trial in plan.trials if trial.participant == person]
-        own = own[: len(own) - leave * (person == plan.participants[-1])]
         with growing_table(plan.folder(person) / "responses.csv", RESPONSE_COLUMNS) as (_, append):
             for trial in own:
-                rating = level + shift.get(trial.method, 0.0) + rng.normal(0.0, sd)
+                rating = level + shift.get(trial.method, 0.0) + rng.normal(0.0, 5.0)
                 if person in ("04", "13"):
                     rating = (5.0, 95.0, 20.0)[int(trial.session) % 3]
                 if person in ("06", "13") and RENDERED in (trial.left, trial.right):

@@ -46,6 +46,7 @@ class FitOptions:
     tree_rows: Annotated[float, Interval(gt=0, le=1)] = 0.35
     split_features: Annotated[float, Interval(gt=0, le=1)] = 1.0
     n_centers: Annotated[int, Ge(1)] = PAPER_CENTERS
+    velocity_weight: Annotated[float, Interval(gt=0, le=1)] = 1.0
     select: Literal["cv", "paper"] = "cv"
     engine: Engine | None = None
     round_features: bool = False

@@ -1,7 +1,7 @@
 """Kinds `rbf-fd` and `rbf-pv`: cubic radial basis functions with a linear tail on two features."""
 
 import time
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from itertools import combinations
 
@@ -35,29 +35,31 @@ Pair = tuple[int, int]
 def fit_rbf_fd(
     name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
 ) -> Fit:
-    """Radial basis functions on two fractional derivatives (equation 12), of all 45 pairs.
+    """Radial basis functions on two fractional derivatives (equation 12), of all pairs of orders.
 
     The pair is chosen by cross-validation over recordings; with options.select "paper" by the error
-    on the validation recordings, as the paper did. Raises UsageError if those are missing then.
+    on those for validation, as the paper did. Raises UsageError without them, or two orders.
     """
     begin = time.perf_counter()
-    rows = data.rows(options.fraction, options.seed)
-    bank = fractional_features(data.dt_s, options.window_s, options.engine)
+    rows, orders = data.rows(options.fraction, options.seed), options.orders or PAPER_ORDERS
+    if len(orders) < 2:
+        raise UsageError("orders: rbf-fd chooses two: give at least two")
+    bank = fractional_features(data.dt_s, options.window_s, options.engine, orders)
     values, force_n = data.features(bank, rows), data.force_n(rows)
     feature_s = time.perf_counter() - begin
-    key = ("pairs", options.window_s, options.engine, options.fraction, options.seed)
+    key = ("pairs", orders, options.window_s, options.engine, options.fraction, options.seed)
     families = fold_families(data, rows, options.seed)
     by_folds, search_s = data.once(key, lambda: _pair_errors(values, force_n, families))
     begin = time.perf_counter()
-    pairs = {"cv": min(by_folds, key=lambda pair: by_folds[pair])}
+    errors = {"cv": by_folds}
     if validation:
-        by_paper = _paper_errors(bank, values, force_n, data, validation)
-        pairs["paper"] = min(by_paper, key=lambda pair: by_paper[pair])
+        errors["paper"] = _paper_errors(bank, values, force_n, data, validation)
+    pairs = {how: min(found, key=found.__getitem__) for how, found in errors.items()}
     if options.select not in pairs:
         raise UsageError("--select paper chooses orders on validation recordings: give --validate")
     search_s += time.perf_counter() - begin
     chosen = pairs[options.select]
-    metadata = {"pairs": {how: [PAPER_ORDERS[i] for i in pair] for how, pair in pairs.items()}}
+    metadata = {"pairs": {how: [orders[i] for i in pair] for how, pair in pairs.items()}}
     features = bank.take(np.array(chosen))
     fit = _fitted("rbf-fd", name, data, options, features, values[:, chosen], force_n, metadata)
     return replace(fit, feature_s=feature_s, search_s=search_s)
@@ -69,7 +71,7 @@ def fit_rbf_pv(
     """Radial basis functions on position and velocity (equation 13, [13])."""
     begin = time.perf_counter()
     rows = data.rows(options.fraction, options.seed)
-    features = foaw_features(data.dt_s)
+    features = foaw_features(data.dt_s, options.velocity_weight)
     values, force_n = data.features(features, rows), data.force_n(rows)
     feature_s = time.perf_counter() - begin
     fit = _fitted("rbf-pv", name, data, options, features, values, force_n, {})
@@ -97,9 +99,9 @@ def _fitted(
     return Fit(model, rows, feature_s=0.0, fit_s=fit_s, metadata=metadata)
 
 
-def foaw_features(dt_s: float) -> PositionVelocity:
-    """Velocity estimate over at most 24 ms, in a band of 15 um (Janabi-Sharifi et al. 2000)."""
-    return PositionVelocity(length=max(1, round(FOAW_S / dt_s)), band_m=FOAW_BAND_M)
+def foaw_features(dt_s: float, weight: float) -> PositionVelocity:
+    """Velocity over at most 24 ms, in a band of 15 um (Janabi-Sharifi et al. 2000), averaged."""
+    return PositionVelocity(max(1, round(FOAW_S / dt_s)), FOAW_BAND_M, weight)
 
 
 def _pair_errors(values: Samples, force_n: Samples, families: Sequence[Folds]) -> dict[Pair, float]:
@@ -109,15 +111,21 @@ def _pair_errors(values: Samples, force_n: Samples, families: Sequence[Folds]) -
     recordings alike differ in what they do between conditions.
     Normal equations of a fold are made once, and serve every fit that does not hold it out.
     """
-    errors = {}
+    return {
+        pair: float(np.prod([_held_out_rmse(system, force_n, one.number) for one in families]))
+        for pair, system, _ in _systems(values, values[:0])
+    }
+
+
+def _systems(values: Samples, others: Samples) -> Iterator[tuple[Pair, Samples, Samples]]:
+    """Every pair, and its functions at the rows of `values`, which place them, and of `others`."""
     for pair in combinations(range(values.shape[1]), 2):
-        z = standard(values[:, pair])(values[:, pair])
-        system = kernel(z, z[farthest_points(z, SEARCH_CENTERS)])
-        system /= np.sqrt(np.square(system).mean(axis=0))
-        errors[pair] = float(
-            np.prod([_held_out_rmse(system, force_n, folds.number) for folds in families])
-        )
-    return errors
+        scaling = standard(values[:, pair])
+        z = scaling(values[:, pair])
+        centers = z[farthest_points(z, SEARCH_CENTERS)]
+        system = kernel(z, centers)
+        size = np.sqrt(np.square(system).mean(axis=0))
+        yield pair, system / size, kernel(scaling(others[:, pair]), centers) / size
 
 
 def _held_out_rmse(system: Samples, force_n: Samples, fold: np.ndarray) -> float:
@@ -150,16 +158,9 @@ def _paper_errors(
     ]  # fmt: skip
     tested, measured_n = (np.concatenate(parts) for parts in zip(*tests, strict=True))
     errors = {}
-    for pair in combinations(range(values.shape[1]), 2):
-        scaling = standard(values[:, pair])
-        z = scaling(values[:, pair])
-        centers = z[farthest_points(z, SEARCH_CENTERS)]
-        system = kernel(z, centers)
-        size = np.sqrt(np.square(system).mean(axis=0))
-        normal = normal_equations(system / size, force_n)
-        weights = _ridge_solve(normal.matrix, normal.vector) / size
-        predicted_n = kernel(scaling(tested[:, pair]), centers) @ weights
-        errors[pair] = rms(predicted_n - measured_n)
+    for pair, system, other in _systems(values, tested):
+        normal = normal_equations(system, force_n)
+        errors[pair] = rms(other @ _ridge_solve(normal.matrix, normal.vector) - measured_n)
     return errors
 
 

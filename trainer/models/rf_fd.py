@@ -68,7 +68,7 @@ def history_features(dt_s: float, window_s: float | None) -> Lags:
     """Ten positions, evenly spaced over the window ([24])."""
     length = PAPER_TAPS if window_s is None else window_samples(window_s, dt_s)
     lags = np.round(np.linspace(0, length - 1, HISTORY_LAGS)).astype(int)
-    return Lags(samples=tuple(lags.tolist()), difference=False)
+    return Lags(tuple(lags.tolist()))
 
 
 def fit_rf_fd(

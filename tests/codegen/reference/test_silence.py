@@ -16,7 +16,8 @@ from springpot.codegen.notes import HELD, LATCHED
 from springpot.codegen.plan import Plan
 from springpot.codegen.tool_motion import SILENCE_WORTH
 
-KINDS = ("hammerstein", "rf-fd", "rbf-fd", "rbf-pv", "rf-fd-long", "rf-history-quantised")
+KINDS = ("hammerstein", "rf-fd", "rbf-fd", "rbf-pv", "rbf-pv averaged", "rf-fd-long",
+         "rf-history-quantised")  # fmt: skip
 MODES = ("off", "tool", "proxy")
 SMOOTH_S = 3e-3
 
@@ -25,7 +26,10 @@ SMOOTH_S = 3e-3
 def plan_of(name: str, mode: str, number: str = "float32", device: str = "estimate") -> Plan:
     chosen = scene(number=number, mode=mode, smoothing_s=SMOOTH_S if number == "float64" else 0.0)
     chosen = replace(chosen, device=replace(chosen.device, velocity=device))
-    return make_plan(golden_forces.model(name), chosen)
+    model = golden_forces.model(name.removesuffix(" averaged"))
+    if name.endswith("averaged"):
+        model = replace(model, features=replace(model.features, weight=0.7))
+    return make_plan(model, chosen)
 
 
 def strokes(plan: Plan, ticks: int, low: float = 0.1, speed: float = 1.0) -> Samples:

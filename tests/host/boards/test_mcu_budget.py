@@ -43,6 +43,7 @@ VARIANTS = {
     "rbf-fd": ("rbf-fd", {}),
     "rbf-fd fast": ("rbf-fd", {"engine": "fir-fast"}),
     "rbf-pv": ("rbf-pv", {}),
+    "rbf-pv averaged": ("rbf-pv", {"velocity_weight": 0.7}),
     "rf-fd past positions": ("rf-fd", {**FOREST, "past_positions": True}),
     "hammerstein": ("hammerstein", {}),
     "springpot": ("springpot", {}),

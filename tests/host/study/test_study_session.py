@@ -6,6 +6,7 @@ import sys
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 from support.peer import CLI, wait_until
 from support.small_study import DEVICE, Typist, planned_study
@@ -15,6 +16,7 @@ from springpot.codegen.errors import UsageError
 from springpot.host.native.c_library import NONE
 from springpot.host.study import session as study_session
 from springpot.host.study.plan import StudyPlan, Trial, read_table
+from springpot.host.study.report import study_report
 from springpot.host.study.session import RESPONSE_COLUMNS, run_session
 
 
@@ -28,7 +30,7 @@ def types(monkeypatch: pytest.MonkeyPatch, *lines: str, seconds: float = 0.25) -
 
 
 def test_sessions_to_the_last_question(plan: StudyPlan, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Practice, two sessions, of which one is stopped on the way and goes on; the questions."""
+    """Practice, two sessions, of which one is stopped and goes on; the questions; the report."""
     types(monkeypatch, "l", "r", "50")
     assert run_session(plan, "01", DEVICE) == {
         "out": str(plan.folder("01")), "participant": "01", "session": 0, "done": 1,
@@ -51,6 +53,13 @@ def test_sessions_to_the_last_question(plan: StudyPlan, monkeypatch: pytest.Monk
     answers = (plan.folder("01") / "answers.csv").read_text().splitlines()
     assert answers[1:] == ['01,Did it shake?,"no, never"', "01,What else?,"]
     assert {file.suffix for file in plan.folder("01").iterdir()} == {".csv", ".h5"}
+
+    found = study_report(plan)
+    assert (found["trials"], found["people"], found["excluded"]) == (len(rows) - 1, 1, [])
+    for one in found["conditions"]:
+        condition = {"method": one["method"], "material": one["material"]}
+        ratings = [float(row["rating"]) for row in rows[1:] if condition.items() <= row.items()]
+        assert one["mean"] == pytest.approx(np.mean(ratings))
 
     # On a real object the force is zero; on the rendered side it is felt: in the log of each trial.
     for row in rows:

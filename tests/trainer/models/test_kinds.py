@@ -24,6 +24,7 @@ VARIANTS = {
     "rf-fd fast": ("rf-fd", {"engine": "fir-fast"}),
     "rf-fd rounded": ("rf-fd", {"round_features": True}),
     "rf-fd past positions": ("rf-fd", {"past_positions": True, "round_features": True}),
+    "rbf-pv averaged": ("rbf-pv", {"velocity_weight": 0.7}),
     "rbf-fd fast": ("rbf-fd", {"engine": "fir-fast"}),
 }
 

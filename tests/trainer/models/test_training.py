@@ -5,8 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.special import binom
 from sklearn.ensemble import RandomForestRegressor
 from support.derivatives import fir_derivatives
+from support.silicones import paper_presses, validation_signals
 from support.small import DEPTH_M, DT_S, small_fit, training
 
 from springpot import Recording
@@ -74,6 +76,32 @@ def test_the_fit_predicts_what_scikit_learn_predicts() -> None:
     expected = forest.predict(features.astype(np.float32))
     rounding_n = 1.01 * quantised_leaves(model.regressor).error_n
     np.testing.assert_allclose(predict_n(model, item), expected, rtol=0, atol=rounding_n)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["ecoflex-00-30", "dragon-skin-10"])
+def test_the_papers_forest_is_that_of_its_text(name: str) -> None:
+    """Written again: equation (15), 25 samples averaged, 100 trees; on the same fifth of rows."""
+    presses, signals = paper_presses(name), validation_signals(name, 10)
+    k, orders = np.arange(171)[:, None], np.arange(1, 11) / 20
+    taps = (-1.0) ** k * binom(orders, k) / 1e-3**orders
+    averaged = [np.convolve(np.pad(channel, 12, "edge"), np.full(25, 0.04), "valid")
+                for one in presses for channel in (one.position_m, one.force_n)]  # fmt: skip
+    features = np.concatenate([fir_derivatives(position_m, taps) for position_m in averaged[::2]])
+    force_n = np.concatenate(averaged[1::2])
+    ours, text = [], []
+    for seed in (1, 2):
+        rows = choose_rows(len(force_n), 0.2, np.random.default_rng(seed))
+        forest = RandomForestRegressor(
+            min_samples_leaf=5, max_features=1 / 3, random_state=100 + seed, n_jobs=2
+        ).fit(1e3 * features[rows], force_n[rows])  # in mm: closer than 1e-7 is equal to it
+        options = FitOptions(seed=seed, tree_rows=1.0, split_features=1 / 3, smooth_s=0.025)
+        model = fit_model("rf-fd", "x", presses, options).model
+        for one in signals:
+            ours.append(rms(predict_n(model, one) - one.force_n))
+            own = fir_derivatives(one.position_m, taps)
+            text.append(rms(forest.predict(1e3 * own) - one.force_n))
+    assert np.mean(ours) == pytest.approx(np.mean(text), rel=0.02)
 
 
 @pytest.mark.slow
