@@ -25,11 +25,11 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
 @pytest.mark.parametrize(
     ("what", "most"),
     [
-        ("codegen/*.py", 6681),
+        ("codegen/*.py", 6680),
         ("trainer/*.py", 8685),
-        ("host/*.py", 13400),
-        ("runtime_c/*.[ch] codegen/*.j2", 7876),
-        ("tests/*.py", 20469),
+        ("host/*.py", 13399),
+        ("runtime_c/*.[ch] codegen/*.j2", 7878),
+        ("tests/*.py", 20530),
     ],
 )
 def test_lines(what: str, most: int) -> None:
