@@ -57,7 +57,7 @@ def measure_alone(
     instructions = None
     if board is not None and not why:
         try:
-            instructions = _counted(model, model_file, number, recording, board)
+            instructions = _counted(model, number, recording, board)
             why = f"emulated {board.name}"
         except SpringpotError as error:
             why = str(error)
@@ -103,16 +103,14 @@ def _closed_loop(model: Model, number: Number) -> Point:
     }
 
 
-def _counted(
-    model: Model, model_file: Path, number: Number, recording: Recording, board: Board
-) -> int:
+def _counted(model: Model, number: Number, recording: Recording, board: Board) -> int:
     """Return the most instructions of a tick over the recording's begin; restarts apart."""
     scene = bench_scene(number, board.target)
     plan = make_plan(model, scene, accept_unsafe=True)
     position = recording.position_m[:_COUNTED_TICKS].astype(plan.dtype)
     with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
         folder = Path(scratch) / "c"
-        write_emission(plan, scene, model_file, folder)
+        write_emission(plan, scene, model, folder)
         calls = steps(position, backward_velocity(position, plan.dt_s))
         batch = run_batch(folder, board, calls)
     # A restart fills its filters once, and is no tick of a loop.

@@ -12,6 +12,7 @@ from springpot.host.options import PATH, scene_options
 from springpot.host.output import json_option, print_result, progress_bar, say
 
 if TYPE_CHECKING:
+    from springpot.codegen.model.model import Model
     from springpot.host.emission.result import Emission
     from springpot.trainer.recordings.recording import Recording
 
@@ -45,25 +46,24 @@ def emit_(
 ) -> None:
     """Emit a scene as one C source and one header; from a scene file or a model."""
     from springpot.host.emission.budget_fit import emit_fitting
-    from springpot.host.emission.scene_file import scene_and_model_file
+    from springpot.host.files import given_scene_and_model
 
-    scene, file = scene_and_model_file(scene_file, model_file)
-    measured = _recordings(recordings, file) if recordings else []
+    scene, model = given_scene_and_model(scene_file, model_file)
+    measured = _recordings(recordings, model) if recordings else []
     with progress_bar("emit"):
-        emission = emit_fitting(scene, file, out, accept_unsafe, measured, fit)
+        emission = emit_fitting(scene, model, out, accept_unsafe, measured, fit)
     for notice in emission.notices:
         say(notice)
     print_result(emission.as_dict(), as_json, emission_rows(emission))
 
 
-def _recordings(names: tuple[str, ...], model_file: Path) -> list[Recording]:
+def _recordings(names: tuple[str, ...], model: Model) -> list[Recording]:
     """Read what smaller versions are measured on; say which of them the model has seen."""
-    from springpot.codegen.model.model_file import read_model
     from springpot.host.validation.seen import seen_by, seen_line
     from springpot.trainer.recordings.recording_file import read_recordings
 
     found = read_recordings(map(Path, names))
-    if seen := seen_line(seen_by(read_model(model_file), found), len(found)):
+    if seen := seen_line(seen_by(model, found), len(found)):
         say(seen)
     return found
 

@@ -4,7 +4,6 @@ What costs no error comes first: the window by exponentials and thresholds as 16
 forests lose trees and small leaves, those that err least on some recordings first.
 """
 
-import tempfile
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -17,7 +16,6 @@ from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.features import FirBank
 from springpot.codegen.model.forest import fewer_trees, larger_leaves, quantised
 from springpot.codegen.model.model import Model
-from springpot.codegen.model.model_file import read_model, write_model
 from springpot.codegen.model.regressors import Forest
 from springpot.codegen.plan import instruction_bound, state_bytes
 from springpot.codegen.scene import Budget, Scene
@@ -44,7 +42,7 @@ class _Smaller:
 
 def emit_fitting(
     scene: Scene,
-    model_file: Path,
+    model: Model,
     folder: Path,
     accept_unsafe: bool,
     recordings: Sequence[Recording],
@@ -59,25 +57,22 @@ def emit_fitting(
     if fit and not recordings:
         raise UsageError("--fit measures what it leaves out: give --recording REC")
     try:
-        return emit(scene, model_file, folder, accept_unsafe)
+        return emit(scene, model, folder, accept_unsafe)
     except BudgetError as error:
         if toolchain(scene.runtime.target) is None:
             raise  # nothing can be measured, of a smaller model neither
         if not fit:
             raise BudgetError(f"{error}; --fit --recording REC makes a forest smaller") from None
         refused = error
-    with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
-        file = Path(scratch) / "model.spm"
-        for smaller in _best_first(scene, read_model(model_file), recordings, accept_unsafe):
-            write_model(file, smaller.model)
-            try:
-                emission = emit(scene, file, folder, accept_unsafe)
-            except SpringpotError:
-                continue
-            replay = Replay(SceneLibrary(emission.folder))
-            found = replayed_accuracy(emission.plan, replay, recordings)
-            say(f"fitted: {', '.join(smaller.what)}: RMSE {found.rmse_n:.4g} N")
-            return emission
+    for smaller in _best_first(scene, model, recordings, accept_unsafe):
+        try:
+            emission = emit(scene, smaller.model, folder, accept_unsafe)
+        except SpringpotError:
+            continue
+        replay = Replay(SceneLibrary(emission.folder))
+        found = replayed_accuracy(emission.plan, replay, recordings)
+        say(f"fitted: {', '.join(smaller.what)}: RMSE {found.rmse_n:.4g} N")
+        return emission
     raise BudgetError(f"{refused}; no smaller version of this model fits: use another kind")
 
 

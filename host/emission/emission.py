@@ -1,7 +1,6 @@
 """Emission: files written aside, built, self-tested, and only then renamed into place."""
 
 import json
-import shutil
 import tempfile
 import time
 from collections.abc import Iterator
@@ -15,7 +14,7 @@ from springpot.codegen.files import folder_written_aside
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.messages import short_repr
 from springpot.codegen.model.model import Model
-from springpot.codegen.model.model_file import MODEL_SUFFIX, read_model
+from springpot.codegen.model.model_file import MODEL_SUFFIX, read_model, write_model
 from springpot.codegen.plan import Plan, state_bytes
 from springpot.codegen.scene import Scene
 from springpot.codegen.types import JsonObject
@@ -53,24 +52,25 @@ SCENE_COPY = "from/scene.json"
 
 def emit(
     scene: Scene,
-    model_file: Path,
+    model: Model | Path,
     folder: Path,
     accept_unsafe: bool = False,
 ) -> Emission:
-    """Emit `scene` into `folder`, replacing an earlier emission there.
+    """Emit `scene` of a model, or of its file, into `folder`, replacing an earlier emission there.
 
     Raises UsageError where the folder holds anything else, BudgetError where the C does not fit
     the scene's budget, MismatchError where its self-test fails, UnsafeError where a hand would
     find it unstable, unless that is accepted: the manifest then says so.
     """
     require_replaceable(folder)
-    model = read_model(model_file)
+    if isinstance(model, Path):
+        model = read_model(model)
     plan = make_plan(model, scene, accept_unsafe)
     if not accept_unsafe:
         require_stable(plan)
     with folder_written_aside(folder) as aside:
         begin = time.perf_counter()
-        write_emission(plan, plan.scene, model_file, aside)
+        write_emission(plan, plan.scene, model, aside)
         write_s = time.perf_counter() - begin
         return _built(plan, aside, folder, write_s)
 
@@ -127,13 +127,13 @@ def read_manifest(folder: Path) -> JsonObject:
     raise DataError(f"{file}: no manifest: emit again")
 
 
-def write_emission(plan: Plan, scene: Scene, model_file: Path, folder: Path) -> None:
+def write_emission(plan: Plan, scene: Scene, model: Model, folder: Path) -> None:
     """Write a plan's files into a new folder, with what they were made from."""
     (folder / "from").mkdir(parents=True)
     for name, text in emit_files(plan).items():
         (folder / name).write_text(text)
     (folder / SCENE_COPY).write_text(scene_to_json(scene))
-    shutil.copyfile(model_file, folder / MODEL_COPY)
+    write_model(folder / MODEL_COPY, model)
     write_checksums(folder)
 
 

@@ -10,11 +10,13 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.errors import DataError, MismatchError
+from springpot.codegen.files import given_path
 from springpot.codegen.messages import caution
 from springpot.codegen.model.model import Model
 from springpot.codegen.plan import Plan
 from springpot.codegen.types import JsonObject
 from springpot.host.emission.emission import read_emission
+from springpot.host.files import File, some_recordings
 from springpot.host.metrics import (
     Accuracy,
     SlopeErrors,
@@ -41,6 +43,7 @@ from springpot.trainer.models.predict import limited_each_n, require_compatible
 from springpot.trainer.recordings.quality.repeats import NoiseFloor, find_noise_floor
 from springpot.trainer.recordings.quality.signs import sign_doubts
 from springpot.trainer.recordings.recording import Recording, axes_for_plot
+from springpot.trainer.recordings.recording_file import Recordings
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -136,16 +139,17 @@ class Validation:
         }
 
 
-def validate(
-    folder: Path,
-    recordings: Sequence[Recording],
-    paced_s: float = PACED_S,
-) -> Validation:
-    """Replay every recording from a fresh state.
+def validate(folder: File, recordings: Recordings, paced_s: float = PACED_S) -> Validation:
+    """Replay recordings through the C of `folder`: its error, its time, its bits against numpy's.
 
-    Raises DataError for a sampling rate that the scene cannot take, or where the C is not as
-    emitted, unless that is accepted.
+    paced_s: how long ticks are timed at the scene's rate, s. Files that are not as
+    emitted are a UserWarning; the result's `edited` names them. Raises DataError for recordings of
+    another rate or zero than the model's.
+
+    >>> validate("c", recordings).mismatches  # C and its reference: the same bits
+    0
     """
+    folder, recordings = given_path(folder), some_recordings(recordings)
     emitted = read_emission(folder)
     plan, model = emitted.plan, emitted.model
     for recording in recordings:

@@ -4,9 +4,10 @@ import dataclasses
 from pathlib import Path
 
 import pytest
-from support.small import model_file, press, recording, scene, small_fit
+from support.small import press, recording, scene, small_fit, small_model
 
 from springpot.codegen.errors import BudgetError, DataError, UsageError
+from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Budget, Scene
 from springpot.host.emission import budget_fit
 from springpot.host.emission.budget_fit import emit_fitting
@@ -17,10 +18,10 @@ EVALUATION = recording("judge", press(1.5, 0.011))
 
 
 @pytest.fixture(scope="module")
-def tight(tmp_path_factory: pytest.TempPathFactory) -> tuple[Scene, Path, int]:
+def tight(tmp_path_factory: pytest.TempPathFactory) -> tuple[Scene, Model, int]:
     """A scene whose budget is two thirds of what the model takes."""
     folder = tmp_path_factory.mktemp("tight")
-    model = model_file(folder, small_fit(trees=20).model)
+    model = small_fit(trees=20).model
     whole = emit(scene(), model, folder / "whole").footprint
     budget = Budget(flash_bytes=2 * whole.flash_bytes // 3)
     return dataclasses.replace(scene(), budget=budget), model, 2 * whole.flash_bytes // 3
@@ -37,7 +38,7 @@ def test_the_best_forest_that_fits_is_emitted(
     tmp_path: Path,
     monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
-    tight: tuple[Scene, Path, int],
+    tight: tuple[Scene, Model, int],
     forests: str,
 ) -> None:
     if forests == "few":
@@ -68,6 +69,6 @@ def test_what_cannot_be_fitted_is_refused(
 ) -> None:
     chosen, model, _ = tight
     if budget:
-        chosen, model = dataclasses.replace(chosen, budget=budget), model_file(tmp_path)
+        chosen, model = dataclasses.replace(chosen, budget=budget), small_model()
     with pytest.raises(error, match=told):
         emit_fitting(chosen, model, tmp_path / "c", False, recordings, fit=fit)
