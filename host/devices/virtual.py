@@ -11,7 +11,8 @@ from springpot.codegen.types import CData
 from springpot.host.devices.device import DeviceRequirements, VirtualDevice
 from springpot.host.devices.drivers import Address
 from springpot.host.native.c_library import CLibrary
-from springpot.host.simulation.bench import SimulatedHand
+from springpot.host.simulation.bench import SUBSTEPS
+from springpot.host.simulation.hand_loop import Operator, held_tool
 from springpot.host.simulation.objects import PressSettings, parse_url
 from springpot.trainer.recordings.recording_file import read_recording
 
@@ -31,19 +32,16 @@ class SimulatedDevice(VirtualDevice):
                 f"{address.url}: variant, stiffer, rest, rate, drift and glitch are of recorded "
                 "presses: leave them out where a scene is rendered"
             )
-        self._hand = SimulatedHand(
-            simulated.hand,
-            device=LoopDevice(delay_samples=simulated.delay_samples),
-            noisy=True,
-            seed=simulated.seed,
-        )
+        device = LoopDevice(delay_samples=simulated.delay_samples)
+        self._operator = Operator(simulated.hand, device, simulated.seed)
         self._dt_s = 1 / requirements.rate_hz
         self._memory: CData = None
 
     def link(self, library: CLibrary) -> CData:
-        self._memory = library.memory(library.c.sp_link_sim_size())
-        tool = library.pointer(self._hand.address)
-        return library.c.sp_link_sim_init(self._memory, tool, self._dt_s, _INTENDED_M, _PRESSES_HZ)
+        link = library.memory(library.c.sp_link_sim_size())
+        tool = held_tool(library, self._operator, SUBSTEPS)
+        self._memory = (link, tool)
+        return library.c.sp_link_sim_init(link, tool, self._dt_s, _INTENDED_M, _PRESSES_HZ)
 
 
 class ReplayDevice(VirtualDevice):

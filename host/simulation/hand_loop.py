@@ -90,7 +90,7 @@ class HandLoop:
         outputs["notes"] = array(notes)
         given = new("sp_closed_loop_scenario *", inputs)
         traced = new("sp_closed_loop_trace *", outputs)
-        tool = self._tool(operator, start_m)
+        tool = held_tool(self._port, operator, HAND_SUBSTEPS, start_m=start_m)
         not_finite = self._port.c.sp_closed_loop_run(scene, tool, n, given, traced)
         _check(not_finite)
         del held
@@ -106,18 +106,22 @@ class HandLoop:
         pointers = {name: self._port.pointer(address) for name, address in addresses.items()}
         return self._port.ffi.new("sp_closed_loop_scene *", pointers), state
 
-    def _tool(self, operator: Operator, start_m: float) -> CData:
-        tool = self._port.memory(self._port.c.sim_tool_size(), "sim_tool")
-        _check(self._port.c.sim_tool_init(
-            tool, HAND_NAMES.index(operator.hand), tool_device(self._port, operator.device),
-            HAND_SUBSTEPS, 1, operator.seed, start_m,
-        ))  # fmt: skip
-        return tool
 
+def held_tool(
+    library: CLibrary,
+    operator: Operator,
+    substeps: int,
+    *,
+    start_m: float = 0.0,
+    noisy: bool = True,
+) -> CData:
+    """A hand that holds the tool of a device at rest at start_m, m: the C state, sim_tool.
 
-def tool_device(library: CLibrary, device: LoopDevice) -> CData:
-    """The device as the C of the simulated hand takes it, for a call of sim_tool_init."""
-    return library.ffi.new(
+    substeps: of the hand in a tick. noisy: the encoder's position and its filtered difference in
+    place of the truth. Raises SpringpotError for a device that cannot be.
+    """
+    device = operator.device
+    held = library.ffi.new(
         "sim_tool_device *",
         {
             "mass_kg": device.mass_kg,
@@ -128,6 +132,10 @@ def tool_device(library: CLibrary, device: LoopDevice) -> CData:
             "delay_samples": device.delay_samples,
         },
     )
+    tool, hand = library.memory(library.c.sim_tool_size(), "sim_tool"), operator.hand
+    init = library.c.sim_tool_init
+    _check(init(tool, HAND_NAMES.index(hand), held, substeps, noisy, operator.seed, start_m))
+    return tool
 
 
 def _check(status: int) -> None:

@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from truth import SimulatedHand
 
-from springpot import Model, Scene
+from springpot import Model, Scene, SpringpotError
 from springpot.codegen.coupling.linear_loop import HAND_MODELS, Hand
 from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE, LoopDevice, loop_device
 from springpot.codegen.make_plan import make_plan
@@ -15,7 +16,6 @@ from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.plan import Plan
 from springpot.codegen.scene import Coupling, Device, Runtime
 from springpot.host.native.scene_library import built
-from springpot.host.simulation.bench import SimulatedHand
 from springpot.host.simulation.hand_loop import HandLoop, Operator, Scenario
 from springpot.host.simulation.scenarios import Workspace, pressing, smooth
 from springpot.host.stability.check import stability
@@ -170,7 +170,7 @@ def test_a_force_acts_so_many_ticks_late() -> None:
      LoopDevice(resolution_um=0.0), LoopDevice(delay_samples=177)],
 )  # fmt: skip
 def test_an_impossible_device_is_refused_by_the_c(device: LoopDevice) -> None:
-    with pytest.raises(ValueError, match="status -2"):
+    with pytest.raises(SpringpotError, match="status -2"):
         SimulatedHand(device=device)
 
 

@@ -16,9 +16,9 @@ import tty
 from pathlib import Path
 
 import numpy as np
+from truth import ObjectMotion, SimulatedHand
 
 from springpot.codegen.files import written_aside
-from springpot.host.simulation.bench import ObjectMotion, SimulatedHand
 from springpot.host.simulation.objects import OBJECTS, SimulatedObject
 
 
