@@ -10,35 +10,17 @@ from springpot.host.simulation.cases import held_case
 from springpot.host.simulation.hand_loop import HandLoop
 from springpot.host.simulation.scenarios import Workspace
 from springpot.host.stability.closed_loop import Outcome, Rendered, case_outcome
-from springpot.host.stability.judgement import Grade, judge
+from springpot.host.stability.judgement import Fault, Grade, judge
 from springpot.host.stability.small_signal import Map
 
 
 def outcome_words(outcomes: Sequence[Outcome], stable: bool) -> Iterator[str]:
     """Sentences on the closed loop. stable: whether the linear loop is."""
     judged = [judge(item) for item in outcomes]
-    kicks = [item for item in judged if item.kicks]
-    grave = [item for item in kicks if item.grade == Grade.BAD]
-    found = {
-        "Not bounded": [item for item in judged if not item.ends and not item.outcome.bounded],
-        "Vibrates more and more on": [item for item in judged if item.grows],
-        "Ends, though enough samples come, on": [
-            item for item in judged if not item.ends and item.outcome.latched_s is not None
-        ],
-        "Goes on, though too few samples come, on": [
-            item for item in judged if item.ends and item.unbounded
-        ],
-        "Vibrates above 1 mm/s on": [item for item in judged if item.loud],
-        "Lost samples are felt on": grave,
-        "Lost samples are felt, at four times the trained speed, on": [
-            item for item in kicks if item not in grave
-        ],
-        "Fidelity error above 10 % of peak on": [item for item in judged if item.unfaithful],
-    }
-    for what, items in found.items():
-        if items:
-            yield f"{what}: {_named([item.outcome for item in items])}."
-    if not any(found.values()) and stable:
+    for fault in Fault:
+        if found := [item.outcome for item in judged if fault in item.faults]:
+            yield f"{fault.value}: {_named(found)}."
+    if not any(item.faults for item in judged) and stable:
         yield f"All cases are bounded and quiet with all hands; {_differs_by(outcomes)}."
     ended = [item for item in judged if item.grade == Grade.ENDS]
     if ended:
@@ -80,10 +62,11 @@ def device_words(plan: Plan) -> Iterator[str]:
 def vibrates(plan: Plan, library: SceneLibrary) -> bool:
     """Tell if a scene vibrates above 1 mm/s in some hand that holds still."""
     scene, space = Rendered(plan, HandLoop(library), library, library), Workspace.of(plan)
-    return any(
-        judge(case_outcome(scene, held_case(space, scene.felt, hand), hand, more)).loud
+    held = (
+        case_outcome(scene, held_case(space, scene.felt, hand), hand, more)
         for hand, more in CHECKED
     )
+    return any(Fault.LOUD in judge(outcome).faults for outcome in held)
 
 
 def why_unbounded(plan: Plan, outcomes: Sequence[Outcome]) -> str:

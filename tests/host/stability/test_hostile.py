@@ -14,7 +14,7 @@ from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.reference import run_reference
 from springpot.codegen.scene import Coupling
 from springpot.host.native.scene_library import built
-from springpot.host.simulation.hand_loop import HandLoop, Operator
+from springpot.host.simulation.hand_loop import HAND_SUBSTEPS, HandLoop, Operator, held_tool
 from springpot.host.simulation.objects import HAND_NAMES
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
@@ -42,8 +42,9 @@ def pressed(
     scene, kept = loop._scene()
     ffi = loop._port.ffi
     found = ffi.new("sp_closed_loop_presses *")
+    tool = held_tool(loop._port, operator, HAND_SUBSTEPS, start_m=-0.001)
     status = loop._port.c.sp_closed_loop_press(
-        scene, loop._tool(operator, -0.001), ticks, dt_s, reach_m, operator.seed, found
+        scene, tool, ticks, dt_s, reach_m, operator.seed, found
     )
     assert status >= 0
     del kept

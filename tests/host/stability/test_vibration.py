@@ -22,7 +22,7 @@ from springpot.host.simulation.hand_loop import HandLoop
 from springpot.host.simulation.scenarios import Workspace, holding, pressing
 from springpot.host.stability.check import stability
 from springpot.host.stability.closed_loop import Outcome, Rendered, case_outcome
-from springpot.host.stability.judgement import Grade, judge
+from springpot.host.stability.judgement import Fault, Grade, judge
 from springpot.host.stability.linear import scene_loop
 from springpot.host.stability.vibration import band_rms, vibration_of
 from springpot.trainer.kinds import fit_model
@@ -118,7 +118,7 @@ def test_past_positions_vibrate_between_the_depths_that_were_looked_at_before() 
     ).model
     plan = make_plan(model, Scene(schema=1, name="x", model="x"))
     outcome = held(plan, LIGHT, 1)
-    assert judge(outcome).loud
+    assert Fault.LOUD in judge(outcome).faults
     speeds = [
         band_rms(outcome.trace.velocity_mps[part], plan.dt_s, 0.5) for part in outcome.played.still
     ]
