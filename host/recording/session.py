@@ -11,6 +11,7 @@ from springpot.codegen.arrays import rms
 from springpot.codegen.errors import SpringpotError, UsageError
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.drivers import driver_of, parse_device
+from springpot.host.devices.virtual import parse_url
 from springpot.host.native.c_library import COLUMN, IDLE, LoopRows
 from springpot.host.recording.indentation import (
     OPEN_LOOP,
@@ -22,7 +23,6 @@ from springpot.host.recording.protocols import RATE_HZ, Profile
 from springpot.host.session.outcome import LoopSettings
 from springpot.host.session.runner import Progress, SessionRunner
 from springpot.host.simulation.bench import SimulatedBench
-from springpot.host.simulation.objects import parse_url
 from springpot.trainer.recordings.journal import JournalWriter
 from springpot.trainer.recordings.recording import (
     RECORDING_SUFFIX,

@@ -7,6 +7,7 @@ from truth import ObjectMotion, SimulatedHand
 
 from springpot.codegen.coupling.loop_device import LoopDevice
 from springpot.codegen.errors import DeviceError
+from springpot.host.devices.virtual import parse_url
 from springpot.host.recording import protocols
 from springpot.host.simulation.bench import SimulatedBench
 from springpot.host.simulation.objects import (
@@ -15,7 +16,6 @@ from springpot.host.simulation.objects import (
     OBJECTS,
     VARIANTS,
     SimulatedObject,
-    parse_url,
 )
 
 calibration = runpy.run_path(str(BENCH / "calibrate_sim.py"))
