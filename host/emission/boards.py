@@ -1,7 +1,6 @@
 """Boards that springpot brings a port for, and their firmware: an emitted scene and the port."""
 
 import shutil
-import subprocess
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,16 +11,12 @@ from springpot.codegen.plan import Plan, state_bytes
 from springpot.codegen.scene import Target
 from springpot.host.emission.checksums import is_edited, require_replaceable, write_checksums
 from springpot.host.emission.emission import read_emission
-from springpot.host.native.compiler import CompilerError
+from springpot.host.native.compiler import CompilerError, run_compiler
 from springpot.host.native.scene_library import scene_prefix, write_port
-from springpot.host.native.toolchain import Toolchain, missing_tools, toolchain
+from springpot.host.native.toolchain import PROGRAMS, Toolchain, missing_tools, toolchain
 from springpot.runtime_c.paths import PORT_MCU, flags
 
 _MPS2 = ("mps2.ld", ("sp_arm.c", "sp_board_mps2.c"), "qemu-system-arm")
-_EMULATOR_PACKAGES = {
-    "qemu-system-arm": "qemu-system-arm",
-    "qemu-system-riscv32": "qemu-system-misc",
-}
 TRANSDUCER = "sp_transducer.c"  # the user's encoder and drive
 _COMMON = ("sp_firmware.c", "sp_port.c", TRANSDUCER)
 _PROGRAM = "firmware.elf"
@@ -96,7 +91,7 @@ def emulator_of(board: Board) -> str:
     """Return the path of the board's emulator. Raises UsageError with what to install."""
     found = shutil.which(board.emulator)
     if found is None:
-        package = _EMULATOR_PACKAGES[board.emulator]
+        package, _ = PROGRAMS[board.emulator]
         raise UsageError(f"no {board.emulator}: `apt-get install {package}`")
     return found
 
@@ -151,20 +146,20 @@ def _linked(
     board: Board, out: Path, sources: tuple[str, ...], selftest_bytes: int, strict: bool = False
 ) -> Path:
     tools = compiler_of(board)
-    command = [
-        *tools.compiler, *flags("SP_CFLAGS"), *(flags("SP_STRICT") if strict else ()), *tools.flags,
+    arguments = [
+        *flags("SP_CFLAGS"), *(flags("SP_STRICT") if strict else ()), *tools.flags,
         "-nostartfiles", f"-L{PORT_MCU}", f"-T{PORT_MCU / board.script}",
         # the self-test keeps a state of its own on the stack
         f"-Wl,--defsym=sp_stack_bytes={-(-(_STACK_BYTES + selftest_bytes) // 8) * 8}",
         *(str(out / file) for file in sources), "-lm", "-lc", "-lgcc", "-o", str(out / _PROGRAM),
     ]  # fmt: skip
-    result = subprocess.run(command, capture_output=True, text=True, check=False)
-    if result.returncode == 0:
-        return out / _PROGRAM
-    if "overflowed by" in result.stderr:
-        over = next(line for line in result.stderr.splitlines() if "overflowed by" in line)
+    try:
+        run_compiler(arguments, "the firmware", tools.compiler)
+    except CompilerError as error:
+        if "overflowed by" not in str(error):
+            raise
         raise BudgetError(
-            f"{board.name}: the firmware does not fit ({over.split(': ')[-1]}): give the "
+            f"{board.name}: the firmware does not fit ({str(error).split(': ')[-1]}): give the "
             "scene a [budget] and `springpot emit --fit`"
-        )
-    raise CompilerError(f"{tools.compiler[0]} refused the firmware: {result.stderr.strip()[:600]}")
+        ) from None
+    return out / _PROGRAM
