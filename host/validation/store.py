@@ -135,9 +135,9 @@ def validation_rows(validation: Validation) -> dict[str, str]:
     interval = found.interval_n
     spread = f", 95 % in {interval[0]:.4g} .. {interval[1]:.4g}" if interval else ""
     below = found.ape_below_jnd
+    again = "the calls of the session made again; the force sent is compared with that of the C, "
     rows = {
-        "compared": f"{', '.join(felt)}: the calls of the session made again; the force sent is "
-        "compared with that of the C, not with a measured object",
+        "compared": f"{', '.join(felt)}: {again}not with a measured object" if felt else "",
         "training data": told,
         "signs": accepted_words(validation.manifest),
         "edited C": ", ".join(validation.edited),
@@ -145,21 +145,17 @@ def validation_rows(validation: Validation) -> dict[str, str]:
         + (f", {found.ramped} of them in the start-up ramp: not counted" if found.ramped else "")
         + _between_samples(validation),
     }
-    rows = {name: text for name, text in rows.items() if text and (felt or name != "compared")}
     differ = f"{validation.mismatches} ticks differ"
-    by_place = place_line(validation.places)
+    presses = "{:.4g} N; later ones {:.4g} N"
+    presses = presses.format(*validation.presses_n) if validation.presses_n else ""
     if len(felt) < len(validation.predicted_n):
         rows |= {
             "RMSE": f"{found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak",
             "RMSE, the model alone": _parts(validation),
-            **(
-                {"RMSE, first presses": "{:.4g} N; later ones {:.4g} N".format(*presses_n)}
-                if (presses_n := validation.presses_n)
-                else {}
-            ),
+            "RMSE, first presses": presses,
             **ratio_rows(error_ratios(found, validation.floor)),
             "slope error": slope_words(slope_keys(validation.slopes)),
-            **({"by place": by_place} if by_place else {}),
+            "by place": place_line(validation.places),
             "RMSE, mean of recordings": f"{found.mean_recording_rmse_n:.4g} N{spread}",
             "mean error": f"{found.mean_error_n:+.4g} N (the C less the measured force)",
             "maximum error": f"{found.max_abs_error_n:.4g} N; 99 %: {found.p99_abs_error_n:.4g} N",
@@ -176,9 +172,10 @@ def validation_rows(validation: Validation) -> dict[str, str]:
                 f"; {100.0 * silent / found.samples:.0f} % of the ticks, latched, had no force"
             )
     told_notes = notes_in_words(validation.notes, validation.clamped_low, validation.min_n)
-    return rows | {
+    rows |= {
         "C against reference": differ,
         "ticks with notes": told_notes + _deepest(validation),
         "tick, hot": f"{ticks.hot_median / 1e3:.3g} us",
         "tick, paced, cold": f"{ticks.p50 / 1e3:.3g} us, 99 % below {ticks.p99 / 1e3:.3g} us",
     }
+    return {name: text for name, text in rows.items() if text}

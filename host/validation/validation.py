@@ -12,10 +12,8 @@ from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.errors import DataError, MismatchError
 from springpot.codegen.files import given_path
 from springpot.codegen.messages import caution
-from springpot.codegen.model.model import Model
-from springpot.codegen.plan import Plan
 from springpot.codegen.types import JsonObject
-from springpot.host.emission.emission import read_emission
+from springpot.host.emission.emission import Emitted, read_emission
 from springpot.host.files import File, some_recordings
 from springpot.host.metrics import (
     Accuracy,
@@ -52,18 +50,15 @@ PACED_S = 3.0
 
 
 @dataclass(frozen=True, eq=False)
-class Validation:
+class Validation(Compared):
     """Result over all `recordings`; predicted_n: forces of the C, one array a recording.
 
-    mismatches: ticks where C and reference differ in force or notes, bit for bit. floor: of the
-    recordings, logs of sessions apart. ramped: samples of each recording in the start-up ramp,
-    which no error counts. presses_n: of `press_errors_n`. model_rmse_n: error of the model itself;
-    rendering_n: RMS of what coupling, guard and limits add to it; None for logs alone, which
-    neither counts. edited: files of the folder that are not as emitted. seen: how many recordings
-    the model was trained on, None where it does not say. places: error of each, if recordings have
-    any.
-    clamped_low: ticks at the lower limit of the force, min_n, N; other clamped ones are at the
-    upper limit.
+    floor: of the recordings, logs of sessions apart. presses_n: of `press_errors_n`. model_rmse_n:
+    error of the model itself; rendering_n: RMS of what coupling, guard and limits add to it; None
+    for logs alone, which neither counts. edited: files of the folder that are not as emitted. seen:
+    how many recordings the model was trained on, None where it does not say. places: error of each,
+    if recordings have any. min_n: the lower limit of the force, N, of `clamped_low`; other clamped
+    ticks are at the upper limit.
 
     >>> found = validate("c", recordings)
     >>> found.accuracy.rmse_n < 0.2
@@ -71,10 +66,7 @@ class Validation:
     """
 
     accuracy: Accuracy
-    mismatches: int
-    notes: dict[str, int]
     ticks: TickTimes
-    predicted_n: tuple[Samples, ...]
     manifest: JsonObject
     floor: NoiseFloor
     recordings: tuple[Recording, ...]
@@ -85,8 +77,6 @@ class Validation:
     edited: tuple[str, ...]
     seen: int | None
     places: tuple[PlaceError, ...]
-    ramped: tuple[int, ...]
-    clamped_low: int
     min_n: float
 
     def __repr__(self) -> str:
@@ -170,48 +160,39 @@ def validate(folder: File, recordings: Recordings, paced_s: float = PACED_S) -> 
     found = compared_all(plan, library, recordings, ticked)
     measured_n = [recording.force_n for recording in recordings]
     longest = max(ticked, key=lambda recording: len(recording.position_m))
-    model_rmse_n, rendering_n = _parts(found, model, plan, recordings, ticked)
+    model_rmse_n, rendering_n = _parts(found, emitted, recordings, ticked)
+    errors_of = (recordings, found.predicted_n, found.ramped)
     return Validation(
-        accuracy=accuracy(measured_n, found.force_n, found.ramped),
-        mismatches=found.mismatches,
-        notes=found.notes,
+        **vars(found),
+        accuracy=accuracy(measured_n, found.predicted_n, found.ramped),
         ticks=Replay(library).tick_times(longest.position_m, paced_s),
-        predicted_n=found.force_n,
         manifest=library.manifest,
         floor=find_noise_floor(judged),
         recordings=tuple(recordings),
-        slopes=slope_errors(recordings, found.force_n, found.ramped),
-        presses_n=press_errors_n(recordings, found.force_n, found.ramped),
+        slopes=slope_errors(*errors_of),
+        presses_n=press_errors_n(*errors_of),
         model_rmse_n=model_rmse_n,
         rendering_n=rendering_n,
         edited=emitted.edited,
         seen=seen_by(model, recordings),
-        places=place_errors(recordings, found.force_n, found.ramped),
-        ramped=found.ramped,
-        clamped_low=found.clamped_low,
+        places=place_errors(*errors_of),
         min_n=float(plan.output.min_n),
     )
 
 
 def _parts(
-    found: Compared,
-    model: Model,
-    plan: Plan,
-    recordings: Sequence[Recording],
-    ticked: Sequence[Recording],
+    found: Compared, emitted: Emitted, recordings: Sequence[Recording], ticked: Sequence[Recording]
 ) -> tuple[float | None, float | None]:
     """RMS of the model's own error, and of what rendering adds, N; None where all are logs."""
-    objects = [k for k in range(len(recordings)) if k not in found.logs]
-    model = replace(model, dt_s=plan.dt_s)  # of a scene with a rate of its own, which is as exact
+    objects = [k for k, item in enumerate(recordings) if not is_log_of(item, emitted.hash)]
+    dt_s = emitted.plan.dt_s
+    model = replace(emitted.model, dt_s=dt_s)  # of a scene with a rate of its own, as exact
     alone = limited_each_n(model, [ticked[k] for k in objects])
     errors, added = [], []
     for k, ticks_n in zip(objects, alone, strict=True):
-        alone_n, counted = (
-            at_samples(ticks_n, recordings[k], plan.dt_s),
-            slice(found.ramped[k], None),
-        )
-        errors.append((alone_n - recordings[k].force_n)[counted])
-        added.append((found.force_n[k] - alone_n)[counted])
+        alone_n, begin = at_samples(ticks_n, recordings[k], dt_s), found.ramped[k]
+        errors.append((alone_n - recordings[k].force_n)[begin:])
+        added.append((found.predicted_n[k] - alone_n)[begin:])
     if not sum(map(len, errors)):
         return None, None
     return rms(np.concatenate(errors)), rms(np.concatenate(added))
