@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from springpot.host.emission.boards import BOARDS, board_of
-from springpot.host.options import PATH, scene_options
+from springpot.host.options import PATH, scene_options, scene_or_folder_option
 from springpot.host.output import json_option, print_result, progress_bar, say
 
 if TYPE_CHECKING:
@@ -125,12 +125,7 @@ def build(folder: Path, as_json: bool) -> None:
 
 
 @click.command()
-@click.option(
-    "--scene",
-    type=PATH,
-    required=True,
-    help="Scene file, or a folder that `springpot emit` wrote.",
-)
+@scene_or_folder_option
 @click.option("--board", "name", required=True, help=f"One of {', '.join(BOARDS)}.")
 @click.option("--out", type=PATH, required=True, help="Folder to write.")
 @json_option

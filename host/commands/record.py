@@ -13,7 +13,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from springpot.codegen.errors import UsageError
 from springpot.codegen.messages import number_of
-from springpot.host.options import PATH, POSITIVE
+from springpot.host.options import PATH, POSITIVE, device_option
 from springpot.host.output import (
     json_option,
     print_json,
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.option("--device", "url", required=True, help="Such as sim://ecoflex-00-30.")
+@device_option
 @click.option(
     "--protocol",
     required=True,

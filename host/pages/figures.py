@@ -14,8 +14,7 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from springpot.host.validation.store import Series
 from springpot.host.validation.validation import draw_forces, median_error
 
-# Distinct in colour, and in black and white by line style or lightness.
-MEASURED, PREDICTED, ERROR, MUTED = "#1b1b1b", "#d1495b", "#2e6f95", "#888888"
+MUTED = "#888888"
 STYLE: Any = {
     "font.size": 9.0,
     "axes.spines.top": False,
