@@ -18,7 +18,7 @@ from springpot.codegen.scene import Scene
 from springpot.trainer.recordings.recording_file import File
 
 T = TypeVar("T")
-_NO_SUCH_KEY = "unexpected_keyword_argument"
+_NO_SUCH_KEY = ("unexpected_keyword_argument", "extra_forbidden")
 _ADAPTER = TypeAdapter(Scene)
 _EXAMPLE = Scene(schema=1, name="example", model="model.spm")
 _MAX_BYTES = 1 << 14  # a page or five; the TOML reader takes the square of a dotted key
@@ -69,14 +69,17 @@ def checked_keys(
         place = first["loc"]
         if first["type"] == "missing":
             found = "missing: add this key"
-        elif first["type"] == _NO_SUCH_KEY:
+        elif first["type"] in _NO_SUCH_KEY:
             here = known(place[:-1])
             of = [f"[{name}]" for name in known(()) if place[-1] in known((name,))]
             elsewhere = f"it is one of {' and of '.join(of)}; " if of else ""
             found = f"no such key: {elsewhere}known here are {', '.join(here)}"
+        elif first["type"] == "value_error":  # of a whole section: no one value is wrong
+            found = first["msg"].removeprefix("Value error, ")
         else:
             found = f"{first['msg']} (found {first['input']!r})"
-        raise UsageError(f"{where}: {'.'.join(map(str, place))}: {found}") from None
+        key = f"{'.'.join(map(str, place))}: " if place else ""
+        raise UsageError(f"{where}: {key}{found}") from None
 
 
 def read_scene(path: File) -> Scene:
