@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -79,32 +78,28 @@ class HandLoop:
         n = len(scenario.dt_s)
         trace = {name: np.empty(n) for name in _TRACED}
         notes = np.empty(n, dtype=np.int32)
-        scene, held = self._scene()
-        arrays = {name: np.ascontiguousarray(value, dtype=np.float64)
-                  for name, value in vars(scenario).items() if name != "dropped"}  # fmt: skip
-        dropped = np.ascontiguousarray(scenario.dropped, dtype=np.uint8)
-        array, new = self._port.array, self._port.ffi.new
-        inputs = {name: array(value) for name, value in arrays.items()}
-        inputs["dropped"] = array(dropped)
-        outputs = {name: array(value) for name, value in trace.items()}
-        outputs["notes"] = array(notes)
-        given = new("sp_closed_loop_scenario *", inputs)
-        traced = new("sp_closed_loop_trace *", outputs)
-        tool = held_tool(self._port, operator, HAND_SUBSTEPS, start_m=start_m)
-        not_finite = self._port.c.sp_closed_loop_run(scene, tool, n, given, traced)
+        given = {
+            name: np.ascontiguousarray(value, dtype=np.uint8 if name == "dropped" else np.float64)
+            for name, value in vars(scenario).items()
+        }
+        port, state = self._port, self._library.new_state()
+        step, idle = (port.pointer(self._library.address(name)) for name in ("step", "idle"))
+        scene = {"step": step, "idle": idle, "state": port.pointer(state.address)}
+        inputs = {name: port.array(values) for name, values in given.items()}
+        outputs = {name: port.array(values) for name, values in trace.items()}
+        outputs["notes"] = port.array(notes)
+        new = port.ffi.new
+        not_finite = port.c.sp_closed_loop_run(
+            new("sp_closed_loop_scene *", scene),
+            held_tool(port, operator, HAND_SUBSTEPS, start_m=start_m),
+            n,
+            new("sp_closed_loop_scenario *", inputs),
+            new("sp_closed_loop_trace *", outputs),
+        )
         _check(not_finite)
-        del held
         late = operator.device.delay_samples
         felt_n = np.concatenate([np.zeros(late), trace["force_n"]])[:n]
         return Trace(**trace, felt_n=felt_n, notes=notes, not_finite=int(not_finite))
-
-    def _scene(self) -> tuple[CData, Any]:
-        """The scene's functions with a fresh state, and what keeps that alive."""
-        state = self._library.new_state()
-        addresses = {name: self._library.address(name) for name in ("step", "idle", "reset")}
-        addresses["state"] = state.address
-        pointers = {name: self._port.pointer(address) for name, address in addresses.items()}
-        return self._port.ffi.new("sp_closed_loop_scene *", pointers), state
 
 
 def held_tool(

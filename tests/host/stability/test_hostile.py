@@ -5,6 +5,7 @@ import os
 
 import numpy as np
 import pytest
+from support.paths import TESTS
 from support.small import DEPTH_M, DT_S, press, scene, training
 
 from springpot import Model
@@ -13,9 +14,11 @@ from springpot.codegen.model.model import TrainedRange
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.reference import run_reference
 from springpot.codegen.scene import Coupling
-from springpot.host.native.scene_library import built
-from springpot.host.simulation.hand_loop import HAND_SUBSTEPS, HandLoop, Operator, held_tool
+from springpot.host.native.c_library import load_c
+from springpot.host.native.scene_library import SceneLibrary, built
+from springpot.host.simulation.hand_loop import HAND_SUBSTEPS, Operator, held_tool
 from springpot.host.simulation.objects import HAND_NAMES
+from springpot.runtime_c.paths import PORT_TESTBENCH, SIM
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 
@@ -36,19 +39,19 @@ def model_of(kind: str, contact: str = "surface") -> Model:
 
 
 def pressed(
-    loop: HandLoop, operator: Operator, ticks: int, dt_s: float, reach_m: float
+    library: SceneLibrary, operator: Operator, ticks: int, dt_s: float, reach_m: float
 ) -> dict[str, float]:
-    """Random presses; the members of sp_closed_loop_presses."""
-    scene, kept = loop._scene()
-    ffi = loop._port.ffi
-    found = ffi.new("sp_closed_loop_presses *")
-    tool = held_tool(loop._port, operator, HAND_SUBSTEPS, start_m=-0.001)
-    status = loop._port.c.sp_closed_loop_press(
-        scene, tool, ticks, dt_s, reach_m, operator.seed, found
-    )
-    assert status >= 0
-    del kept
-    return {name: getattr(found, name) for name, _ in ffi.typeof("sp_closed_loop_presses").fields}
+    """Random presses; the members of random_presses."""
+    here = TESTS / "support" / "c" / "random_presses.c"
+    headers = [SIM / "sim.h", PORT_TESTBENCH / "sp_closed_loop.h", here.with_suffix(".h")]
+    port = load_c(headers, [here, *sorted(SIM.glob("*.c"))], library.real)
+    state = library.new_state()
+    step, own = port.pointer(library.address("step")), port.pointer(state.address)
+    scene = port.ffi.new("sp_closed_loop_scene *", {"step": step, "state": own})
+    found = port.ffi.new("random_presses *")
+    tool = held_tool(port, operator, HAND_SUBSTEPS, start_m=-0.001)
+    assert port.c.press_at_random(scene, tool, ticks, dt_s, reach_m, operator.seed, found) >= 0
+    return {name: getattr(found, name) for name, _ in port.ffi.typeof("random_presses").fields}
 
 
 @pytest.mark.few(1)
@@ -153,7 +156,7 @@ def test_hours_of_pressing_give_no_energy_and_do_not_drift(hand: str, mode: str)
     bound_j = 2.0 * plan.coupling.felt_npm * max_mps * plan.dt_s * 1.3 * reach_m
     with built(plan) as library:
         ticks = round(PRESS_S / plan.dt_s)
-        found = pressed(HandLoop(library), Operator(hand), ticks, plan.dt_s, reach_m)
+        found = pressed(library, Operator(hand), ticks, plan.dt_s, reach_m)
     assert found["not_finite"] == 0
     assert found["latched"] == 0
     assert found["presses"] > 0.1 * PRESS_S
