@@ -16,7 +16,7 @@ from springpot.host.metrics import accuracy, slope_errors, slope_keys
 from springpot.host.native.compiler import CompilerError, compiler_version
 from springpot.host.native.replay import Replay, replayed
 from springpot.host.native.scene_library import SceneLibrary, built, written
-from springpot.host.native.toolchain import measure_footprint, missing_tools, toolchain
+from springpot.host.native.toolchain import measure_footprint, toolchain
 from springpot.host.stability.small_signal import small_signal_map
 from springpot.trainer.kinds import KINDS
 from springpot.trainer.models.fit import PAPER_CENTERS, FitOptions
@@ -205,14 +205,10 @@ def target_compiler(target: Target) -> str | None:
 
 def _sizes(model: Model, number: Number, target: Target) -> Point:
     """Return bytes of flash and stack of a model's C on its target; null ones with `why`."""
-    unknown: Point = {"flash_bytes": None, "stack_bytes": None}
-    tools = toolchain(target)
-    if tools is None:
-        return unknown | {"why": missing_tools(target)}
     plan = make_plan(model, bench_scene(number, target), accept_unsafe=True)
     try:
         with written(plan) as folder:
-            size = measure_footprint(folder, f"{plan.scene.runtime.prefix}.c", tools)
+            size = measure_footprint(folder, target)
     except CompilerError as error:
-        return unknown | {"why": str(error)}
+        return {"flash_bytes": None, "stack_bytes": None, "why": str(error)}
     return {"flash_bytes": size.flash_bytes, "stack_bytes": size.stack_bytes, "why": None}

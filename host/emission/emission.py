@@ -32,14 +32,8 @@ from springpot.host.emission.scene_file import (
     scene_to_json,
 )
 from springpot.host.native.compiler import NoCompilerError
-from springpot.host.native.scene_library import SceneLibrary, scene_prefix
-from springpot.host.native.toolchain import (
-    SOFT_DOUBLES,
-    Footprint,
-    measure_footprint,
-    missing_tools,
-    toolchain,
-)
+from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.native.toolchain import SOFT_DOUBLES, Footprint, measure_footprint
 from springpot.host.output import say
 from springpot.host.stability.check import Check, check
 from springpot.host.stability.linear import require_stable
@@ -151,14 +145,12 @@ def _built(plan: Plan, aside: Path, folder: Path, write_s: float) -> Emission:
                 f"{differs - 1}: nothing was emitted; correct a stage of your own, or report the "
                 f"compiler ({library.path})"
             )
-        unmeasured = missing_tools(plan.scene.runtime.target)
-        if unmeasured:
-            notices.append(f"flash and stack could not be measured: {unmeasured}")
-        else:
-            tools = toolchain(plan.scene.runtime.target)
-            assert tools is not None, "nothing of it is missing"
-            footprint = measure_footprint(aside, f"{scene_prefix(aside)}.c", tools)
+        try:
+            footprint = measure_footprint(aside, plan.scene.runtime.target)
             notices += _selftest_stack(plan, footprint)
+        except NoCompilerError as error:
+            unmeasured = str(error)
+            notices.append(f"flash and stack could not be measured: {error}")
         checked = check(plan, library)
         notices += _activity(checked)
         if plan.scene.coupling.mode == "auto" and plan.at_proxy and vibrates(plan, library):

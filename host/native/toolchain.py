@@ -8,7 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from springpot.codegen.messages import short_repr
-from springpot.host.native.compiler import CompilerError, find_compiler, run_compiler
+from springpot.host.native.compiler import (
+    CompilerError,
+    NoCompilerError,
+    find_compiler,
+    run_compiler,
+)
+from springpot.host.native.scene_library import scene_prefix
 from springpot.runtime_c.paths import flags
 
 _ARM = ("-mthumb", "-mfloat-abi=hard")
@@ -87,8 +93,14 @@ class Footprint:
     stack_bytes: int | None
 
 
-def measure_footprint(folder: Path, source: str, tools: Toolchain) -> Footprint:
-    """Compile folder/source for the target and read the sizes. Raises CompilerError."""
+def measure_footprint(folder: Path, target: str) -> Footprint:
+    """Compile an emitted folder's C for the target and read the sizes.
+
+    Raises NoCompilerError with what to install, CompilerError where the compiler refuses.
+    """
+    tools, source = toolchain(target), f"{scene_prefix(folder)}.c"
+    if tools is None:
+        raise NoCompilerError(missing_tools(target))
     with tempfile.TemporaryDirectory() as scratch:
         built = Path(scratch) / "scene.o"
         arguments = [*flags("SP_CFLAGS"), *tools.flags, _NO_SELFTEST, "-c", str(folder / source),

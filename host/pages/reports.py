@@ -13,12 +13,11 @@ from springpot.codegen.types import JsonMapping, JsonObject
 from springpot.host.bench.bench import RESULT
 from springpot.host.emission.emission import read_emission, require_emission
 from springpot.host.native.compiler import CompilerError
-from springpot.host.native.scene_library import scene_prefix
-from springpot.host.native.toolchain import measure_footprint, missing_tools, toolchain
+from springpot.host.native.toolchain import measure_footprint
 from springpot.host.pages import figures
 from springpot.host.pages.figures import STYLE, log_ticks, svg_text
 from springpot.host.pages.page import page_text
-from springpot.host.validation.store import Stored, read_validation
+from springpot.host.validation.store import read_validation
 from springpot.trainer.kinds import KINDS, Kind
 
 _REPORT_NAME = "report.html"
@@ -31,7 +30,10 @@ def write_report(folder: Path) -> Path:
 
     Raises DataError where the folder was not emitted or validated, or changed since.
     """
-    stored = _matching_validation(folder)
+    require_emission(folder)
+    stored = read_validation(folder)
+    if read_emission(folder).hash != stored.metadata["result"]["hash"]:
+        raise DataError(f"{folder}: changed since it was validated: `springpot validate` again")
     manifest = json.loads((folder / "manifest.json").read_text())
     median = figures.median_series(stored.series)
     context = {
@@ -51,29 +53,15 @@ def write_report(folder: Path) -> Path:
     return path
 
 
-def _matching_validation(folder: Path) -> Stored:
-    """Read the last validation. Raises DataError where it is not of this emission."""
-    require_emission(folder)
-    stored = read_validation(folder)
-    result = stored.metadata["result"]
-    emitted = read_emission(folder)
-    if emitted.hash != result["hash"]:
-        raise DataError(f"{folder}: changed since it was validated: `springpot validate` again")
-    return stored
-
-
 def _cost_rows(folder: Path, manifest: JsonObject) -> dict[str, str]:
     """Return bytes of memory in words."""
     target = manifest["target"]
-    tools = toolchain(target)
-    flash = f"not measured: {missing_tools(target)}"
-    if tools is not None:
-        try:
-            found = measure_footprint(folder, f"{scene_prefix(folder)}.c", tools)
-            stack = "" if found.stack_bytes is None else f", stack {found.stack_bytes} bytes"
-            flash = f"{found.flash_bytes} bytes ({target}){stack}"
-        except CompilerError as error:
-            flash = f"not measured: {error}"
+    try:
+        found = measure_footprint(folder, target)
+        stack = "" if found.stack_bytes is None else f", stack {found.stack_bytes} bytes"
+        flash = f"{found.flash_bytes} bytes ({target}){stack}"
+    except CompilerError as error:
+        flash = f"not measured: {error}"
     return {"flash": flash, "RAM": f"{manifest['state_bytes']} bytes of state"}
 
 
