@@ -38,17 +38,10 @@ class _ProgressLine(logging.Handler):
         self._task = progress.add_task(text, total=None)
 
     def emit(self, record: logging.LogRecord) -> None:
-        if not hasattr(record, "done"):
-            return
-        steps = {
-            "completed": getattr(record, "done", None),
-            "total": getattr(record, "total", None),
-        }
-        self._progress.update(
-            self._task,
-            description=f"{self._text}, {record.getMessage()}",
-            **{name: value for name, value in steps.items() if value is not None},
-        )
+        done, total = (getattr(record, name, None) for name in ("done", "total"))
+        if done is not None:
+            text = f"{self._text}, {record.getMessage()}"
+            self._progress.update(self._task, completed=done, total=total, description=text)
 
 
 class _SaidLine(logging.Handler):

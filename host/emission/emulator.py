@@ -28,44 +28,32 @@ class Batch:
     instructions: NDArray[np.int64]
 
 
-@dataclass(frozen=True, eq=False)
-class Calls:
-    """Calls to make: bits CALL_IDLE, CALL_RESET; inputs in the scene's type. Shapes (n,)."""
+def steps(position_m: Reals, velocity_mps: Reals) -> NDArray[np.void]:
+    """Return plain ticks, one a position: rows (n,) of calls to make, in the scene's type.
 
-    call: NDArray[np.uint32]
-    position_m: Reals
-    velocity_mps: Reals
-    dt_s: Reals
-
-
-def steps(position_m: Reals, velocity_mps: Reals) -> Calls:
-    """Return plain ticks, one a position."""
-    zero = np.zeros_like(position_m)
-    return Calls(np.zeros(len(position_m), dtype=np.uint32), position_m, velocity_mps, zero)
+    `call` of a row takes CALL_IDLE, for which `dt_s` is, and CALL_RESET.
+    """
+    real = position_m.dtype
+    names = [("call", "<u4"), ("position_m", real), ("velocity_mps", real), ("dt_s", real)]
+    rows = np.zeros(len(position_m), dtype=np.dtype(names, align=real.itemsize == 8))
+    rows["position_m"], rows["velocity_mps"] = position_m, velocity_mps
+    return rows
 
 
-def run_batch(folder: Path, board: Board, calls: Calls) -> Batch:
-    """Make the calls on the emulated board, from a fresh state.
+def run_batch(folder: Path, board: Board, rows: NDArray[np.void]) -> Batch:
+    """Make the calls of `steps` on the emulated board, from a fresh state.
 
     Raises UsageError without the tools, MismatchError where the scene's self-test fails there.
     """
-    real = calls.position_m.dtype
-    wide = real.itemsize == 8
-    rows = np.zeros(len(calls.call), dtype=np.dtype(
-        [("call", "<u4"), ("position_m", real), ("velocity_mps", real), ("dt_s", real)],
-        align=wide))  # fmt: skip
-    for name in ("call", "position_m", "velocity_mps", "dt_s"):
-        rows[name] = getattr(calls, name)
+    real = rows.dtype["position_m"]
     with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
         place = Path(scratch)
         program = build_batch(folder, board, place)
-        (place / "calls.bin").write_bytes(rows.tobytes())
+        rows.tofile(place / "calls.bin")
         emulate(board, program, place)
-        returned_bytes = (place / "returns.bin").read_bytes()
-    row = np.dtype([("force_n", real), ("notes", "<i4"), ("counts", "<u4")], align=wide)
-    returned = np.frombuffer(
-        returned_bytes[: len(returned_bytes) // row.itemsize * row.itemsize], dtype=row
-    )
+        names = [("force_n", real), ("notes", "<i4"), ("counts", "<u4")]
+        row = np.dtype(names, align=real.itemsize == 8)
+        returned = np.fromfile(place / "returns.bin", dtype=row)
     if len(returned) != 1 + len(rows):
         raise SpringpotError(
             f"{board.name}: {max(len(returned) - 1, 0)} of {len(rows)} calls returned: the "

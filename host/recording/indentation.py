@@ -23,7 +23,7 @@ from springpot.host.session.outcome import LoopSettings, LoopState
 from springpot.host.session.runner import Progress, SessionRunner
 from springpot.host.session.terminal import reading_keys
 
-_WATCHDOG_S = 0.02
+WATCHDOG_S = 0.02
 _HEADROOM = 1.2  # of the motor over the command, for the controller
 _REST_S = 0.5  # between two presses
 _MORE_TICKS = 50  # so that none of the command's is missing when clocks differ
@@ -186,17 +186,14 @@ class PressedDevice:
             max_depth_m=self._limits.max_depth_m,
             sensed=self.sensed,
         )
-        requirements = DeviceRequirements(RATE_HZ, _WATCHDOG_S, _HEADROOM * max_n, presses=True)
+        requirements = DeviceRequirements(RATE_HZ, WATCHDOG_S, _HEADROOM * max_n, presses=True)
         runner = SessionRunner(
             steps, self.url, requirements, settings, [rows.append], reconnect_s=0.0
         )
-        runner.open()
-        try:
+        with runner:
             self.attach(runner)
             runner.start()
             self._watch(runner, rows, steps.kept[0])
-        finally:
-            runner.close()
         line, error = runner.why()
         if not rows.full:
             self._require_no_fault(steps.kept[0])
@@ -252,7 +249,7 @@ def trip_error(url: str, state: LoopState, why: str = "") -> DeviceError:
 
     why: what the device says of it.
     """
-    ms = 1e3 * _WATCHDOG_S
+    ms = 1e3 * WATCHDOG_S
     if why:
         return DeviceError(f"{url}: {why}; stopped, force zero: press anew")
     if state.tripped:
@@ -278,7 +275,7 @@ def press_step_functions(
         "n": len(command_n),
         "dt_s": 1 / RATE_HZ,
         "max_force_n": max_force_n,
-        "watchdog_s": _WATCHDOG_S,
+        "watchdog_s": WATCHDOG_S,
         "latched_note": LATCHED,
         **gains,
     }

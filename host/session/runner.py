@@ -5,6 +5,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any, Self
 
 import numpy as np
 
@@ -87,6 +88,13 @@ class SessionRunner:
             self._loop, device, self.url, self._requirements, self._reconnect_s, self._report,
             self._fail,
         )  # fmt: skip
+
+    def __enter__(self) -> Self:
+        self.open()
+        return self
+
+    def __exit__(self, *error: Any) -> None:
+        self.close()
 
     def start(self) -> None:
         """Begin ticking; returns at once."""
