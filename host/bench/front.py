@@ -11,9 +11,8 @@ from springpot.codegen.make_plan import make_plan
 from springpot.codegen.notes import RESYNC
 from springpot.codegen.scene import Number, Runtime, Target
 from springpot.host.bench.measure import Point, bench_scene
-from springpot.host.emission.boards import Board, default_board, missing
+from springpot.host.emission.boards import Board, default_board, missing, run_batch, steps
 from springpot.host.emission.emission import write_emission
-from springpot.host.emission.emulator import run_batch, steps
 from springpot.host.native.replay import Replay, TickTimes
 from springpot.host.native.scene_library import built
 from springpot.host.stability.check import stability

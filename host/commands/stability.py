@@ -31,7 +31,7 @@ def stability_(scene_file: Path | None, model_file: Path | None, as_json: bool) 
 
 def stability_rows(found: Stability) -> dict[str, str]:
     """A person's view: the verdict, what is not good case by case, and the extremes of the rest."""
-    from springpot.host.stability.judgement import Grade, judged_cases
+    from springpot.host.stability.verdict import Grade, judged_cases
 
     checked = found.check
     judged = [item for item in judged_cases(found.outcomes) if item.grade != Grade.ENDS]

@@ -72,6 +72,7 @@ class HandLoop:
     def __init__(self, library: SceneLibrary) -> None:
         self._library = library
         self._port = load_testbench(library.real)
+        self._step, self._idle = map(library.address, ("step", "idle"))
 
     def run(self, scenario: Scenario, operator: Operator, start_m: float = 0.0) -> Trace:
         """Run the scenario with a hand that starts at rest at start_m; sensors are noisy."""
@@ -83,8 +84,8 @@ class HandLoop:
             for name, value in vars(scenario).items()
         }
         port, state = self._port, self._library.new_state()
-        step, idle = (port.pointer(self._library.address(name)) for name in ("step", "idle"))
-        scene = {"step": step, "idle": idle, "state": port.pointer(state.address)}
+        addresses = {"step": self._step, "idle": self._idle, "state": state.address}
+        scene = {name: port.pointer(address) for name, address in addresses.items()}
         inputs = {name: port.array(values) for name, values in given.items()}
         outputs = {name: port.array(values) for name, values in trace.items()}
         outputs["notes"] = port.array(notes)

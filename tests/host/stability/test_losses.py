@@ -4,7 +4,6 @@ from collections.abc import Callable
 from contextlib import ExitStack
 from dataclasses import replace
 from functools import cache
-from typing import Any
 
 import numpy as np
 import pytest
@@ -17,7 +16,7 @@ from springpot.codegen.make_plan import make_plan
 from springpot.codegen.plan import Plan
 from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import shared_library
-from springpot.host.native.scene_library import built, uncoupled
+from springpot.host.native.scene_library import SceneLibrary, built, uncoupled
 from springpot.host.simulation.cases import (
     LATE,
     LOST,
@@ -39,12 +38,11 @@ GOING_ON = (*UNSAID, "late", "nan-5", "rate-90")
 class SilentLosses(HandLoop):
     """Its losses are kept from the scene."""
 
-    def _scene(self) -> tuple[Any, Any]:
-        pointers, state = super()._scene()
+    def __init__(self, library: SceneLibrary) -> None:
+        super().__init__(library)
         file = shared_library([C_TESTS / "silent_loss.c"], [INCLUDE, INCLUDE / "float"])
-        stub = CLibrary(file, "int silent_loss(void *, float, float *);")
-        pointers.idle = self._port.pointer(stub.address(stub.c.silent_loss))
-        return pointers, (state, stub)
+        self.stub = CLibrary(file, "int silent_loss(void *, float, float *);")
+        self._idle = self.stub.address(self.stub.c.silent_loss)
 
 
 def rendered(plan: Plan, loop: type[HandLoop], stack: ExitStack) -> Rendered:

@@ -26,10 +26,9 @@ from springpot.host.emission.emission import emit, read_emission
 from springpot.host.native.scene_library import built
 from springpot.host.stability.check import Stability, stability
 from springpot.host.stability.closed_loop import Outcome
-from springpot.host.stability.judgement import Grade, judge
 from springpot.host.stability.linear import is_stable, require_stable, scene_loop, spectral_radius
 from springpot.host.stability.small_signal import small_signal_map
-from springpot.host.stability.verdict import why_unbounded
+from springpot.host.stability.verdict import Grade, judge, why_unbounded
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 

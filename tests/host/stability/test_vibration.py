@@ -21,10 +21,15 @@ from springpot.host.simulation.cases import HOLDS, NUDGE_N, NUDGE_S, cases, held
 from springpot.host.simulation.hand_loop import HandLoop
 from springpot.host.simulation.scenarios import Workspace, holding, pressing
 from springpot.host.stability.check import stability
-from springpot.host.stability.closed_loop import Outcome, Rendered, case_outcome
-from springpot.host.stability.judgement import Fault, Grade, judge
+from springpot.host.stability.closed_loop import (
+    Outcome,
+    Rendered,
+    band_rms,
+    case_outcome,
+    vibration_of,
+)
 from springpot.host.stability.linear import scene_loop
-from springpot.host.stability.vibration import band_rms, vibration_of
+from springpot.host.stability.verdict import Fault, Grade, judge
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 
