@@ -78,12 +78,7 @@ def _paced_ticks(model: Model, number: Number, recording: Recording) -> Point:
         ):
             tries.append(Replay(library).tick_times(recording.position_m, PACED_S))
     ticks = min(tries, key=lambda times: times.p99)
-    return {
-        "tick_ns_p50": ticks.p50,
-        "tick_ns_p99": ticks.p99,
-        "tick_ns_p999": ticks.p999,
-        "tick_ns_max": ticks.max,
-    }
+    return {f"tick_ns_{name}": getattr(ticks, name) for name in ("p50", "p99", "p999", "max")}
 
 
 def _closed_loop(model: Model, number: Number) -> Point:

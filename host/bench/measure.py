@@ -176,14 +176,11 @@ def prediction_errors(
     forces_n, ramps = replayed(plan, Replay(library), [*before, *recordings])
     forces_n, ramps = forces_n[len(before) :], ramps[len(before) :]
     found = accuracy([recording.force_n for recording in recordings], forces_n, ramps)
+    named = ("rmse_n", "rmse_percent_of_peak", "mean_recording_rmse_n", "max_abs_error_n",
+             "ape_below_jnd", "error_per_jnd")  # fmt: skip
     return {
-        "rmse_n": found.rmse_n,
-        "rmse_percent_of_peak": found.rmse_percent_of_peak,
-        "mean_recording_rmse_n": found.mean_recording_rmse_n,
+        **{name: getattr(found, name) for name in named},
         "mean_recording_rmse_interval_n": found.interval_n and list(found.interval_n),
-        "max_abs_error_n": found.max_abs_error_n,
-        "ape_below_jnd": found.ape_below_jnd,
-        "error_per_jnd": found.error_per_jnd,
         **slope_keys(slope_errors(recordings, forces_n, ramps)),
     }
 

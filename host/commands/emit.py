@@ -70,13 +70,12 @@ def _recordings(names: tuple[str, ...], model: Model) -> list[Recording]:
 
 def emission_rows(emission: Emission) -> dict[str, str]:
     """A person's view of an emission."""
-    footprint = emission.footprint
-    stack = footprint.stack_bytes if footprint else None
+    flash, stack = emission.flash_bytes, emission.stack_bytes
     left_out = emission.manifest["left_out"]
     rows = {
         "C source": str(emission.folder),
         "tick": f"{1.0 / emission.manifest['dt_s']:.6g} Hz: call the step so often",
-        "flash": f"{footprint.flash_bytes} bytes" if footprint else "unknown",
+        "flash": "unknown" if flash is None else f"{flash} bytes",
         "RAM": f"{emission.ram_bytes} bytes and {stack if stack is not None else '?'} of stack",
         "units": ", ".join(emission.manifest["units"]),
         "coupling": emission.manifest["coupling"]["why"],

@@ -1,6 +1,5 @@
 """Emission: files written aside, built, self-tested, and only then renamed into place."""
 
-import json
 import tempfile
 import time
 from collections.abc import Iterator
@@ -17,7 +16,6 @@ from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import MODEL_SUFFIX, read_model, write_model
 from springpot.codegen.plan import Plan, state_bytes
 from springpot.codegen.scene import Scene
-from springpot.codegen.types import JsonObject
 from springpot.host.emission.checksums import (
     edited_files,
     edited_hash,
@@ -32,7 +30,7 @@ from springpot.host.emission.scene_file import (
     scene_to_json,
 )
 from springpot.host.native.compiler import NoCompilerError
-from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.native.scene_library import SceneLibrary, read_manifest
 from springpot.host.native.toolchain import SOFT_DOUBLES, Footprint, measure_footprint
 from springpot.host.output import say
 from springpot.host.stability.check import Check, check
@@ -109,18 +107,6 @@ def read_emission(folder: Path) -> Emitted:
     return Emitted(plan, model, edited, edited_hash(str(metadata["hash"]), folder, edited))
 
 
-def read_manifest(folder: Path) -> JsonObject:
-    """Read all metadata of an emitted folder. Raises DataError where manifest.json is none."""
-    file = folder / "manifest.json"
-    try:
-        metadata: JsonObject = json.loads(file.read_text())
-        if {"accept_unsafe", "hash"} <= metadata.keys():
-            return metadata
-    except (OSError, ValueError, AttributeError):
-        pass
-    raise DataError(f"{file}: no manifest: emit again")
-
-
 def write_emission(plan: Plan, scene: Scene, model: Model, folder: Path) -> None:
     """Write a plan's files into a new folder, with what they were made from."""
     (folder / "from").mkdir(parents=True)
@@ -158,7 +144,7 @@ def _built(plan: Plan, aside: Path, folder: Path, write_s: float) -> Emission:
     except NoCompilerError as error:
         unmeasured = str(error)
         notices.append(f"not built, so flash and stack could not be measured: {error}")
-    metadata = json.loads((aside / "manifest.json").read_text())
+    metadata = read_manifest(aside)
     emission = Emission(
         folder=folder,
         plan=plan,

@@ -96,7 +96,7 @@ def _verdict(plan: Plan, stiffness_npm: float, more_delay: int) -> str:
 def _recording(folder: Path) -> list[str] | None:
     """Return depth and force of the first validated recording, float32; None without one."""
     try:
-        series = read_validation(folder).series[0]
+        series = read_validation(folder)[1][0]
     except DataError:
         return None
     step = -(-len(series.position_m) // _MAX_RECORDED)

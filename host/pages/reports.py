@@ -19,6 +19,7 @@ from springpot.codegen.types import JsonMapping, JsonObject
 from springpot.host.bench.bench import RESULT
 from springpot.host.emission.emission import read_emission, require_emission
 from springpot.host.native.compiler import CompilerError
+from springpot.host.native.scene_library import read_manifest
 from springpot.host.native.toolchain import measure_footprint
 from springpot.host.pages.page import page_text
 from springpot.host.validation.store import Series, read_validation
@@ -133,22 +134,19 @@ def write_report(folder: Path) -> Path:
     Raises DataError where the folder was not emitted or validated, or changed since.
     """
     require_emission(folder)
-    stored = read_validation(folder)
-    if read_emission(folder).hash != stored.metadata["result"]["hash"]:
+    metadata, series = read_validation(folder)
+    if read_emission(folder).hash != metadata["result"]["hash"]:
         raise DataError(f"{folder}: changed since it was validated: `springpot validate` again")
-    manifest = json.loads((folder / "manifest.json").read_text())
-    median = median_series(stored.series)
+    manifest = read_manifest(folder)
+    median = median_series(series)
     context = {
         "manifest": manifest,
-        "result": stored.metadata["result"],
-        "machine": stored.metadata["machine"],
-        "recordings": stored.metadata["recordings"],
+        **{key: metadata[key] for key in ("result", "machine", "recordings", "rows")},
         "provenance": manifest["provenance"],
-        "rows": stored.metadata["rows"],
         "costs": _cost_rows(folder, manifest),
         "time_figure": time_figure(median),
         "loop_figure": loop_figure(median),
-        "error_figure": error_figure(stored.series),
+        "error_figure": error_figure(series),
     }
     path = folder / _REPORT_NAME
     write_file(path, page_text("report.html", context).encode())

@@ -280,7 +280,13 @@ def press_step_functions(
         **gains,
     }
     press = library.ffi.new("sp_press *", settings)
-    measured_n = library.address(library.ffi.addressof(press, "measured_n"))
-    return StepFunctions.of(
-        library, "sp_press", press, kept=(press, command_n), measured_n=measured_n
+    c, address = library.c, library.address
+    return StepFunctions(
+        library,
+        step=address(c.sp_press_step),
+        idle=address(c.sp_press_idle),
+        reset=address(c.sp_press_reset),
+        state=address(press),
+        measured_n=address(library.ffi.addressof(press, "measured_n")),
+        kept=(press, command_n),
     )

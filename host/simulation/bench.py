@@ -1,7 +1,6 @@
 """The simulated bench: soft objects, device and hands of runtime_c/sim, as a device `sim://OBJECT`."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -26,7 +25,11 @@ _CHUNK = 250  # samples handed on at once
 
 
 class SimulatedBench:
-    """An object under a force-controlled device at 1 kHz, as its sensors see it."""
+    """An object under a force-controlled device at 1 kHz, as its sensors see it.
+
+    rate_hz: of the samples that are kept. session: of this object and what is random about it.
+    place_m: where a lump is pressed, m; None of an object that is the same everywhere.
+    """
 
     start_s: float | None = None  # of the last press, if it met what the ones before had pressed
     _state: CData = None
@@ -34,31 +37,13 @@ class SimulatedBench:
 
     def __init__(self, simulated: SimulatedObject, substeps: int = SUBSTEPS) -> None:
         """Put the object under the device; substeps of the integrator in each ms."""
-        self.simulated = simulated
-        self._substeps = substeps
+        self.object_name, self.rate_hz = simulated.name, simulated.presses.rate_hz
+        self.session = f"{simulated.name}, seed {simulated.seed}"
+        placed = simulated.name in PLACED_OBJECTS
+        self.place_m = (simulated.x_m, simulated.y_m) if placed else None
+        self._simulated, self._substeps = simulated, substeps
         self._library = bench_library()
         self._presses = 0
-
-    @property
-    def object_name(self) -> str:
-        """Name of the object on the bench."""
-        return self.simulated.name
-
-    @property
-    def rate_hz(self) -> int:
-        """Of the samples that are kept."""
-        return self.simulated.presses.rate_hz
-
-    @property
-    def session(self) -> str:
-        """Of this object and what is random about it."""
-        return f"{self.simulated.name}, seed {self.simulated.seed}"
-
-    @property
-    def place_m(self) -> tuple[float, float] | None:
-        """Where a lump is pressed, m; None of an object that is the same everywhere."""
-        simulated = self.simulated
-        return (simulated.x_m, simulated.y_m) if simulated.name in PLACED_OBJECTS else None
 
     def prepare(self) -> JsonObject:
         """Nothing: it is ready."""
@@ -76,8 +61,7 @@ class SimulatedBench:
             )
         if place_m == self.place_m:
             return
-        x_m, y_m = place_m
-        self.simulated, self._state = replace(self.simulated, x_m=x_m, y_m=y_m), None
+        self.place_m, self._state = place_m, None
 
     def press(
         self,
@@ -96,7 +80,7 @@ class SimulatedBench:
                 f"the command reaches {np.max(np.abs(command_n)):.1f} N and the simulated device "
                 f"gives {MAX_COMMAND_N:g} N: lower the protocol's amplitude_n"
             )
-        settings, step = self.simulated.presses, round(1 / (DT_S * self.rate_hz))
+        settings, step = self._simulated.presses, round(1 / (DT_S * self.rate_hz))
         if self._state is None or settings.rest_s is None:
             self._put_object()
         else:
@@ -119,8 +103,8 @@ class SimulatedBench:
     def _put_object(self) -> None:
         c, memory = self._library.c, self._library.memory
         self._state, self._ticks = memory(c.sim_bench_size(), "sim_bench"), 0
-        seed = (self.simulated.seed << 32) + self._presses
-        of_object, delay_samples = object_arguments(self.simulated), self.simulated.delay_samples
+        seed = (self._simulated.seed << 32) + self._presses
+        of_object, delay_samples = object_arguments(self._simulated), self._simulated.delay_samples
         _check(c.sim_bench_init(self._state, *of_object, seed, delay_samples, self._substeps))
         if self.place_m is not None:
             _check(c.sim_bench_place(self._state, *self.place_m))

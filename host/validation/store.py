@@ -36,15 +36,6 @@ class Series:
     __repr__ = short_repr
 
 
-@dataclass(frozen=True, eq=False)
-class Stored:
-    """What the report reads: metadata (result, rows, machine, recordings), and samples."""
-
-    metadata: JsonObject
-    series: tuple[Series, ...]
-    __repr__ = short_repr
-
-
 def store_validation(folder: Path, validation: Validation) -> None:
     """Write folder/validation, replacing an earlier one."""
     target = folder / _FOLDER
@@ -68,8 +59,11 @@ def store_validation(folder: Path, validation: Validation) -> None:
     write_file(target / _METADATA, (json.dumps(metadata, indent=2) + "\n").encode())
 
 
-def read_validation(folder: Path) -> Stored:
-    """Read folder/validation. Raises DataError where there is none."""
+def read_validation(folder: Path) -> tuple[JsonObject, tuple[Series, ...]]:
+    """Read folder/validation: its result, rows, machine and recordings, and their samples.
+
+    Raises DataError where there is none.
+    """
     target = folder / _FOLDER
     try:
         metadata = json.loads((target / _METADATA).read_text())
@@ -79,7 +73,7 @@ def read_validation(folder: Path) -> Stored:
                 Series(rec["name"], rec["dt_s"], *(stored[f"{name}_{i}"] for name in _ARRAYS))
                 for i, rec in enumerate(metadata["recordings"])
             )
-            return Stored(metadata=metadata, series=series)
+            return metadata, series
     except (OSError, ValueError, KeyError):
         raise DataError(
             f"{folder}: no validation to report: run `springpot validate {folder} --recording ...`"

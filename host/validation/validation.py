@@ -1,6 +1,5 @@
 """Validation: recordings replayed through the C, against the measurement and the reference."""
 
-import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -153,9 +152,7 @@ def validate(folder: File, recordings: Recordings, paced_s: float = PACED_S) -> 
     for doubt in sign_doubts(judged):
         caution(doubt)
     library = SceneLibrary(folder)
-    # What the C carries is a part of it; the hash is of what was built, edits and all.
-    stored = json.loads((folder / "manifest.json").read_text())
-    library.manifest = {**stored, **library.manifest, "hash": emitted.hash}
+    library.manifest["hash"] = emitted.hash  # of what was built, edits and all
     ticked = [at_ticks(recording, plan.dt_s) for recording in recordings]
     found = compared_all(plan, library, recordings, ticked)
     measured_n = [recording.force_n for recording in recordings]
