@@ -116,14 +116,14 @@ def measure_point(
     try:
         model, fitted = _fitted(candidate, data)
         plan = make_plan(model, bench_scene(candidate.number), accept_unsafe=True)
-        with built(plan) as library:
-            found = {
-                **prediction_errors(plan, library, data.validation),
-                "tick_ns_hot": hot_ns(library, data.validation),
-                "ram_bytes": state_bytes(plan),
-                **small_signal_map(plan, library, 0).as_dict(),
-                **_sizes(model, candidate.number, target),
-            }
+        library = built(plan)
+        found = {
+            **prediction_errors(plan, library, data.validation),
+            "tick_ns_hot": hot_ns(library, data.validation),
+            "ram_bytes": state_bytes(plan),
+            **small_signal_map(plan, library, 0).as_dict(),
+            **_sizes(model, candidate.number, target),
+        }
     except SpringpotError as error:
         return stated | {"error": str(error)}, None
     return stated | fitted | found, model_bytes(model)

@@ -168,11 +168,10 @@ class SceneState:
         return force, notes
 
 
-@contextmanager
-def built(plan: Plan) -> Iterator[SceneLibrary]:
+def built(plan: Plan) -> SceneLibrary:
     """The plan's C, built and loaded."""
     with written(plan) as folder:
-        yield SceneLibrary(folder)
+        return SceneLibrary(folder)
 
 
 @contextmanager

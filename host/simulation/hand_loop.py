@@ -71,7 +71,6 @@ class HandLoop:
 
     def __init__(self, library: SceneLibrary) -> None:
         self._library = library
-        self._port = load_testbench(library.real)
         self._step, self._idle = map(library.address, ("step", "idle"))
 
     def run(self, scenario: Scenario, operator: Operator, start_m: float = 0.0) -> Trace:
@@ -83,7 +82,7 @@ class HandLoop:
             name: np.ascontiguousarray(value, dtype=np.uint8 if name == "dropped" else np.float64)
             for name, value in vars(scenario).items()
         }
-        port, state = self._port, self._library.new_state()
+        port, state = load_testbench(self._library.real), self._library.new_state()
         addresses = {"step": self._step, "idle": self._idle, "state": state.address}
         scene = {name: port.pointer(address) for name, address in addresses.items()}
         inputs = {name: port.array(values) for name, values in given.items()}

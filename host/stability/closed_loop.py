@@ -10,7 +10,7 @@ from springpot.codegen.coupling.linear_loop import CHECKED, Hand
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.messages import at_step, short_repr
 from springpot.codegen.plan import Plan
-from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.native.scene_library import SceneLibrary, built, uncoupled
 from springpot.host.simulation.cases import cases, losing_cases, stiff_case
 from springpot.host.simulation.hand_loop import HandLoop, Operator, Trace
 from springpot.host.simulation.scenarios import Case, Workspace
@@ -144,6 +144,12 @@ class Rendered:
     def _along(self, library: SceneLibrary, position_m: Samples) -> Samples:
         velocity_mps = np.gradient(position_m, self.plan.dt_s)
         return library.new_state().run(position_m, velocity_mps)[0].astype(np.float64)
+
+
+def rendered(plan: Plan, library: SceneLibrary, loop: type[HandLoop] = HandLoop) -> Rendered:
+    """A scene that is built, and the model alone, built here where it is another."""
+    model = uncoupled(plan)
+    return Rendered(plan, loop(library), library, library if model is plan else built(model))
 
 
 def run_closed_loop(scene: Rendered, stiff: Rendered) -> Iterator[Outcome]:

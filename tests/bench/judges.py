@@ -115,9 +115,9 @@ def measured(kind: str, data: Any, options: FitOptions, test: Recordings) -> dic
     """One model: fitted, built, and replayed on the test part."""
     fit = fit_kind(kind, "judged", data, options)
     plan = make_plan(fit.model, bench_scene("float32"), accept_unsafe=True)
-    with built(plan) as library:
-        errors = prediction_errors(plan, library, test, data.recordings)
-        tick_ns = hot_ns(library, test)
+    library = built(plan)
+    errors = prediction_errors(plan, library, test, data.recordings)
+    tick_ns = hot_ns(library, test)
     percent = errors["rmse_percent_of_peak"]
     if not np.isfinite(percent):
         raise ValueError(f"the force is not finite ({percent})")

@@ -65,9 +65,9 @@ def test_the_force_is_right_again_within_the_stated_ticks(kind: str, mode: str) 
     dirty = clean.copy()
     begin, end = 600, 618  # shorter than the watchdog waits
     dirty[begin:end] = rng.choice([np.nan, np.inf, -np.inf, 1e30, 1e-42, 0.05], end - begin)
-    with built(plan) as library:
-        right_n, _ = library.new_state().run(clean)
-        found_n, _ = library.new_state().run(dirty)
+    library = built(plan)
+    right_n, _ = library.new_state().run(clean)
+    found_n, _ = library.new_state().run(dirty)
     assert np.all(np.isfinite(found_n))
     back = end + plan.recovery_ticks
     assert back < len(clean) - 500
@@ -93,16 +93,17 @@ def test_float32_stays_beside_float64(kind: str, share: float) -> None:
     plans = [make_plan(model, scene(number=n), accept_unsafe=True) for n in ("float32", "float64")]
     chunk = min(100_000, DRIFT_TICKS // 4)
     errors = []
-    with built(plans[0]) as single, built(plans[1]) as double:
-        one, other = single.new_state(), double.new_state()
-        for begin in range(0, DRIFT_TICKS, chunk):
-            time_s = np.arange(begin, begin + chunk)[:, None] * DT_S
-            wave = np.sin(2 * np.pi * hz * time_s + phases).sum(axis=1)
-            motion = (0.45 * DEPTH_M + amplitude_m * wave).astype(np.float32)
-            difference = np.abs(one.run(motion)[0] - other.run(motion.astype(np.float64))[0])
-            most_n = np.quantile(difference, 0.95)
-            assert most_n <= share * peak_n, begin
-            errors.append(float(np.sqrt(np.mean(difference[difference <= most_n] ** 2))))
+    single = built(plans[0])
+    double = built(plans[1])
+    one, other = single.new_state(), double.new_state()
+    for begin in range(0, DRIFT_TICKS, chunk):
+        time_s = np.arange(begin, begin + chunk)[:, None] * DT_S
+        wave = np.sin(2 * np.pi * hz * time_s + phases).sum(axis=1)
+        motion = (0.45 * DEPTH_M + amplitude_m * wave).astype(np.float32)
+        difference = np.abs(one.run(motion)[0] - other.run(motion.astype(np.float64))[0])
+        most_n = np.quantile(difference, 0.95)
+        assert most_n <= share * peak_n, begin
+        errors.append(float(np.sqrt(np.mean(difference[difference <= most_n] ** 2))))
     tenth = max(1, len(errors) // 10)
     assert np.mean(errors[-tenth:]) < 3.0 * np.mean(errors[:tenth]) + 1e-7 * peak_n
 
@@ -154,9 +155,9 @@ def test_hours_of_pressing_give_no_energy_and_do_not_drift(hand: str, mode: str)
     reach_m = depth_m + 8.0 / {"mid": 400.0, "firm": 5000.0, "light": 50.0}[hand]
     max_mps = 1.5 * reach_m / 0.1  # a stroke of 0.1 s
     bound_j = 2.0 * plan.coupling.felt_npm * max_mps * plan.dt_s * 1.3 * reach_m
-    with built(plan) as library:
-        ticks = round(PRESS_S / plan.dt_s)
-        found = pressed(library, Operator(hand), ticks, plan.dt_s, reach_m)
+    library = built(plan)
+    ticks = round(PRESS_S / plan.dt_s)
+    found = pressed(library, Operator(hand), ticks, plan.dt_s, reach_m)
     assert found["not_finite"] == 0
     assert found["latched"] == 0
     assert found["presses"] > 0.1 * PRESS_S
