@@ -13,6 +13,7 @@ from matplotlib.axis import Axis
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.codegen.files import write_file
 from springpot.codegen.types import JsonMapping, JsonObject
@@ -22,10 +23,12 @@ from springpot.host.native.compiler import CompilerError
 from springpot.host.native.scene_library import read_manifest
 from springpot.host.native.toolchain import measure_footprint
 from springpot.host.pages.page import page_text
-from springpot.host.validation.store import Series, read_validation
+from springpot.host.validation.store import Validated, read_validation
 from springpot.host.validation.validation import draw_forces, median_error
 from springpot.trainer.kinds import KINDS, Kind
+from springpot.trainer.recordings.recording import Recording
 
+_FILE = Kind("file", "", "", "D", "#6a4c93")  # of a model that was not fitted here
 MUTED = "#888888"
 STYLE: Any = {
     "font.size": 9.0,
@@ -37,12 +40,7 @@ STYLE: Any = {
 _PLAIN = (1e-4, 1e7)
 SVG_METADATA = dict.fromkeys(("Date", "Creator", "Format", "Type"))
 _SIZE_INCHES = (4.4, 3.4)
-_TOTAL_POINTS = 20_000  # of all recordings in one figure
-
-
-def stride(samples: int, max_points: int = 4000) -> int:
-    """Every how many samples a curve is drawn through."""
-    return max(1, -(-samples // max_points))
+_CURVE_POINTS, _TOTAL_POINTS = 4000, 20_000  # of a recording; of all in one figure
 
 
 def log_ticks(axis: Axis) -> None:
@@ -69,63 +67,60 @@ def svg_text(figure: Figure) -> str:
     return svg[svg.index("<svg") :]
 
 
-def median_series(series: Sequence[Series]) -> Series:
-    """Return the recording with the median RMSE, thinned for drawing."""
-    forces_n = [(one.measured_n, one.predicted_n) for one in series]
-    found = series[median_error(*zip(*forces_n, strict=True))]
-    return _thinned(found, stride(len(found.measured_n)))
-
-
 @mpl.rc_context(STYLE)
-def time_figure(series: Series) -> str:
+def time_figure(recording: Recording, predicted_n: Samples) -> str:
     """Draw measured force, that of the C and their difference against time."""
     figure = Figure(figsize=(6.4, 4.2), layout="constrained")
     upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[2.2, 1])
-    draw_forces(upper, series.name, series.dt_s, series.measured_n, series.predicted_n)
+    draw_forces(upper, recording, predicted_n)
     upper.set_xlabel("")
-    time_s = series.dt_s * np.arange(len(series.measured_n))
-    lower.plot(time_s, series.predicted_n - series.measured_n, color="tab:blue", lw=0.8)
+    time_s = recording.dt_s * np.arange(len(predicted_n))
+    lower.plot(time_s, predicted_n - recording.force_n, color="tab:blue", lw=0.8)
     lower.axhline(0.0, color=MUTED, lw=0.6)
     lower.set(xlabel="time, s", ylabel="C - measured, N")
     return svg_text(figure)
 
 
 @mpl.rc_context(STYLE)
-def loop_figure(series: Series) -> str:
+def loop_figure(recording: Recording, predicted_n: Samples) -> str:
     """Draw both forces against depth."""
     figure = Figure(figsize=_SIZE_INCHES, layout="constrained")
     axes = figure.subplots()
-    depth_mm = 1e3 * series.position_m
-    axes.plot(depth_mm, series.measured_n, color="black", lw=0.9, label="measured")
-    axes.plot(depth_mm, series.predicted_n, color="tab:red", lw=0.8, ls="--", label="C")
+    depth_mm = 1e3 * recording.position_m
+    axes.plot(depth_mm, recording.force_n, color="black", lw=0.9, label="measured")
+    axes.plot(depth_mm, predicted_n, color="tab:red", lw=0.8, ls="--", label="C")
     axes.set(xlabel="depth, mm", ylabel="force, N")
     axes.legend(loc="upper left", frameon=False)
     return svg_text(figure)
 
 
 @mpl.rc_context(STYLE)
-def error_figure(series: Sequence[Series]) -> str:
+def error_figure(pairs: Sequence[Validated]) -> str:
     """Draw the error of every recording against depth."""
-    step = stride(sum(len(one.measured_n) for one in series), _TOTAL_POINTS)
     figure = Figure(figsize=_SIZE_INCHES, layout="constrained")
     axes = figure.subplots()
-    for one in (_thinned(each, step) for each in series):
-        error_n = one.predicted_n - one.measured_n
-        axes.plot(1e3 * one.position_m, error_n, ",", color="tab:blue", rasterized=True)
+    every = _every(sum(len(predicted_n) for _, predicted_n in pairs), _TOTAL_POINTS)
+    for recording, predicted_n in pairs:
+        depth_mm = 1e3 * recording.position_m[::every]
+        error_n = (predicted_n - recording.force_n)[::every]
+        axes.plot(depth_mm, error_n, ",", color="tab:blue", rasterized=True)
     axes.axhline(0.0, color=MUTED, lw=0.6)
     axes.set(xlabel="depth, mm", ylabel="C - measured, N")
     return svg_text(figure)
 
 
-def _thinned(series: Series, step: int) -> Series:
-    names = ("position_m", "measured_n", "predicted_n")
-    thin = {name: getattr(series, name)[::step] for name in names}
-    return replace(series, dt_s=series.dt_s * step, **thin)
+def _thinned(recording: Recording, predicted_n: Samples) -> Validated:
+    """Samples enough for a curve."""
+    every = _every(len(predicted_n), _CURVE_POINTS)
+    position_m, force_n = recording.position_m[::every], recording.force_n[::every]
+    dt_s = every * recording.dt_s
+    thin = replace(recording, position_m=position_m, force_n=force_n, dt_s=dt_s)
+    return thin, predicted_n[::every]
 
 
-_REPORT_NAME = "report.html"
-_FILE = Kind("file", "", "", "D", "#6a4c93")  # of a model that was not fitted here
-Row = JsonMapping
+def _every(samples: int, points: int) -> int:
+    """Every how many samples one is drawn."""
+    return max(1, -(-samples // points))
 
 
 def write_report(folder: Path) -> Path:
@@ -134,21 +129,21 @@ def write_report(folder: Path) -> Path:
     Raises DataError where the folder was not emitted or validated, or changed since.
     """
     require_emission(folder)
-    metadata, series = read_validation(folder)
+    metadata, pairs = read_validation(folder)
     if read_emission(folder).hash != metadata["result"]["hash"]:
         raise DataError(f"{folder}: changed since it was validated: `springpot validate` again")
     manifest = read_manifest(folder)
-    median = median_series(series)
+    median = _thinned(*median_error(pairs))
     context = {
         "manifest": manifest,
         **{key: metadata[key] for key in ("result", "machine", "recordings", "rows")},
         "provenance": manifest["provenance"],
         "costs": _cost_rows(folder, manifest),
-        "time_figure": time_figure(median),
-        "loop_figure": loop_figure(median),
-        "error_figure": error_figure(series),
+        "time_figure": time_figure(*median),
+        "loop_figure": loop_figure(*median),
+        "error_figure": error_figure(pairs),
     }
-    path = folder / _REPORT_NAME
+    path = folder / "report.html"
     write_file(path, page_text("report.html", context).encode())
     return path
 
@@ -180,13 +175,13 @@ def write_bench_page(folder: Path) -> Path:
     return page
 
 
-def label(point: Row) -> str:
+def label(point: JsonMapping) -> str:
     """Return a model's kind, or file, and the options that are not the default's."""
     options = ", ".join(f"{name} {value}" for name, value in point["options"].items())
     return f"{point['model']} ({options})" if options else str(point["model"])
 
 
-def _figure(points: Sequence[Row]) -> str:
+def _figure(points: Sequence[JsonMapping]) -> str:
     """Draw the error against the time of a tick; marks filled on the front, as large as flash."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(9.6, 5.2), layout="constrained")

@@ -1,7 +1,6 @@
 """A validation for people, and the last one of an emitted folder beside its C, for the report."""
 
 import json
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +8,6 @@ import numpy as np
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.codegen.files import write_file, written_aside
-from springpot.codegen.messages import short_repr
 from springpot.codegen.types import JsonObject
 from springpot.host.metrics import error_ratios, ratio_rows, slope_keys, slope_words
 from springpot.host.native.compiler import machine_metadata
@@ -17,23 +15,13 @@ from springpot.host.session.outcome import notes_in_words
 from springpot.host.validation.compared import place_line
 from springpot.host.validation.seen import accepted_words, seen_line
 from springpot.host.validation.validation import Validation
+from springpot.trainer.recordings.recording import Recording
 
 _FOLDER = "validation"
 _METADATA = "result.json"
 _SERIES = "series.npz"
 _ARRAYS = ("position_m", "measured_n", "predicted_n")  # of a recording
-
-
-@dataclass(frozen=True, eq=False)
-class Series:
-    """One validated recording: time step, and three arrays of shape (n,)."""
-
-    name: str
-    dt_s: float
-    position_m: Samples
-    measured_n: Samples
-    predicted_n: Samples
-    __repr__ = short_repr
+Validated = tuple[Recording, Samples]  # and the forces of the C along it, (n,), N
 
 
 def store_validation(folder: Path, validation: Validation) -> None:
@@ -59,8 +47,8 @@ def store_validation(folder: Path, validation: Validation) -> None:
     write_file(target / _METADATA, (json.dumps(metadata, indent=2) + "\n").encode())
 
 
-def read_validation(folder: Path) -> tuple[JsonObject, tuple[Series, ...]]:
-    """Read folder/validation: its result, rows, machine and recordings, and their samples.
+def read_validation(folder: Path) -> tuple[JsonObject, list[Validated]]:
+    """Read folder/validation: its result, rows, machine and recordings; and these themselves.
 
     Raises DataError where there is none.
     """
@@ -69,11 +57,12 @@ def read_validation(folder: Path) -> tuple[JsonObject, tuple[Series, ...]]:
         metadata = json.loads((target / _METADATA).read_text())
         metadata["rows"]  # which an older validation lacks
         with np.load(target / _SERIES, allow_pickle=False) as stored:
-            series = tuple(
-                Series(rec["name"], rec["dt_s"], *(stored[f"{name}_{i}"] for name in _ARRAYS))
-                for i, rec in enumerate(metadata["recordings"])
-            )
-            return metadata, series
+            pairs = []
+            for i, rec in enumerate(metadata["recordings"]):
+                position_m, measured_n, predicted_n = (stored[f"{name}_{i}"] for name in _ARRAYS)
+                recording = Recording(rec["name"], position_m, measured_n, rec["dt_s"])
+                pairs.append((recording, predicted_n))
+            return metadata, pairs
     except (OSError, ValueError, KeyError):
         raise DataError(
             f"{folder}: no validation to report: run `springpot validate {folder} --recording ...`"

@@ -92,9 +92,8 @@ class Validation(Compared):
         matplotlib is not installed.
         """
         axes = axes_for_plot(ax)
-        k = median_error([item.force_n for item in self.recordings], self.predicted_n)
-        shown = self.recordings[k]
-        draw_forces(axes, shown.name, shown.dt_s, shown.force_n, self.predicted_n[k])
+        pairs = list(zip(self.recordings, self.predicted_n, strict=True))
+        draw_forces(axes, *median_error(pairs))
         return axes
 
     @property
@@ -204,20 +203,17 @@ def fail_on_mismatch(folder: Path, validation: Validation) -> None:
         )
 
 
-def draw_forces(
-    axes: "Axes", name: str, dt_s: float, measured_n: Samples, predicted_n: Samples
-) -> None:
-    """Draw both forces, (n,), N, against time."""
-    time_s = dt_s * np.arange(len(measured_n))
-    axes.plot(time_s, measured_n, color="black", lw=1.2, label="measured")
+def draw_forces(axes: "Axes", recording: Recording, predicted_n: Samples) -> None:
+    """Draw measured force and that of the C, (n,), N, against time."""
+    time_s = recording.dt_s * np.arange(len(predicted_n))
+    axes.plot(time_s, recording.force_n, color="black", lw=1.2, label="measured")
     axes.plot(time_s, predicted_n, color="tab:red", lw=1.0, ls="--", label="C")
     axes.set(xlabel="time, s", ylabel="force, N")
-    axes.set_title(name, loc="left", fontsize=9)
+    axes.set_title(recording.name, loc="left", fontsize=9)
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), frameon=False, ncols=2)
 
 
-def median_error(measured_n: Sequence[Samples], predicted_n: Sequence[Samples]) -> int:
-    """Return the number of the recording that has the median RMSE."""
-    pairs = zip(measured_n, predicted_n, strict=True)
-    errors_n = [rms(predicted - measured) for measured, predicted in pairs]
-    return int(np.argsort(errors_n)[len(errors_n) // 2])
+def median_error(pairs: Sequence[tuple[Recording, Samples]]) -> tuple[Recording, Samples]:
+    """Return the recording that has the median RMSE, and the forces of the C along it."""
+    errors_n = [rms(predicted_n - recording.force_n) for recording, predicted_n in pairs]
+    return pairs[int(np.argsort(errors_n)[len(errors_n) // 2])]
