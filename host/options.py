@@ -13,6 +13,7 @@ import click
 _Command = Callable[..., Any]
 PATH = click.Path(path_type=Path)
 SEED = click.IntRange(0, 2**32 - 1)
+recordings_argument = click.argument("recordings", nargs=-1, required=True, type=click.Path())
 device_option = click.option("--device", "url", required=True, help="Such as sim://ecoflex-00-30.")
 scene_or_folder_option = click.option(
     "--scene", type=PATH, required=True, help="Scene file, or a folder that `springpot emit` wrote."

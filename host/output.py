@@ -4,7 +4,7 @@ import json
 import logging
 import sys
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
 from pathlib import Path
@@ -133,8 +133,3 @@ def print_table(
     for row in rows:
         table.add_row(*map(Text, row))  # text as it is: [cc] is no markup
     Console(file=sys.stdout, width=width).print(table)
-
-
-def paths_argument(name: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """One or more file or folder arguments."""
-    return click.argument(name, nargs=-1, required=True, type=click.Path())

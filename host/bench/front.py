@@ -88,8 +88,9 @@ def _closed_loop(model: Model, number: Number) -> Point:
         found = stability(plan)
     except UnsafeError as error:
         return {"bounded": False, "spectral_radius": None, "verdict": str(error)}
+    whole = [outcome for outcome in found.outcomes if outcome.losses is None]
     return {
-        "bounded": found.check.stable and all(outcome.bounded for outcome in found.whole),
+        "bounded": found.check.stable and all(outcome.bounded for outcome in whole),
         "spectral_radius": found.check.spectral_radius,
         "verdict": found.as_dict()["recommendation"],
     }

@@ -19,10 +19,17 @@ from springpot.host.metrics import (
     slope_keys,
     slope_words,
 )
-from springpot.host.options import NOT_NEGATIVE, PATH, POSITIVE, SEED, FiniteRange, field_option
+from springpot.host.options import (
+    NOT_NEGATIVE,
+    PATH,
+    POSITIVE,
+    SEED,
+    FiniteRange,
+    field_option,
+    recordings_argument,
+)
 from springpot.host.output import (
     json_option,
-    paths_argument,
     print_result,
     progress_bar,
     say,
@@ -38,7 +45,7 @@ _fit_option = partial(field_option, FitOptions)
 
 
 @click.command()
-@paths_argument("recordings")
+@recordings_argument
 @click.option(
     "--model",
     "kind",

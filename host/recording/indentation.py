@@ -1,7 +1,6 @@
 """A real device that presses an object under force control, for recording: the loop of a session
 with a force controller (runtime_c/port/posix/sp_press.h) in place of a scene."""
 
-import sys
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -10,18 +9,17 @@ from datetime import UTC, datetime
 import numpy as np
 
 from springpot.codegen.arrays import Samples
-from springpot.codegen.errors import DeviceError, SpringpotError, UsageError
+from springpot.codegen.errors import DeviceError, SpringpotError
 from springpot.codegen.notes import LATCHED
 from springpot.codegen.types import CData, JsonObject
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.drivers import driver_of
 from springpot.host.native.c_library import COLUMN, NONE, LoopRows, empty_rows, loop_library
-from springpot.host.output import say
 from springpot.host.recording.protocols import RATE_HZ
 from springpot.host.session.c_loop import StepFunctions
 from springpot.host.session.outcome import LoopSettings, LoopState
 from springpot.host.session.runner import Progress, SessionRunner
-from springpot.host.session.terminal import reading_keys
+from springpot.host.session.terminal import reading_keys, wait_for_enter
 
 WATCHDOG_S = 0.02
 _HEADROOM = 1.2  # of the motor over the command, for the controller
@@ -128,12 +126,10 @@ class PressedDevice:
         """
         if place_m == self.place_m:
             return
-        say(
+        wait_for_enter(
             f"put x = {1e3 * place_m[0]:.4g} mm, y = {1e3 * place_m[1]:.4g} mm of the object under "
             "the tool, which gives no force, and press Enter"
         )
-        if not sys.stdin.readline():
-            raise UsageError("nobody presses Enter: run it in a terminal")
         self.place_m = place_m
 
     def press(

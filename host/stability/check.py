@@ -80,11 +80,6 @@ class Stability:
         loop = loop_words(self.check.stable, self.check.spectral_radius)
         return f"Stability({loop} {len(self.outcomes)} cases of the closed loop)"
 
-    @property
-    def whole(self) -> tuple[Outcome, ...]:
-        """The cases in which every sample comes, or goes wrong in a way of its own."""
-        return tuple(outcome for outcome in self.outcomes if outcome.losses is None)
-
     def as_dict(self) -> JsonObject:
         """Keys of `stability --json`."""
         return {

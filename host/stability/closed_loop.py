@@ -62,11 +62,6 @@ def _hold(speed_mps: Samples, dt_s: float) -> tuple[float, float]:
     return low_mps, min(last / first, (last / second) ** 2)
 
 
-def high_passed_rms(speed_mps: Samples, dt_s: float) -> float:
-    """RMS of a signal above 15 Hz."""
-    return band_rms(speed_mps, dt_s, HIGH_PASS_HZ)
-
-
 def band_rms(signal: Samples, dt_s: float, above_hz: float, up_to_hz: float = np.inf) -> float:
     """RMS of a signal in a band: its spectrum under a Hann window."""
     n = len(signal)
@@ -224,7 +219,7 @@ def case_outcome(rendered: Rendered, case: Case, hand: Hand, more_delay: int) ->
         bounded=bool(allowed.all() and inside and trace.not_finite == 0),
         max_depth_m=deepest_m,
         max_force_n=float(trace.force_n.max()),
-        hf_speed_mps=max(high_passed_rms(speed_mps, plan.dt_s) for speed_mps in still),
+        hf_speed_mps=max(band_rms(speed_mps, plan.dt_s, HIGH_PASS_HZ) for speed_mps in still),
         fidelity_percent=float(100.0 * error_n / max(np.abs(model_only_n).max(), 1e-9)),
         energy_out_j=-float(np.sum(trace.felt_n[:-1] * np.diff(trace.position_m))),
         trace=trace,
