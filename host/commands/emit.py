@@ -8,7 +8,12 @@ from typing import TYPE_CHECKING
 import click
 
 from springpot.host.emission.boards import BOARDS, board_of
-from springpot.host.options import PATH, scene_options, scene_or_folder_option
+from springpot.host.options import (
+    PATH,
+    recordings_option,
+    scene_options,
+    scene_or_folder_option,
+)
 from springpot.host.output import json_option, print_result, progress_bar, say
 
 if TYPE_CHECKING:
@@ -25,14 +30,7 @@ if TYPE_CHECKING:
     is_flag=True,
     help="Emit although a hand would find it unstable, for replay; the manifest says so.",
 )
-@click.option(
-    "--recording",
-    "recordings",
-    multiple=True,
-    type=click.Path(),
-    metavar="REC",
-    help="What --fit measures smaller forests on.",
-)
+@recordings_option("--recording", "recordings", "What --fit measures smaller forests on")
 @click.option("--fit", is_flag=True, help="Make a forest smaller until it fits the budget.")
 @json_option
 def emit_(

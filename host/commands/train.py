@@ -27,6 +27,7 @@ from springpot.host.options import (
     FiniteRange,
     field_option,
     recordings_argument,
+    recordings_option,
 )
 from springpot.host.output import (
     json_option,
@@ -54,14 +55,7 @@ _fit_option = partial(field_option, FitOptions)
     show_default=True,
     help="Model kind; auto: the one of lowest cross-validated error.",
 )
-@click.option(
-    "--validate",
-    "validation",
-    multiple=True,
-    type=click.Path(),
-    metavar="REC",
-    help="Recording or folder to report the error on; may be repeated.",
-)
+@recordings_option("--validate", "validation", "Recording or folder to report the error on")
 @click.option("--out", type=PATH, required=True, help="Model file to write.")
 @_fit_option("seed", SEED, "Of the rows and trees that are drawn at random.")
 @_fit_option("fraction", _SHARE, "Share of rows used; default 0.2 from 20 000 rows on, all below.")
