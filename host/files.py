@@ -11,14 +11,7 @@ from springpot.codegen.messages import notice
 from springpot.codegen.model import model_file
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
-from springpot.host.emission.scene_file import (
-    checked_scene,
-    model_path,
-    read_scene,
-)
-from springpot.host.emission.scene_file import (
-    write_scene as write_scene,  # noqa: PLC0414 (public here)
-)
+from springpot.host.emission import scene_file
 from springpot.trainer.recordings import recording_file
 from springpot.trainer.recordings.formats.importing import ImportOptions
 from springpot.trainer.recordings.recording import Recording, Zero
@@ -28,6 +21,7 @@ if TYPE_CHECKING:
     from springpot.trainer.models.fit import Fit
 
 File = recording_file.File
+write_scene = scene_file.write_scene
 
 
 def read_recordings(*paths: File) -> list[Recording]:
@@ -149,17 +143,17 @@ def given_scene_and_model(
     """Return both, each from the other where it is not given. Raises UsageError for neither."""
     stated = file = None
     if isinstance(scene, Scene):
-        stated = checked_scene(scene)
+        stated = scene_file.checked_scene(scene)
     elif scene is not None:
         file = given_path(scene)
-        stated = read_scene(file)
+        stated = scene_file.read_scene(file)
     if model is None:
         if stated is None:
             raise UsageError(
                 "neither scene nor model: give --model or --scene, in Python model= or scene=, or "
                 "both"
             )
-        model = stated.model if file is None else model_path(stated, file)
+        model = stated.model if file is None else scene_file.model_path(stated, file)
     chosen = given_model(model)
     return stated or Scene(schema=1, name=chosen.name, model="model.spm"), chosen
 
