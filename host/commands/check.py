@@ -8,12 +8,7 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from springpot.host.options import recordings_argument
-from springpot.host.output import (
-    json_option,
-    print_json,
-    print_table,
-    progress_bar,
-)
+from springpot.host.output import json_option, print_json, print_table, progress_bar
 
 if TYPE_CHECKING:
     from springpot.trainer.recordings.quality.report import QualityReport

@@ -8,12 +8,7 @@ from typing import TYPE_CHECKING
 import click
 
 from springpot.host.emission.boards import BOARDS, board_of
-from springpot.host.options import (
-    PATH,
-    recordings_option,
-    scene_options,
-    scene_or_folder_option,
-)
+from springpot.host.options import PATH, recordings_option, scene_options, scene_or_folder_option
 from springpot.host.output import json_option, print_result, progress_bar, say
 
 if TYPE_CHECKING:

@@ -12,13 +12,7 @@ from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
 from springpot.codegen.messages import number_of
 from springpot.host.options import PATH, POSITIVE, device_option
-from springpot.host.output import (
-    json_option,
-    print_json,
-    print_table,
-    progress_console,
-    say,
-)
+from springpot.host.output import json_option, print_json, print_table, progress_console, say
 
 if TYPE_CHECKING:
     from springpot.host.recording.indentation import PressedDevice

@@ -29,12 +29,7 @@ from springpot.host.options import (
     recordings_argument,
     recordings_option,
 )
-from springpot.host.output import (
-    json_option,
-    print_result,
-    progress_bar,
-    say,
-)
+from springpot.host.output import json_option, print_result, progress_bar, say
 from springpot.host.validation.seen import seen_by, seen_line
 from springpot.trainer.kinds import fit_model, kind_names
 from springpot.trainer.models.fit import Fit, FitOptions

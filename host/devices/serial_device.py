@@ -19,11 +19,7 @@ from springpot.host.devices.device import (
     too_weak,
 )
 from springpot.host.devices.drivers import Address
-from springpot.host.devices.serial_port import (
-    open_port,
-    require_fast_adapter,
-    require_fast_line,
-)
+from springpot.host.devices.serial_port import open_port, require_fast_adapter, require_fast_line
 from springpot.host.devices.wire import Frame, Receiver, Sender, constant, layout, messages
 from springpot.host.native.c_library import CLibrary
 

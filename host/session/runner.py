@@ -14,23 +14,10 @@ from springpot.codegen.errors import DeviceError, SpringpotError, UsageError
 from springpot.codegen.messages import short_repr
 from springpot.host.devices.device import RECONNECT_S, DeviceRequirements
 from springpot.host.devices.drivers import open_device
-from springpot.host.native.c_library import (
-    COLUMN,
-    IDLE,
-    NONE,
-    LoopRows,
-    Stop,
-    empty_rows,
-)
+from springpot.host.native.c_library import COLUMN, IDLE, NONE, LoopRows, Stop, empty_rows
 from springpot.host.output import say
 from springpot.host.session.c_loop import CLoop, StepFunctions
-from springpot.host.session.outcome import (
-    BY_USER,
-    LinkCounts,
-    LoopSettings,
-    LoopState,
-    spread_us,
-)
+from springpot.host.session.outcome import BY_USER, LinkCounts, LoopSettings, LoopState, spread_us
 from springpot.host.session.supervisor import DeviceSupervisor
 
 _DRAIN_S = 0.02

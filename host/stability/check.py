@@ -25,12 +25,7 @@ from springpot.host.stability.linear import (
     spectral_radius,
 )
 from springpot.host.stability.small_signal import Map, small_signal_map
-from springpot.host.stability.verdict import (
-    device_words,
-    map_words,
-    outcome_words,
-    why_unbounded,
-)
+from springpot.host.stability.verdict import device_words, map_words, outcome_words, why_unbounded
 from springpot.trainer.recordings.recording import axes_for_plot
 
 if TYPE_CHECKING:
