@@ -46,6 +46,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 PACED_S = 3.0
+# Keys of `validate --json` that are attributes of the same name.
+_NAMED = ("model_rmse_n", "rendering_n", "mismatches", "notes", "clamped_low", "min_n", "seen")
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,16 +115,10 @@ class Validation(Compared):
             **slope_keys(self.slopes),
             "first_press_rmse_n": first_n,
             "later_press_rmse_n": later_n,
-            "model_rmse_n": self.model_rmse_n,
-            "rendering_n": self.rendering_n,
-            "mismatches": self.mismatches,
-            "notes": self.notes,
-            "clamped_low": self.clamped_low,
-            "min_n": self.min_n,
+            **{name: getattr(self, name) for name in _NAMED},
             "tick_ns": shown_fields(self.ticks),
             "hash": self.manifest["hash"],
             "edited": list(self.edited),
-            "seen": self.seen,
             **({"places": [asdict(error) for error in self.places]} if self.places else {}),
         }
 
