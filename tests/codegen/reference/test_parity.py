@@ -74,8 +74,7 @@ def test_the_proxy_of_the_c_makes_one_pass_do_and_proves_nothing_by_itself() -> 
     position = wandering(5, 1200).astype(plan.dtype)
     velocity = np.zeros_like(position)
     force_n, notes = require_same_bits(plan, position, velocity, find=True)
-    library = built(plan)
-    predicted_m = proxy_positions(plan, library, position, velocity)
+    predicted_m = proxy_positions(plan, built(plan), position, velocity)
     for predicted in (predicted_m, 0.9 * predicted_m):
         found = run_reference(plan, position, velocity, predicted)
         np.testing.assert_array_equal(found.force_n, force_n)

@@ -73,8 +73,7 @@ def rings(plan: Plan, hand: Hand) -> bool:
     n = len(time_s)
     scenario = Scenario(np.full(n, plan.dt_s), intended_m, np.full(n, np.nan), np.zeros(n),
                         np.zeros(n, dtype=np.uint8))  # fmt: skip
-    library = built(plan)
-    trace = HandLoop(library).run(scenario, Operator(hand.name, plan.loop_device))
+    trace = HandLoop(built(plan)).run(scenario, Operator(hand.name, plan.loop_device))
     speed_mps = np.abs(trace.velocity_mps)
     first = speed_mps[(time_s > KICK_S + 0.1) & (time_s < KICK_S + 0.8)].max()
     return bool(speed_mps[time_s > END_S - 0.7].max() > first)

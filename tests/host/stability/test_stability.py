@@ -108,8 +108,7 @@ def test_no_active_cells_for_passive_models_and_the_default_forest(name: str, ki
     plan = make_plan(simulated_model(name, kind, 100), dataclasses.replace(
         PLAIN, guard=dataclasses.replace(PLAIN.guard, max_force_n=1000.0)
     ))  # fmt: skip
-    library = built(plan)
-    found = small_signal_map(plan, library, 0)
+    found = small_signal_map(plan, built(plan), 0)
     assert found.active(outside=False) == (0, 30)
     assert found.active(outside=True) == (0, 18)
 
@@ -118,11 +117,9 @@ def test_no_active_cells_for_passive_models_and_the_default_forest(name: str, ki
 def test_the_map_finds_the_negative_control_and_a_delay() -> None:
     """Past positions act with negative damping; a sample of delay makes any model active."""
     plan = make_plan(simulated_model("dragon-skin-10", "rf-fd", past=True), PLAIN)
-    library = built(plan)
-    assert small_signal_map(plan, library, 0).active(outside=False)[0] >= 3
+    assert small_signal_map(plan, built(plan), 0).active(outside=False)[0] >= 3
     passive = make_plan(simulated_model("dragon-skin-10", "hammerstein"), PLAIN)
-    library = built(passive)
-    late = small_signal_map(passive, library, 1)
+    late = small_signal_map(passive, built(passive), 1)
     assert late.active(outside=False)[0] >= 5
     assert late.sin_delta.min() == pytest.approx(-0.46, abs=0.1)
 
@@ -157,8 +154,7 @@ def test_proxy_gives_no_kick_at_contact_or_release() -> None:
     coupled = dataclasses.replace(scene(), coupling=Coupling("proxy", 4000.0, 20.0, 0.02))
     forces = []
     for chosen in (coupled, scene()):
-        library = built(make_plan(small_model(), chosen))
-        forces.append(library.new_state().run(motion)[0])
+        forces.append(built(make_plan(small_model(), chosen)).new_state().run(motion)[0])
     force_n, bare_n = forces
     assert np.all(force_n[motion <= 0.0] == 0.0)
     begins = np.flatnonzero((motion[1:] > 0.0) & (motion[:-1] <= 0.0)) + 1
