@@ -13,8 +13,6 @@ from springpot.codegen.messages import short_repr
 from springpot.codegen.types import JsonMapping, JsonObject
 from springpot.host.emission.scene_file import checked_keys, toml_as_json
 
-Command = Samples
-
 RATE_HZ = 1000
 PEAK_N = 10.0
 _AMPLITUDES_N = (2.0, 6.0, 10.0)
@@ -38,13 +36,13 @@ class Profile:
     """
 
     name: str
-    command_n: Command
+    command_n: Samples
     metadata: JsonMapping = field(default_factory=dict)
     place_m: tuple[float, float] | None = None
     __repr__ = short_repr
 
 
-def inverted_cosine(t_s: Command, amplitude_n: float, frequency_hz: float) -> Command:
+def inverted_cosine(t_s: Samples, amplitude_n: float, frequency_hz: float) -> Samples:
     """-(a/2) (cos(2 pi v t) - 1), the paper's equations (1) and (2), at the times `t_s`."""
     return amplitude_n / 2 * (1 - np.cos(2 * np.pi * frequency_hz * t_s))
 
@@ -194,13 +192,13 @@ def _from_table(table: _ProfileTable) -> Profile:
     return Profile(name, command_n, metadata)
 
 
-def cosine_cycles(amplitude_n: float, frequency_hz: float, cycles: int, n: int) -> Command:
+def cosine_cycles(amplitude_n: float, frequency_hz: float, cycles: int, n: int) -> Samples:
     """Inverted cosines in n samples."""
     t_s = np.minimum(np.arange(n) / RATE_HZ, cycles / frequency_hz)
     return inverted_cosine(t_s, amplitude_n, frequency_hz)
 
 
-def _hold(amplitude_n: float, duration_s: float, rise_s: float) -> Command:
+def _hold(amplitude_n: float, duration_s: float, rise_s: float) -> Samples:
     t_s = np.arange(round(duration_s * RATE_HZ)) / RATE_HZ
     edge_s = np.minimum(np.minimum(t_s, duration_s - t_s), rise_s)
     return inverted_cosine(edge_s, amplitude_n, 1 / (2 * rise_s))
