@@ -10,14 +10,7 @@ from support.small import model_file, training
 
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.model.model import Model
-from springpot.host.emission.boards import (
-    BOARDS,
-    CALL_IDLE,
-    CALL_RESET,
-    Batch,
-    run_batch,
-    steps,
-)
+from springpot.host.emission.boards import BOARDS, CALL_IDLE, CALL_RESET, Batch, run_batch, steps
 from springpot.host.emission.emission import emit
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary

@@ -14,13 +14,7 @@ from springpot.host.devices import device as device_module
 from springpot.host.devices import odrive, odrive_device
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.drivers import parse_device
-from springpot.host.devices.odrive import (
-    Drive,
-    DriveLimits,
-    Heartbeat,
-    identifier,
-    parse_heartbeat,
-)
+from springpot.host.devices.odrive import Drive, DriveLimits, Heartbeat, identifier, parse_heartbeat
 from springpot.host.devices.odrive_device import (
     OdriveDevice,
     Transmission,

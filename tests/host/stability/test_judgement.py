@@ -15,12 +15,7 @@ from springpot.host.simulation.hand_loop import Scenario, Trace
 from springpot.host.simulation.scenarios import Case
 from springpot.host.stability.closed_loop import Outcome, Vibration
 from springpot.host.stability.losses import Losses
-from springpot.host.stability.verdict import (
-    Grade,
-    judge,
-    judged_cases,
-    why_unbounded,
-)
+from springpot.host.stability.verdict import Grade, judge, judged_cases, why_unbounded
 
 WHOLE = ("hold", "tap-4hz", "fast", "deep", "long-hold", "stiff")
 LOSING = ("lost-1", "lost-10-fast", "rate-50", "rate-10-fast")

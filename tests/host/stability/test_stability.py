@@ -9,13 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.silicones import paper_presses
-from support.small import (
-    DEPTH_M,
-    model_file,
-    passive_model,
-    scene,
-    small_model,
-)
+from support.small import DEPTH_M, model_file, passive_model, scene, small_model
 
 from springpot.codegen.coupling.linear_loop import DESIGN_HAND
 from springpot.codegen.errors import UnsafeError

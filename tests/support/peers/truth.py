@@ -30,10 +30,9 @@ class ObjectMotion:
 
     def move(self, position_m: np.ndarray) -> np.ndarray:
         """Return the true force (n,), N, at each position (n,), m, linear between samples."""
-        position_m = np.ascontiguousarray(position_m, dtype=np.float64)
-        force_n = np.empty_like(position_m)
-        arrays = map(self._array, (position_m, force_n))
-        check(self._c.sim_object_move(self._state, len(position_m), *arrays))
+        held_m = np.ascontiguousarray(position_m, dtype=np.float64)
+        force_n, array = np.empty_like(held_m), self._array
+        check(self._c.sim_object_move(self._state, len(held_m), array(held_m), array(force_n)))
         return force_n
 
 
