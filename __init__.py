@@ -24,6 +24,9 @@ if TYPE_CHECKING:
     from springpot.codegen.scene import (
         Scene as Scene,
     )
+    from springpot.host.emission.scene_file import (
+        read_scene as read_scene,
+    )
     from springpot.host.ensemble import (
         from_ensemble as from_ensemble,
     )
@@ -35,9 +38,6 @@ if TYPE_CHECKING:
     )
     from springpot.host.files import (
         read_recordings as read_recordings,
-    )
-    from springpot.host.files import (
-        read_scene as read_scene,
     )
     from springpot.host.files import (
         write_model as write_model,
@@ -69,7 +69,7 @@ if TYPE_CHECKING:
     from springpot.host.steps import (
         train as train,
     )
-    from springpot.host.steps import (
+    from springpot.host.validation.validation import (
         validate as validate,
     )
     from springpot.trainer.models.fit import (
@@ -100,10 +100,10 @@ _MODULES = {
     "from_ensemble": "host.ensemble",
     "predict": _STEPS,
     "Scene": "codegen.scene",
-    "read_scene": _FILES,
+    "read_scene": "host.emission.scene_file",
     "emit": _STEPS,
     "load": "host.loaded",
-    "validate": _STEPS,
+    "validate": "host.validation.validation",
     "stability": _STEPS,
     "bench": _STEPS,
     "Session": "host.session.session",

@@ -101,5 +101,5 @@ def _what_is_missing(error: ModuleNotFoundError) -> str:
         raise error
     if package in sys.stdlib_module_names:  # fcntl, termios, resource
         return f"this system's Python has no {package}: use Linux, or WSL2 on Windows"
-    extras = "springpot[train,report,can,files,m2cgen,study]"
+    extras = "springpot[train,report,can,m2cgen,scale,study]"
     return f"{package} is not installed: `pip install '{extras}'`"

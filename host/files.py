@@ -11,6 +11,7 @@ from springpot.codegen.messages import notice
 from springpot.codegen.model import model_file
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
+from springpot.host.emission import scene_file
 from springpot.trainer.recordings import recording_file
 from springpot.trainer.recordings.formats.importing import ImportOptions
 from springpot.trainer.recordings.recording import Recording, Zero
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from springpot.trainer.models.fit import Fit
 
 File = recording_file.File
+write_scene = scene_file.write_scene
 
 
 def read_recordings(*paths: File) -> list[Recording]:
@@ -135,30 +137,32 @@ def given_model(given: "Model | Fit | File") -> Model:
     return model
 
 
-def read_scene(path: File) -> Scene:
-    """Read a scene file. Raises UsageError that names the key, its value and what it may be.
+def given_scene_and_model(
+    scene: Scene | File | None, model: "Model | Fit | File | None"
+) -> tuple[Scene, Model]:
+    """Return both, each from the other where it is not given. Raises UsageError for neither."""
+    stated = file = None
+    if isinstance(scene, Scene):
+        stated = scene_file.checked_scene(scene)
+    elif scene is not None:
+        file = given_path(scene)
+        stated = scene_file.read_scene(file)
+    if model is None:
+        if stated is None:
+            raise UsageError(
+                "neither scene nor model: give --model or --scene, in Python model= or scene=, or "
+                "both"
+            )
+        model = stated.model if file is None else scene_file.model_path(stated, file)
+    chosen = given_model(model)
+    return stated or Scene(schema=1, name=chosen.name, model="model.spm"), chosen
 
-    >>> read_scene("scene.toml").name
-    'pad'
-    """
-    from springpot.host.emission import scene_file
 
-    return scene_file.read_scene(given_path(path))
-
-
-def write_scene(path: File, scene: Scene) -> None:
-    """Write the keys of a scene that differ from their defaults, as TOML.
-
-    The scene's `model`, where it is no absolute path, counts from the file's folder.
-    Raises UsageError as `read_scene`.
-
-    >>> write_scene("scene.toml", Scene(1, "pad", "model.spm"))
-    >>> read_scene("scene.toml").model
-    'model.spm'
-    """
-    from springpot.host.emission import scene_file
-
-    scene_file.write_scene(given_path(path), scene)
+def some_recordings(given: Recordings) -> list[Recording]:
+    """Return the recordings themselves, or those of files. Raises UsageError for none."""
+    if not (found := given_recordings(given)):
+        raise UsageError("no recordings: give at least one")
+    return found
 
 
 def _require_file(path: object, several: str) -> None:

@@ -46,7 +46,7 @@ class LoadedScene:
 
     def __init__(self, folder: Path) -> None:
         from springpot.host.emission.checksums import edited_files
-        from springpot.host.emission.emission import read_manifest, require_emission
+        from springpot.host.emission.emission import require_emission
         from springpot.host.native.replay import Replay
         from springpot.host.native.scene_library import SceneLibrary
 
@@ -54,8 +54,7 @@ class LoadedScene:
         self.edited = edited_files(folder)
         self._folder, self._library = folder, SceneLibrary(folder)
         self._replay = Replay(self._library)
-        # What the library says of itself is true of what runs, whatever was edited in the file.
-        self.manifest: JsonObject = read_manifest(folder) | self._library.manifest
+        self.manifest: JsonObject = self._library.manifest
 
     def __repr__(self) -> str:
         return f"LoadedScene({str(self._folder)!r}, {1.0 / self.dt_s:.6g} Hz)"

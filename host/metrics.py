@@ -110,34 +110,28 @@ def accuracy(
 def error_ratios(found: Accuracy, floor: NoiseFloor) -> JsonObject:
     """JSON keys: the floor and what it is from, the RMSE over it, the error over the JND."""
     per_floor = found.rmse_n / floor.rms_n if floor.rms_n else None
-    return floor_keys(floor) | {
+    return {
+        "noise_floor_n": floor.rms_n,
+        "noise_floor_from": floor.source,
+        "noise_floor": floor.words,
         "error_per_floor": per_floor,
         "error_per_jnd": found.error_per_jnd,
     }
 
 
-def floor_keys(floor: NoiseFloor) -> JsonObject:
-    """JSON keys of a floor alone."""
-    return {
-        "noise_floor_n": floor.rms_n,
-        "noise_floor_from": floor.source,
-        "noise_floor": floor.words,
-    }
-
-
-def floor_words(floor: JsonObject) -> str:
-    """A floor in a person's words. floor: of `floor_keys`."""
-    floor_n, words = floor["noise_floor_n"], floor["noise_floor"]
-    if floor_n is None:
-        return f"not known: {words}"
-    return f"{floor_n:.3g} N, {words}" if floor_n else f"0 N, {words}: no ratio"
-
-
 def ratio_rows(ratios: JsonObject) -> dict[str, str]:
-    """Two rows under an error."""
-    words, ratio = floor_words(ratios), ratios["error_per_floor"]
+    """Two rows under an error; ratios: of `error_ratios`."""
+    floor_n, words, ratio = (
+        ratios[key] for key in ("noise_floor_n", "noise_floor", "error_per_floor")
+    )
+    if floor_n is None:
+        of_floor = f"not known: {words}"
+    elif ratio is None:
+        of_floor = f"0 N, {words}: no ratio"
+    else:
+        of_floor = f"{ratio:.3g} (floor {floor_n:.3g} N, {words})"
     return {
-        "error / noise floor": words if ratio is None else f"{ratio:.3g} (floor {words})",
+        "error / noise floor": of_floor,
         "error / JND": f"{ratios['error_per_jnd']:.3g}, rms ({JND_WORDS})",
     }
 

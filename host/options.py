@@ -13,6 +13,11 @@ import click
 _Command = Callable[..., Any]
 PATH = click.Path(path_type=Path)
 SEED = click.IntRange(0, 2**32 - 1)
+recordings_argument = click.argument("recordings", nargs=-1, required=True, type=click.Path())
+device_option = click.option("--device", "url", required=True, help="Such as sim://ecoflex-00-30.")
+scene_or_folder_option = click.option(
+    "--scene", type=PATH, required=True, help="Scene file, or a folder that `springpot emit` wrote."
+)
 
 
 class FiniteRange(click.FloatRange):
@@ -56,24 +61,26 @@ def scene_options(command: _Command) -> _Command:
     return by_scene(by_model(command))
 
 
-def recordings_given(help_text: str) -> Callable[[_Command], _Command]:
+def recordings_option(flag: str, name: str, help_text: str) -> Callable[[_Command], _Command]:
+    """Take recordings and folders of them, one each time that the option is given."""
+    return click.option(
+        flag, name, multiple=True, type=click.Path(), metavar="REC",
+        help=f"{help_text}; may be repeated.",
+    )  # fmt: skip
+
+
+def recordings_given(command: _Command) -> _Command:
     """Take recordings behind a command's other arguments or by --recording, as `recordings`."""
 
-    def decorate(command: _Command) -> _Command:
-        @wraps(command)
-        def merged(*, recordings: tuple[str, ...], named: tuple[str, ...], **others: Any) -> Any:
-            if not recordings and not named:
-                raise click.UsageError("Missing recordings: give files or folders of them")
-            return command(recordings=(*recordings, *named), **others)
+    @wraps(command)
+    def merged(*, recordings: tuple[str, ...], named: tuple[str, ...], **others: Any) -> Any:
+        if not recordings and not named:
+            raise click.UsageError("Missing recordings: give files or folders of them")
+        return command(recordings=(*recordings, *named), **others)
 
-        by_place = click.argument("recordings", nargs=-1, type=click.Path(), metavar="REC...")
-        by_name = click.option(
-            "--recording", "named", multiple=True, type=click.Path(), metavar="REC",
-            help=f"{help_text}; the same as REC. May be repeated.",
-        )  # fmt: skip
-        return by_place(by_name(merged))
-
-    return decorate
+    by_place = click.argument("recordings", nargs=-1, type=click.Path(), metavar="REC...")
+    by_name = recordings_option("--recording", "named", "Recording or folder, as REC")
+    return by_place(by_name(merged))
 
 
 class CommandGroup(click.Group):

@@ -4,7 +4,7 @@ import json
 import logging
 import sys
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass
 from pathlib import Path
@@ -38,17 +38,10 @@ class _ProgressLine(logging.Handler):
         self._task = progress.add_task(text, total=None)
 
     def emit(self, record: logging.LogRecord) -> None:
-        if not hasattr(record, "done"):
-            return
-        steps = {
-            "completed": getattr(record, "done", None),
-            "total": getattr(record, "total", None),
-        }
-        self._progress.update(
-            self._task,
-            description=f"{self._text}, {record.getMessage()}",
-            **{name: value for name, value in steps.items() if value is not None},
-        )
+        done, total = (getattr(record, name, None) for name in ("done", "total"))
+        if done is not None:
+            text = f"{self._text}, {record.getMessage()}"
+            self._progress.update(self._task, completed=done, total=total, description=text)
 
 
 class _SaidLine(logging.Handler):
@@ -140,8 +133,3 @@ def print_table(
     for row in rows:
         table.add_row(*map(Text, row))  # text as it is: [cc] is no markup
     Console(file=sys.stdout, width=width).print(table)
-
-
-def paths_argument(name: str) -> Callable[[Callable[..., Any]], Callable[..., Any]]:
-    """One or more file or folder arguments."""
-    return click.argument(name, nargs=-1, required=True, type=click.Path())

@@ -1,10 +1,8 @@
-"""One call for each step of the job: record, train, predict, emit, validate, stability."""
+"""One call for each step of the job: record, train, predict, emit, stability, bench."""
 
-import tempfile
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import fields, replace
-from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -18,7 +16,13 @@ from springpot.codegen.messages import notice
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene, Target
 from springpot.codegen.types import JsonObject
-from springpot.host.files import File, given_model, read_recordings, write_model
+from springpot.host.files import (
+    File,
+    given_model,
+    given_scene_and_model,
+    read_recordings,
+    some_recordings,
+)
 from springpot.trainer.models.fit import Engine, Fit, FitOptions
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import Recordings, given_recordings
@@ -26,7 +30,6 @@ from springpot.trainer.recordings.recording_file import Recordings, given_record
 if TYPE_CHECKING:
     from springpot.host.emission.result import Emission
     from springpot.host.stability.check import Stability
-    from springpot.host.validation.validation import Validation
 
 
 def record(
@@ -117,7 +120,7 @@ def train(
     from springpot.host.quality import errors_in_python, in_python, warn_of_quality
     from springpot.trainer.kinds import fit_model
 
-    training = warn_of_quality(_some(recordings)).checked
+    training = warn_of_quality(some_recordings(recordings)).checked
     with errors_in_python():
         fit = fit_model(kind, name or kind, training, options, given_recordings(validation))
     for line in fit.warnings:
@@ -194,32 +197,14 @@ def emit(
     """
     from springpot.host.emission.emission import emit as emit_folder
 
-    stated, chosen = _resolved(scene, model)
-    with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
-        file = Path(scratch) / "model.spm"
-        write_model(file, chosen)
-        emission = emit_folder(stated, file, given_path(folder), accept_unsafe)
+    stated, chosen = given_scene_and_model(scene, model)
+    emission = emit_folder(stated, chosen, given_path(folder), accept_unsafe)
     for line in emission.notices:
         if line.startswith("warning: "):
             warnings.warn(line.removeprefix("warning: "), UserWarning, stacklevel=2)
         else:
             notice(line)
     return emission
-
-
-def validate(folder: File, recordings: Recordings, *, paced_s: float = 3.0) -> "Validation":
-    """Replay recordings through the C of `folder`: its error, its time, its bits against numpy's.
-
-    paced_s: how long ticks are timed at the scene's rate, s. Files that are not as
-    emitted are a UserWarning; the result's `edited` names them. Raises DataError for recordings of
-    another rate or zero than the model's.
-
-    >>> validate("c", recordings).mismatches  # C and its reference: the same bits
-    0
-    """
-    from springpot.host.validation.validation import validate as validate_folder
-
-    return validate_folder(given_path(folder), _some(recordings), paced_s)
 
 
 def stability(
@@ -235,7 +220,7 @@ def stability(
     from springpot.codegen.make_plan import make_plan
     from springpot.host.stability.check import stability as check
 
-    stated, chosen = _resolved(scene, model)
+    stated, chosen = given_scene_and_model(scene, model)
     return check(make_plan(chosen, stated, accept_unsafe=True))
 
 
@@ -261,7 +246,7 @@ def bench(
     from springpot.host.bench.bench import Bench, holdout, run_bench
     from springpot.host.quality import warn_of_quality
 
-    training = warn_of_quality(_some(recordings)).checked
+    training = warn_of_quality(some_recordings(recordings)).checked
     testing = given_recordings(validation)
     if not testing:
         training, testing = holdout(training, seed)
@@ -278,26 +263,3 @@ def _fit_options(given: Mapping[str, object]) -> FitOptions:
         first = error.errors()[0]
         key, why, value = ".".join(map(str, first["loc"])), first["msg"], first["input"]
         raise UsageError(f"option {key}: {why} (found {value!r})") from None
-
-
-def _some(recordings: Recordings) -> list[Recording]:
-    if not (found := given_recordings(recordings)):
-        raise UsageError("no recordings: give at least one")
-    return found
-
-
-def _resolved(scene: Scene | File | None, model: Model | Fit | File | None) -> tuple[Scene, Model]:
-    """Both, each from the other where it is not given."""
-    from springpot.host.emission import scene_file
-
-    folder, stated = Path(), None
-    if isinstance(scene, Scene):
-        stated = scene_file.checked_scene(scene)
-    elif scene is not None:
-        folder, stated = given_path(scene).parent, scene_file.read_scene(given_path(scene))
-    if model is None:
-        if stated is None:
-            raise UsageError("neither model nor scene: give one of them, or both")
-        model = folder / stated.model
-    chosen = given_model(model)
-    return stated or scene_file.default_scene(chosen), chosen

@@ -16,7 +16,7 @@ from springpot.host.metrics import accuracy, slope_errors, slope_keys
 from springpot.host.native.compiler import CompilerError, compiler_version
 from springpot.host.native.replay import Replay, replayed
 from springpot.host.native.scene_library import SceneLibrary, built, written
-from springpot.host.native.toolchain import measure_footprint, missing_tools, toolchain
+from springpot.host.native.toolchain import measure_footprint, toolchain
 from springpot.host.stability.small_signal import small_signal_map
 from springpot.trainer.kinds import KINDS
 from springpot.trainer.models.fit import PAPER_CENTERS, FitOptions
@@ -116,14 +116,14 @@ def measure_point(
     try:
         model, fitted = _fitted(candidate, data)
         plan = make_plan(model, bench_scene(candidate.number), accept_unsafe=True)
-        with built(plan) as library:
-            found = {
-                **prediction_errors(plan, library, data.validation),
-                "tick_ns_hot": hot_ns(library, data.validation),
-                "ram_bytes": state_bytes(plan),
-                **small_signal_map(plan, library, 0).as_dict(),
-                **_sizes(model, candidate.number, target),
-            }
+        library = built(plan)
+        found = {
+            **prediction_errors(plan, library, data.validation),
+            "tick_ns_hot": hot_ns(library, data.validation),
+            "ram_bytes": state_bytes(plan),
+            **small_signal_map(plan, library, 0).as_dict(),
+            **_sizes(model, candidate.number, target),
+        }
     except SpringpotError as error:
         return stated | {"error": str(error)}, None
     return stated | fitted | found, model_bytes(model)
@@ -176,14 +176,11 @@ def prediction_errors(
     forces_n, ramps = replayed(plan, Replay(library), [*before, *recordings])
     forces_n, ramps = forces_n[len(before) :], ramps[len(before) :]
     found = accuracy([recording.force_n for recording in recordings], forces_n, ramps)
+    named = ("rmse_n", "rmse_percent_of_peak", "mean_recording_rmse_n", "max_abs_error_n",
+             "ape_below_jnd", "error_per_jnd")  # fmt: skip
     return {
-        "rmse_n": found.rmse_n,
-        "rmse_percent_of_peak": found.rmse_percent_of_peak,
-        "mean_recording_rmse_n": found.mean_recording_rmse_n,
+        **{name: getattr(found, name) for name in named},
         "mean_recording_rmse_interval_n": found.interval_n and list(found.interval_n),
-        "max_abs_error_n": found.max_abs_error_n,
-        "ape_below_jnd": found.ape_below_jnd,
-        "error_per_jnd": found.error_per_jnd,
         **slope_keys(slope_errors(recordings, forces_n, ramps)),
     }
 
@@ -205,14 +202,10 @@ def target_compiler(target: Target) -> str | None:
 
 def _sizes(model: Model, number: Number, target: Target) -> Point:
     """Return bytes of flash and stack of a model's C on its target; null ones with `why`."""
-    unknown: Point = {"flash_bytes": None, "stack_bytes": None}
-    tools = toolchain(target)
-    if tools is None:
-        return unknown | {"why": missing_tools(target)}
     plan = make_plan(model, bench_scene(number, target), accept_unsafe=True)
     try:
         with written(plan) as folder:
-            size = measure_footprint(folder, f"{plan.scene.runtime.prefix}.c", tools)
+            size = measure_footprint(folder, target)
     except CompilerError as error:
-        return unknown | {"why": str(error)}
+        return {"flash_bytes": None, "stack_bytes": None, "why": str(error)}
     return {"flash_bytes": size.flash_bytes, "stack_bytes": size.stack_bytes, "why": None}

@@ -7,16 +7,15 @@ from pathlib import Path
 import click
 
 from springpot.codegen.scene import Target
-from springpot.host.options import PATH, SEED, recordings_given
+from springpot.host.options import PATH, SEED, recordings_given, recordings_option
 from springpot.host.output import json_option, print_json, print_table, say
 
 
 @click.command()
-@recordings_given("Recording or folder to train on")
-@click.option(
-    "--validate", "validation", multiple=True, type=click.Path(), metavar="REC",
-    help="Recording or folder to report on; default: a fifth of the others is kept for it.",
-)  # fmt: skip
+@recordings_given
+@recordings_option(
+    "--validate", "validation", "Recording or folder to report on; default: a fifth of the others"
+)
 @click.option(
     "--target", type=click.Choice(["host", "cortex-m4f", "cortex-m7", "rv32imafc"]),
     default="cortex-m4f", show_default=True, help="Board whose flash is counted.",
@@ -42,7 +41,7 @@ def bench(
     seed: int,
     as_json: bool,
 ) -> None:
-    """Measure kinds and sizes of model on your recordings: error, run time, bytes; the front."""
+    """Train kinds and sizes of model on REC, and measure error, run time and bytes; the front."""
     from springpot import read_recordings
     from springpot.host.bench.bench import Bench, holdout, run_bench
     from springpot.host.pages.reports import label, write_bench_page

@@ -7,20 +7,15 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from springpot.host.output import (
-    json_option,
-    paths_argument,
-    print_json,
-    print_table,
-    progress_bar,
-)
+from springpot.host.options import recordings_argument
+from springpot.host.output import json_option, print_json, print_table, progress_bar
 
 if TYPE_CHECKING:
     from springpot.trainer.recordings.quality.report import QualityReport
 
 
 @click.command("check")
-@paths_argument("recordings")
+@recordings_argument
 @json_option
 def check_(recordings: tuple[str, ...], as_json: bool) -> None:
     """Report the quality of RECORDINGS (files or folders); refusals end with status 3."""

@@ -17,14 +17,8 @@ from springpot.host.native.compiler import (
     compiler_version,
     find_compiler,
 )
+from springpot.host.native.toolchain import PROGRAMS
 from springpot.host.output import json_option, print_json, print_table
-
-_PROGRAMS = (
-    ("arm-none-eabi-gcc", "gcc-arm-none-eabi", "C for Cortex-M boards"),
-    ("riscv64-unknown-elf-gcc", "gcc-riscv64-unknown-elf", "C for RISC-V boards"),
-    ("qemu-system-arm", "qemu-system-arm", "boards without hardware"),
-    ("qemu-system-riscv32", "qemu-system-misc", "boards without hardware"),
-)
 
 
 @dataclass(frozen=True)
@@ -77,7 +71,7 @@ def examine() -> Iterator[Diagnosis]:
     yield _timer()
     ports = [_serial_port(port.device, port.description) for port in list_ports.comports()]
     yield from ports or [Diagnosis("serial ports", False, "none", "plug the device in")]
-    for program, package, why in _PROGRAMS:
+    for program, (package, why) in PROGRAMS.items():
         path = shutil.which(program)
         do = "" if path else f"`apt-get install {package}`"
         yield Diagnosis(program, path is not None, f"{path or 'not installed'} ({why})", do)

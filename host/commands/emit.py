@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING
 import click
 
 from springpot.host.emission.boards import BOARDS, board_of
-from springpot.host.options import PATH, scene_options
+from springpot.host.options import PATH, recordings_option, scene_options, scene_or_folder_option
 from springpot.host.output import json_option, print_result, progress_bar, say
 
 if TYPE_CHECKING:
+    from springpot.codegen.model.model import Model
     from springpot.host.emission.result import Emission
     from springpot.trainer.recordings.recording import Recording
 
@@ -24,14 +25,7 @@ if TYPE_CHECKING:
     is_flag=True,
     help="Emit although a hand would find it unstable, for replay; the manifest says so.",
 )
-@click.option(
-    "--recording",
-    "recordings",
-    multiple=True,
-    type=click.Path(),
-    metavar="REC",
-    help="What --fit measures smaller forests on.",
-)
+@recordings_option("--recording", "recordings", "What --fit measures smaller forests on")
 @click.option("--fit", is_flag=True, help="Make a forest smaller until it fits the budget.")
 @json_option
 def emit_(
@@ -45,38 +39,36 @@ def emit_(
 ) -> None:
     """Emit a scene as one C source and one header; from a scene file or a model."""
     from springpot.host.emission.budget_fit import emit_fitting
-    from springpot.host.emission.scene_file import scene_and_model_file
+    from springpot.host.files import given_scene_and_model
 
-    scene, file = scene_and_model_file(scene_file, model_file)
-    measured = _recordings(recordings, file) if recordings else []
+    scene, model = given_scene_and_model(scene_file, model_file)
+    measured = _recordings(recordings, model) if recordings else []
     with progress_bar("emit"):
-        emission = emit_fitting(scene, file, out, accept_unsafe, measured, fit)
+        emission = emit_fitting(scene, model, out, accept_unsafe, measured, fit)
     for notice in emission.notices:
         say(notice)
     print_result(emission.as_dict(), as_json, emission_rows(emission))
 
 
-def _recordings(names: tuple[str, ...], model_file: Path) -> list[Recording]:
+def _recordings(names: tuple[str, ...], model: Model) -> list[Recording]:
     """Read what smaller versions are measured on; say which of them the model has seen."""
-    from springpot.codegen.model.model_file import read_model
     from springpot.host.validation.seen import seen_by, seen_line
     from springpot.trainer.recordings.recording_file import read_recordings
 
     found = read_recordings(map(Path, names))
-    if seen := seen_line(seen_by(read_model(model_file), found), len(found)):
+    if seen := seen_line(seen_by(model, found), len(found)):
         say(seen)
     return found
 
 
 def emission_rows(emission: Emission) -> dict[str, str]:
     """A person's view of an emission."""
-    footprint = emission.footprint
-    stack = footprint.stack_bytes if footprint else None
+    flash, stack = emission.flash_bytes, emission.stack_bytes
     left_out = emission.manifest["left_out"]
     rows = {
         "C source": str(emission.folder),
         "tick": f"{1.0 / emission.manifest['dt_s']:.6g} Hz: call the step so often",
-        "flash": f"{footprint.flash_bytes} bytes" if footprint else "unknown",
+        "flash": "unknown" if flash is None else f"{flash} bytes",
         "RAM": f"{emission.ram_bytes} bytes and {stack if stack is not None else '?'} of stack",
         "units": ", ".join(emission.manifest["units"]),
         "coupling": emission.manifest["coupling"]["why"],
@@ -125,12 +117,7 @@ def build(folder: Path, as_json: bool) -> None:
 
 
 @click.command()
-@click.option(
-    "--scene",
-    type=PATH,
-    required=True,
-    help="Scene file, or a folder that `springpot emit` wrote.",
-)
+@scene_or_folder_option
 @click.option("--board", "name", required=True, help=f"One of {', '.join(BOARDS)}.")
 @click.option("--out", type=PATH, required=True, help="Folder to write.")
 @json_option

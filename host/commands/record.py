@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
@@ -11,16 +10,9 @@ from typing import TYPE_CHECKING
 import click
 from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from springpot.codegen.errors import UsageError
 from springpot.codegen.messages import number_of
-from springpot.host.options import PATH, POSITIVE
-from springpot.host.output import (
-    json_option,
-    print_json,
-    print_table,
-    progress_console,
-    say,
-)
+from springpot.host.options import PATH, POSITIVE, device_option
+from springpot.host.output import json_option, print_json, print_table, progress_console, say
 
 if TYPE_CHECKING:
     from springpot.host.recording.indentation import PressedDevice
@@ -30,7 +22,7 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.option("--device", "url", required=True, help="Such as sim://ecoflex-00-30.")
+@device_option
 @click.option(
     "--protocol",
     required=True,
@@ -147,12 +139,11 @@ def _progress(
 
 def _touched_mm(url: str) -> float:
     from springpot.host.recording.session import TOUCHES, find_surface
-    from springpot.host.session.terminal import stopping_on_sigterm
+    from springpot.host.session.terminal import stopping_on_sigterm, wait_for_enter
 
     def touched(number: int) -> None:
-        say(f"touch {number} of {TOUCHES}: put the tool on the surface, keep it still, press Enter")
-        if not sys.stdin.readline():
-            raise UsageError("nobody presses Enter: run it in a terminal")
+        line = "put the tool on the surface, keep it still, press Enter"
+        wait_for_enter(f"touch {number} of {TOUCHES}: {line}")
 
     with stopping_on_sigterm():
         return find_surface(url, touched)

@@ -10,7 +10,7 @@ import click
 from springpot.codegen.errors import UsageError
 from springpot.codegen.types import JsonObject
 from springpot.host.devices.device import RECONNECT_S
-from springpot.host.options import PATH, POSITIVE
+from springpot.host.options import PATH, POSITIVE, device_option, scene_or_folder_option
 from springpot.host.output import json_option, print_result, progress_console
 
 if TYPE_CHECKING:
@@ -18,14 +18,8 @@ if TYPE_CHECKING:
 
 
 @click.command()
-@click.option(
-    "--scene",
-    "scene",
-    type=PATH,
-    required=True,
-    help="Scene file, or a folder that `springpot emit` wrote.",
-)
-@click.option("--device", "url", required=True, help="Such as sim://ecoflex-00-30.")
+@scene_or_folder_option
+@device_option
 @click.option("--seconds", type=POSITIVE, help="How long; by default until q or Ctrl-C.")
 @click.option(
     "--place", metavar="X,Y", help="Of a scene with a map: where it is pressed, as 5,10mm."

@@ -21,22 +21,17 @@ if TYPE_CHECKING:
 @json_option
 def stability_(scene_file: Path | None, model_file: Path | None, as_json: bool) -> None:
     """Spectral radius, small-signal maps, and a closed loop with three hands."""
-    from springpot.codegen.make_plan import make_plan
-    from springpot.codegen.model.model_file import read_model
-    from springpot.host.emission.scene_file import scene_and_model_file
-    from springpot.host.stability.check import stability
+    from springpot import stability
 
-    scene, file = scene_and_model_file(scene_file, model_file)
-    plan = make_plan(read_model(file), scene, accept_unsafe=True)
     with progress_bar("all cases, three hands, two delays"):
-        found = stability(plan)
+        found = stability(scene=scene_file, model=model_file)
     print_result(found.as_dict(), as_json, stability_rows(found))
     found.require_bounded()
 
 
 def stability_rows(found: Stability) -> dict[str, str]:
     """A person's view: the verdict, what is not good case by case, and the extremes of the rest."""
-    from springpot.host.stability.judgement import Grade, judged_cases
+    from springpot.host.stability.verdict import Grade, judged_cases
 
     checked = found.check
     judged = [item for item in judged_cases(found.outcomes) if item.grade != Grade.ENDS]

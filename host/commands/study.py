@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from springpot.host.options import PATH, CommandGroup
+from springpot.host.options import PATH, CommandGroup, device_option
 from springpot.host.output import json_option, print_result, print_table, progress_bar
 
 
@@ -38,7 +38,7 @@ def plan_study(file: Path, participants: int, out: Path, as_json: bool) -> None:
 @click.command("run")
 @click.argument("study", type=PATH)
 @click.option("--participant", required=True, help="Number of the participant, such as 07.")
-@click.option("--device", "url", required=True, help="Such as sim://ecoflex-00-30.")
+@device_option
 @json_option
 def run_study(study: Path, participant: str, url: str, as_json: bool) -> None:
     """Go on with the next session of one participant of the planned STUDY.

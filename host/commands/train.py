@@ -19,14 +19,17 @@ from springpot.host.metrics import (
     slope_keys,
     slope_words,
 )
-from springpot.host.options import NOT_NEGATIVE, PATH, POSITIVE, SEED, FiniteRange, field_option
-from springpot.host.output import (
-    json_option,
-    paths_argument,
-    print_result,
-    progress_bar,
-    say,
+from springpot.host.options import (
+    NOT_NEGATIVE,
+    PATH,
+    POSITIVE,
+    SEED,
+    FiniteRange,
+    field_option,
+    recordings_argument,
+    recordings_option,
 )
+from springpot.host.output import json_option, print_result, progress_bar, say
 from springpot.host.validation.seen import seen_by, seen_line
 from springpot.trainer.kinds import fit_model, kind_names
 from springpot.trainer.models.fit import Fit, FitOptions
@@ -38,7 +41,7 @@ _fit_option = partial(field_option, FitOptions)
 
 
 @click.command()
-@paths_argument("recordings")
+@recordings_argument
 @click.option(
     "--model",
     "kind",
@@ -47,14 +50,7 @@ _fit_option = partial(field_option, FitOptions)
     show_default=True,
     help="Model kind; auto: the one of lowest cross-validated error.",
 )
-@click.option(
-    "--validate",
-    "validation",
-    multiple=True,
-    type=click.Path(),
-    metavar="REC",
-    help="Recording or folder to report the error on; may be repeated.",
-)
+@recordings_option("--validate", "validation", "Recording or folder to report the error on")
 @click.option("--out", type=PATH, required=True, help="Model file to write.")
 @_fit_option("seed", SEED, "Of the rows and trees that are drawn at random.")
 @_fit_option("fraction", _SHARE, "Share of rows used; default 0.2 from 20 000 rows on, all below.")
@@ -117,7 +113,7 @@ def train(
     result |= figures
     if figures.get("seen"):
         say(seen_line(figures["seen"], len(testing)))
-    print_result(result, as_json, training_rows(fit, result, out, found, len(testing)))
+    print_result(result, as_json, training_rows(fit, result, found, len(testing)))
 
 
 def _require_model_file(out: Path) -> None:
@@ -147,22 +143,15 @@ def training_result(fit: Fit) -> JsonObject:
 
 
 def training_rows(
-    fit: Fit,
-    result: JsonObject,
-    out: Path | None = None,
-    found: Accuracy | None = None,
-    tested: int = 0,
+    fit: Fit, result: JsonObject, found: Accuracy | None, tested: int
 ) -> dict[str, str]:
-    """A person's view of a fit, of the keys of `training_result` and the model's hash.
-
-    out: file of the model. found: error on `tested` recordings.
-    """
+    """A person's view of a fit, of the keys of `--json`; found: error on `tested` recordings."""
     sizes = [f"{result[key]} {key[2:]}" for key in ("n_nodes", "n_centers", "n_parameters")
              if key in result]  # fmt: skip
     told = seen_line(result["seen"], tested) if found is not None else ""
     rows = {
         **({"training data": told} if told else {}),
-        "model": ", ".join([fit.model.kind, *sizes, *([str(out)] if out else [])]),
+        "model": ", ".join([fit.model.kind, *sizes, result["out"]]),
         "rows": f"{fit.rows} of {result['rows_total']}",
         "memory": f"{result['window_s']:.4g} s",
         "time": f"features {fit.feature_s:.2f} s, fit {fit.fit_s:.2f} s, "
@@ -176,13 +165,6 @@ def training_rows(
         rows["map"] = (
             f"{result['places']} places, {mixed}: {result['cv_rmse_n']:.3g} N where a fifth of the "
             "places is left out"
-        )
-    if "reduced" in result:
-        asked, reduced = result["asked"], result["reduced"]
-        rows["reduced"] = (
-            f"{reduced['trees']} trees, {reduced['leaf']} in a leaf, {len(reduced['orders'])} "
-            f"orders: {reduced['rmse_n']:.4g} N for {asked['rmse_n']:.4g} N, "
-            f"{reduced['nodes']} nodes for {asked['nodes']}"
         )
     rows |= _score_rows(result)
     if "why" in result:

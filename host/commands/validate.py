@@ -11,7 +11,7 @@ from springpot.host.output import json_option, print_result, progress_bar
 
 @click.command(name="validate")
 @click.argument("folder", type=PATH)
-@recordings_given("Recording or folder")
+@recordings_given
 @json_option
 def validate_(folder: Path, recordings: tuple[str, ...], as_json: bool) -> None:
     """Replay recordings (files or folders) through the C of an emitted FOLDER."""

@@ -117,7 +117,7 @@ def _bridged(address: Address, bitrate: int) -> tuple[socket.socket, "subprocess
         raise ModuleNotFoundError("No module named 'can'", name="can")
     bus: JsonObject = {"interface": address.interface, "channel": address.place}
     if address.interface == "udp_multicast":
-        bus |= {"hop_limit": 0, "port": int(address.number("port", 43113, 1024, 65535))}
+        bus |= {"hop_limit": 0, "port": address.whole("port", 43113, 1024, 65535)}
     else:
         bus["bitrate"] = bitrate
     ours, its = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)

@@ -137,10 +137,9 @@ class DhdLibrary:
 
 
 _UNKNOWN = "check cable and power, then try the maker's HapticDesk"
+_HELD = "another program holds it: end that one"
 _REMEDIES: Mapping[int, str] = {
-    _BUSY: "another program holds it: end that one",
-    _IN_USE: "another program holds it: end that one",
-    _NOT_AVAILABLE: "another program holds it: end that one",
+    **dict.fromkeys((_BUSY, _IN_USE, _NOT_AVAILABLE), _HELD),
     _DRIVER: f"allow it: write `{UDEV_RULE}` to /etc/udev/rules.d/60-forcedimension.rules, then "
     "`sudo udevadm control --reload && sudo udevadm trigger`",
     _DEVICE: "check cable and power",
@@ -159,7 +158,7 @@ def absent_reason() -> str:
         node = Path("/dev/bus/usb", *(f"{number:03d}" for number in numbers))
         if not os.access(node, os.R_OK | os.W_OK):
             return f"a Force Dimension device is on USB ({node}), not yours: {_REMEDIES[_DRIVER]}"
-        return "a Force Dimension device is on USB, but another program holds it: end that one"
+        return f"a Force Dimension device is on USB, but {_HELD}"
     return "no Force Dimension device on USB: check cable and power; in a container, pass it on"
 
 

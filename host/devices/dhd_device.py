@@ -175,10 +175,7 @@ class DhdDevice(OpenedDevice):
 
     @property
     def _watched(self) -> bool:
-        choice = self._address.settings.get("watchdog", "on")
-        if choice not in ("on", "off"):
-            raise UsageError(f"{self._url}: watchdog={choice}: give on or off")
-        return choice == "on"
+        return self._address.choice("watchdog", ("on", "off")) == "on"
 
     def _set_watchdog(self) -> None:
         """It is among the SDK's functions for experts, which are closed else."""

@@ -1,11 +1,12 @@
 """Devices by URL: addresses taken apart, drivers, those that springpot brings, who opens one."""
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from pkgutil import resolve_name
+from typing import TypeVar
 from urllib.parse import parse_qsl, unquote, urlsplit
 
 from springpot.codegen.entry_points import blaming, registered
@@ -14,6 +15,7 @@ from springpot.codegen.messages import short_repr
 from springpot.host.devices.device import DeviceRequirements, OpenedDevice
 
 _HERE = "springpot.host.devices"
+Word = TypeVar("Word", bound=str)
 
 
 @dataclass(frozen=True)
@@ -41,9 +43,24 @@ class Address:
             value = math.nan
         if not minimum <= value <= maximum:
             raise UsageError(
-                f"{self.url}: {key}={text}: give a number between {minimum:g} and {maximum:g}"
+                f"{self.url}: {key}={text}: give a number between {minimum:.10g} and {maximum:.10g}"
             )
         return value
+
+    def whole(self, key: str, default: int, minimum: int, maximum: int) -> int:
+        """Return a setting as a whole number. Raises UsageError outside minimum .. maximum."""
+        value = self.number(key, default, minimum, maximum)
+        if value % 1.0:
+            raise UsageError(f"{self.url}: {key}={value:g}: give a whole number")
+        return int(value)
+
+    def choice(self, key: str, known: Sequence[Word]) -> Word:
+        """Return a setting that is one of some words, by default the first. Raises UsageError."""
+        text = self.settings.get(key, known[0])
+        for word in known:
+            if word == text:
+                return word
+        raise UsageError(f"{self.url}: {key}={text}: give one of {', '.join(known)}")
 
     def require_known(self, known: tuple[str, ...]) -> None:
         """Raise UsageError for a setting that is not among the known ones."""

@@ -10,7 +10,7 @@ from springpot.host.devices.can_bus import CanBus
 from springpot.host.devices.device import ZERO_S, proved_watchdog_s
 
 VERSION, HEARTBEAT, AXIS_STATE, ENCODER, CONTROLLER_MODE = 0x00, 0x01, 0x07, 0x09, 0x0B
-INPUT_TORQUE, LIMITS, CLEAR_ERRORS, TORQUES = 0x0E, 0x0F, 0x18, 0x1C
+INPUT_TORQUE, LIMITS, CLEAR_ERRORS = 0x0E, 0x0F, 0x18
 AXIS_IDLE, CLOSED_LOOP = 1, 8
 _TORQUE_CONTROL, _PASSTHROUGH = 1, 1
 # Of the heartbeat's error word: the watchdog's bit in each family.

@@ -68,8 +68,8 @@ class OdriveDevice(OpenedDevice):
         """Open and arm it. Raises UsageError for a missing transmission, DeviceError otherwise."""
         address.require_known(_KEYS)
         self.address = address
-        self.node = int(address.number("node", 0, 0, 63))
-        bitrate = int(address.number("bitrate", BITRATE, 1e4, 1e6))
+        self.node = address.whole("node", 0, 0, 63)
+        bitrate = address.whole("bitrate", BITRATE, 10_000, 1_000_000)
         self.transmission = _transmission(address, requirements)
         require_fast_bus(address.url, bitrate, requirements.rate_hz)
         if address.interface == "slcan":

@@ -19,11 +19,7 @@ from springpot.host.devices.device import (
     too_weak,
 )
 from springpot.host.devices.drivers import Address
-from springpot.host.devices.serial_port import (
-    open_port,
-    require_fast_adapter,
-    require_fast_line,
-)
+from springpot.host.devices.serial_port import open_port, require_fast_adapter, require_fast_line
 from springpot.host.devices.wire import Frame, Receiver, Sender, constant, layout, messages
 from springpot.host.native.c_library import CLibrary
 
@@ -44,7 +40,7 @@ class SerialDevice(OpenedDevice):
         """Open and start it. Raises DeviceError with one line for whatever is wrong."""
         address.require_known(("baud", "surface_mm"))
         self.address, self.requirements = address, requirements
-        baud = int(address.number("baud", BAUD, 1200, 12e6))
+        baud = address.whole("baud", BAUD, 1200, 12_000_000)
         frame_bytes = max(messages()[name].wire_bytes for name in ("sample", "force"))
         require_fast_line(address.place, baud, requirements.rate_hz, frame_bytes)
         require_fast_adapter(address.place, requirements.rate_hz)

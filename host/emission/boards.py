@@ -1,27 +1,29 @@
-"""Boards that springpot brings a port for, and their firmware: an emitted scene and the port."""
+"""Boards with a port: the firmware of a scene, and its calls on an emulated board, counted."""
 
 import shutil
 import subprocess
+import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-from springpot.codegen.errors import BudgetError, UsageError
+import numpy as np
+from numpy.typing import NDArray
+
+from springpot import SpringpotError
+from springpot.codegen.arrays import Reals
+from springpot.codegen.errors import BudgetError, MismatchError, UsageError
 from springpot.codegen.files import folder_written_aside
 from springpot.codegen.messages import short_repr
 from springpot.codegen.plan import Plan, state_bytes
 from springpot.codegen.scene import Target
 from springpot.host.emission.checksums import is_edited, require_replaceable, write_checksums
 from springpot.host.emission.emission import read_emission
-from springpot.host.native.compiler import CompilerError
+from springpot.host.native.compiler import CompilerError, run_compiler
 from springpot.host.native.scene_library import scene_prefix, write_port
-from springpot.host.native.toolchain import Toolchain, missing_tools, toolchain
+from springpot.host.native.toolchain import PROGRAMS, Toolchain, missing_tools, toolchain
 from springpot.runtime_c.paths import PORT_MCU, flags
 
 _MPS2 = ("mps2.ld", ("sp_arm.c", "sp_board_mps2.c"), "qemu-system-arm")
-_EMULATOR_PACKAGES = {
-    "qemu-system-arm": "qemu-system-arm",
-    "qemu-system-riscv32": "qemu-system-misc",
-}
 TRANSDUCER = "sp_transducer.c"  # the user's encoder and drive
 _COMMON = ("sp_firmware.c", "sp_port.c", TRANSDUCER)
 _PROGRAM = "firmware.elf"
@@ -96,7 +98,7 @@ def emulator_of(board: Board) -> str:
     """Return the path of the board's emulator. Raises UsageError with what to install."""
     found = shutil.which(board.emulator)
     if found is None:
-        package = _EMULATOR_PACKAGES[board.emulator]
+        package, _ = PROGRAMS[board.emulator]
         raise UsageError(f"no {board.emulator}: `apt-get install {package}`")
     return found
 
@@ -151,20 +153,105 @@ def _linked(
     board: Board, out: Path, sources: tuple[str, ...], selftest_bytes: int, strict: bool = False
 ) -> Path:
     tools = compiler_of(board)
-    command = [
-        *tools.compiler, *flags("SP_CFLAGS"), *(flags("SP_STRICT") if strict else ()), *tools.flags,
+    arguments = [
+        *flags("SP_CFLAGS"), *(flags("SP_STRICT") if strict else ()), *tools.flags,
         "-nostartfiles", f"-L{PORT_MCU}", f"-T{PORT_MCU / board.script}",
         # the self-test keeps a state of its own on the stack
         f"-Wl,--defsym=sp_stack_bytes={-(-(_STACK_BYTES + selftest_bytes) // 8) * 8}",
         *(str(out / file) for file in sources), "-lm", "-lc", "-lgcc", "-o", str(out / _PROGRAM),
     ]  # fmt: skip
-    result = subprocess.run(command, capture_output=True, text=True, check=False)
-    if result.returncode == 0:
-        return out / _PROGRAM
-    if "overflowed by" in result.stderr:
-        over = next(line for line in result.stderr.splitlines() if "overflowed by" in line)
+    try:
+        run_compiler(arguments, "the firmware", tools.compiler)
+    except CompilerError as error:
+        if "overflowed by" not in str(error):
+            raise
         raise BudgetError(
-            f"{board.name}: the firmware does not fit ({over.split(': ')[-1]}): give the "
+            f"{board.name}: the firmware does not fit ({str(error).split(': ')[-1]}): give the "
             "scene a [budget] and `springpot emit --fit`"
+        ) from None
+    return out / _PROGRAM
+
+
+CALL_IDLE, CALL_RESET = 1, 2  # CALL_IDLE, CALL_RESET of sp_batch.c
+_SHIFT = 8  # an instruction takes 2^8 ns of the emulated time: several counts of every counter
+_OVERFLOWED = 0xFFFFFFFF  # OVERFLOWED of sp_batch.c
+_LONGEST_S = 600.0
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """What each call returned on the board: force_n, notes, instructions; shapes (n,)."""
+
+    force_n: Reals
+    notes: NDArray[np.int32]
+    instructions: NDArray[np.int64]
+
+
+def steps(position_m: Reals, velocity_mps: Reals) -> NDArray[np.void]:
+    """Return plain ticks, one a position: rows (n,) of calls to make, in the scene's type.
+
+    `call` of a row takes CALL_IDLE, for which `dt_s` is, and CALL_RESET.
+    """
+    real = position_m.dtype
+    names = [("call", "<u4"), ("position_m", real), ("velocity_mps", real), ("dt_s", real)]
+    rows = np.zeros(len(position_m), dtype=np.dtype(names, align=real.itemsize == 8))
+    rows["position_m"], rows["velocity_mps"] = position_m, velocity_mps
+    return rows
+
+
+def run_batch(folder: Path, board: Board, rows: NDArray[np.void]) -> Batch:
+    """Make the calls of `steps` on the emulated board, from a fresh state.
+
+    Raises UsageError without the tools, MismatchError where the scene's self-test fails there.
+    """
+    real = rows.dtype["position_m"]
+    with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
+        place = Path(scratch)
+        program = build_batch(folder, board, place)
+        rows.tofile(place / "calls.bin")
+        emulate(board, program, place)
+        names = [("force_n", real), ("notes", "<i4"), ("counts", "<u4")]
+        row = np.dtype(names, align=real.itemsize == 8)
+        returned = np.fromfile(place / "returns.bin", dtype=row)
+    if len(returned) != 1 + len(rows):
+        raise SpringpotError(
+            f"{board.name}: {max(len(returned) - 1, 0)} of {len(rows)} calls returned: the "
+            "firmware stopped"
         )
-    raise CompilerError(f"{tools.compiler[0]} refused the firmware: {result.stderr.strip()[:600]}")
+    if differs := int(returned["notes"][0]):
+        raise MismatchError(
+            f"{board.name}: the self-test differs at golden tick {differs - 1}: report the compiler"
+        )
+    counts = returned["counts"].astype(np.int64)
+    if counts.max() >= _OVERFLOWED:
+        raise SpringpotError(
+            f"{board.name}: call {int(counts.argmax()) - 1} took more instructions than its "
+            "counter can hold: count on another board"
+        )
+    per_count = 1e9 / board.counter_hz / (1 << _SHIFT)
+    return Batch(
+        force_n=returned["force_n"][1:],
+        notes=returned["notes"][1:],
+        instructions=np.round((counts[1:] - counts[0]) * per_count).astype(np.int64),
+    )
+
+
+def emulate(board: Board, program: Path, place: Path) -> None:
+    """Run a program on the emulated board; its files are in `place`, and "returns.bin" is written.
+
+    Raises UsageError without the emulator, SpringpotError where it fails.
+    """
+    command = [
+        emulator_of(board), "-M", board.name, *board.options, "-display", "none",
+        "-monitor", "none", "-serial", "null",
+        "-semihosting-config", "enable=on,target=native", "-icount", f"shift={_SHIFT}",
+        "-kernel", str(program),
+    ]  # fmt: skip
+    try:
+        result = subprocess.run(
+            command, cwd=place, capture_output=True, text=True, check=False, timeout=_LONGEST_S
+        )
+    except subprocess.TimeoutExpired:
+        raise SpringpotError(f"{board.name}: no end after {_LONGEST_S:g} s of emulation") from None
+    if result.returncode != 0 or not (place / "returns.bin").exists():
+        raise SpringpotError(f"{board.name}: the emulator failed: {result.stderr.strip()[:300]}")

@@ -4,9 +4,8 @@ What costs no error comes first: the window by exponentials and thresholds as 16
 forests lose trees and small leaves, those that err least on some recordings first.
 """
 
-import tempfile
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -17,7 +16,6 @@ from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.features import FirBank
 from springpot.codegen.model.forest import fewer_trees, larger_leaves, quantised
 from springpot.codegen.model.model import Model
-from springpot.codegen.model.model_file import read_model, write_model
 from springpot.codegen.model.regressors import Forest
 from springpot.codegen.plan import instruction_bound, state_bytes
 from springpot.codegen.scene import Budget, Scene
@@ -34,17 +32,9 @@ _LEAVES = (1, 2, 4, 8, 16, 32)  # leaves made one
 _EVALUATED = 4000  # samples that decide the order; what is said is measured on all
 
 
-@dataclass(frozen=True, eq=False)
-class _Smaller:
-    """A model, and what was left out of it."""
-
-    what: tuple[str, ...]
-    model: Model
-
-
 def emit_fitting(
     scene: Scene,
-    model_file: Path,
+    model: Model,
     folder: Path,
     accept_unsafe: bool,
     recordings: Sequence[Recording],
@@ -59,51 +49,48 @@ def emit_fitting(
     if fit and not recordings:
         raise UsageError("--fit measures what it leaves out: give --recording REC")
     try:
-        return emit(scene, model_file, folder, accept_unsafe)
+        return emit(scene, model, folder, accept_unsafe)
     except BudgetError as error:
         if toolchain(scene.runtime.target) is None:
             raise  # nothing can be measured, of a smaller model neither
         if not fit:
             raise BudgetError(f"{error}; --fit --recording REC makes a forest smaller") from None
         refused = error
-    with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
-        file = Path(scratch) / "model.spm"
-        for smaller in _best_first(scene, read_model(model_file), recordings, accept_unsafe):
-            write_model(file, smaller.model)
-            try:
-                emission = emit(scene, file, folder, accept_unsafe)
-            except SpringpotError:
-                continue
-            replay = Replay(SceneLibrary(emission.folder))
-            found = replayed_accuracy(emission.plan, replay, recordings)
-            say(f"fitted: {', '.join(smaller.what)}: RMSE {found.rmse_n:.4g} N")
-            return emission
+    for smaller in _best_first(scene, model, recordings, accept_unsafe):
+        try:
+            emission = emit(scene, smaller, folder, accept_unsafe)
+        except SpringpotError:
+            continue
+        replay = Replay(SceneLibrary(emission.folder))
+        found = replayed_accuracy(emission.plan, replay, recordings)
+        say(f"fitted: {', '.join(smaller.provenance['left_out'])}: RMSE {found.rmse_n:.4g} N")
+        return emission
     raise BudgetError(f"{refused}; no smaller version of this model fits: use another kind")
 
 
 def _best_first(
     scene: Scene, model: Model, recordings: Sequence[Recording], accept_unsafe: bool
-) -> Iterator[_Smaller]:
+) -> Iterator[Model]:
     """Smaller models that may be within the budget, those of least error first."""
     from springpot.trainer.models.predict import regressor_force, require_compatible
 
     tick_s = make_plan(model, scene, accept_unsafe).dt_s
     for recording in recordings:
         require_compatible(recording, model, tick_s)
-    candidates = [one for one in _candidates(model) if not _surely_over(one.model, scene)]
+    candidates = [one for one in _candidates(model) if not _surely_over(one, scene)]
     if not candidates:
         return
-    values, target_n = _evaluation(candidates[0].model, recordings)  # all have the same features
+    values, target_n = _evaluation(candidates[0], recordings)  # all have the same features
 
-    def error_n(smaller: _Smaller) -> float:
-        assert smaller.model.regressor is not None
-        return rms(regressor_force(smaller.model.regressor, values) - target_n)
+    def error_n(smaller: Model) -> float:
+        assert smaller.regressor is not None
+        return rms(regressor_force(smaller.regressor, values) - target_n)
 
     yield from sorted(candidates, key=error_n)
 
 
-def _candidates(model: Model) -> Iterator[_Smaller]:
-    """Every smaller version of a model on trees."""
+def _candidates(model: Model) -> Iterator[Model]:
+    """Every smaller version of a model on trees; provenance: what was `left_out` of it."""
     from springpot.trainer.features import fast_fir_bank
     from springpot.trainer.models.rf_fd import MAX_TAPS
 
@@ -124,8 +111,7 @@ def _candidates(model: Model) -> Iterator[_Smaller]:
             if what := (*free, *larger, *fewer):
                 forest = fewer_trees(pruned, count)
                 provenance = {**model.provenance, "left_out": list(what)}
-                smaller = replace(model, features=features, regressor=forest, provenance=provenance)
-                yield _Smaller(what, smaller)
+                yield replace(model, features=features, regressor=forest, provenance=provenance)
 
 
 def _evaluation(model: Model, recordings: Sequence[Recording]) -> tuple[Samples, Samples]:

@@ -1,7 +1,5 @@
 """Emission: files written aside, built, self-tested, and only then renamed into place."""
 
-import json
-import shutil
 import tempfile
 import time
 from collections.abc import Iterator
@@ -15,10 +13,9 @@ from springpot.codegen.files import folder_written_aside
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.messages import short_repr
 from springpot.codegen.model.model import Model
-from springpot.codegen.model.model_file import MODEL_SUFFIX, read_model
+from springpot.codegen.model.model_file import MODEL_SUFFIX, read_model, write_model
 from springpot.codegen.plan import Plan, state_bytes
 from springpot.codegen.scene import Scene
-from springpot.codegen.types import JsonObject
 from springpot.host.emission.checksums import (
     edited_files,
     edited_hash,
@@ -33,14 +30,8 @@ from springpot.host.emission.scene_file import (
     scene_to_json,
 )
 from springpot.host.native.compiler import NoCompilerError
-from springpot.host.native.scene_library import SceneLibrary, scene_prefix
-from springpot.host.native.toolchain import (
-    SOFT_DOUBLES,
-    Footprint,
-    measure_footprint,
-    missing_tools,
-    toolchain,
-)
+from springpot.host.native.scene_library import SceneLibrary, read_manifest
+from springpot.host.native.toolchain import SOFT_DOUBLES, Footprint, measure_footprint
 from springpot.host.output import say
 from springpot.host.stability.check import Check, check
 from springpot.host.stability.linear import require_stable
@@ -53,24 +44,25 @@ SCENE_COPY = "from/scene.json"
 
 def emit(
     scene: Scene,
-    model_file: Path,
+    model: Model | Path,
     folder: Path,
     accept_unsafe: bool = False,
 ) -> Emission:
-    """Emit `scene` into `folder`, replacing an earlier emission there.
+    """Emit `scene` of a model, or of its file, into `folder`, replacing an earlier emission there.
 
     Raises UsageError where the folder holds anything else, BudgetError where the C does not fit
     the scene's budget, MismatchError where its self-test fails, UnsafeError where a hand would
     find it unstable, unless that is accepted: the manifest then says so.
     """
     require_replaceable(folder)
-    model = read_model(model_file)
+    if isinstance(model, Path):
+        model = read_model(model)
     plan = make_plan(model, scene, accept_unsafe)
     if not accept_unsafe:
         require_stable(plan)
     with folder_written_aside(folder) as aside:
         begin = time.perf_counter()
-        write_emission(plan, plan.scene, model_file, aside)
+        write_emission(plan, plan.scene, model, aside)
         write_s = time.perf_counter() - begin
         return _built(plan, aside, folder, write_s)
 
@@ -115,25 +107,13 @@ def read_emission(folder: Path) -> Emitted:
     return Emitted(plan, model, edited, edited_hash(str(metadata["hash"]), folder, edited))
 
 
-def read_manifest(folder: Path) -> JsonObject:
-    """Read all metadata of an emitted folder. Raises DataError where manifest.json is none."""
-    file = folder / "manifest.json"
-    try:
-        metadata: JsonObject = json.loads(file.read_text())
-        if {"accept_unsafe", "hash"} <= metadata.keys():
-            return metadata
-    except (OSError, ValueError, AttributeError):
-        pass
-    raise DataError(f"{file}: no manifest: emit again")
-
-
-def write_emission(plan: Plan, scene: Scene, model_file: Path, folder: Path) -> None:
+def write_emission(plan: Plan, scene: Scene, model: Model, folder: Path) -> None:
     """Write a plan's files into a new folder, with what they were made from."""
     (folder / "from").mkdir(parents=True)
     for name, text in emit_files(plan).items():
         (folder / name).write_text(text)
     (folder / SCENE_COPY).write_text(scene_to_json(scene))
-    shutil.copyfile(model_file, folder / MODEL_COPY)
+    write_model(folder / MODEL_COPY, model)
     write_checksums(folder)
 
 
@@ -151,14 +131,12 @@ def _built(plan: Plan, aside: Path, folder: Path, write_s: float) -> Emission:
                 f"{differs - 1}: nothing was emitted; correct a stage of your own, or report the "
                 f"compiler ({library.path})"
             )
-        unmeasured = missing_tools(plan.scene.runtime.target)
-        if unmeasured:
-            notices.append(f"flash and stack could not be measured: {unmeasured}")
-        else:
-            tools = toolchain(plan.scene.runtime.target)
-            assert tools is not None, "nothing of it is missing"
-            footprint = measure_footprint(aside, f"{scene_prefix(aside)}.c", tools)
+        try:
+            footprint = measure_footprint(aside, plan.scene.runtime.target)
             notices += _selftest_stack(plan, footprint)
+        except NoCompilerError as error:
+            unmeasured = str(error)
+            notices.append(f"flash and stack could not be measured: {error}")
         checked = check(plan, library)
         notices += _activity(checked)
         if plan.scene.coupling.mode == "auto" and plan.at_proxy and vibrates(plan, library):
@@ -166,7 +144,7 @@ def _built(plan: Plan, aside: Path, folder: Path, write_s: float) -> Emission:
     except NoCompilerError as error:
         unmeasured = str(error)
         notices.append(f"not built, so flash and stack could not be measured: {error}")
-    metadata = json.loads((aside / "manifest.json").read_text())
+    metadata = read_manifest(aside)
     emission = Emission(
         folder=folder,
         plan=plan,

@@ -50,15 +50,19 @@ class Emission:
         """Code, constants and initialised data of the scene; None without a compiler."""
         return self.footprint.flash_bytes if self.footprint else None
 
+    @property
+    def stack_bytes(self) -> int | None:
+        """Deepest stack of a call; None without a compiler that reports it."""
+        return self.footprint.stack_bytes if self.footprint else None
+
     def as_dict(self) -> JsonObject:
         """Keys of `emit --json`."""
-        footprint = self.footprint
         return {
             "out": str(self.folder),
             "hash": self.hash,
             "flash_bytes": self.flash_bytes,
             "ram_bytes": self.ram_bytes,
-            "stack_bytes": footprint.stack_bytes if footprint else None,
+            "stack_bytes": self.stack_bytes,
             **{key: self.manifest.get(key) for key in _OF_MANIFEST},
             "stability": self.check.as_dict() if self.check else None,
             "write_s": self.write_s,
@@ -77,11 +81,11 @@ def over_budget(emission: Emission, budget: Budget) -> str:
         "stack": missing or "this compiler does not report it: use gcc",
         "a tick": "the bound of instructions does not cover this scene: measure it on the board",
     }
-    found, bound, over = emission.footprint, instruction_bound(emission.plan), []
+    bound, over = instruction_bound(emission.plan), []
     for what, unit, has, may in (
-        ("flash", "bytes", found.flash_bytes if found else None, budget.flash_bytes),
+        ("flash", "bytes", emission.flash_bytes, budget.flash_bytes),
         ("RAM", "bytes", emission.ram_bytes, budget.ram_bytes),
-        ("stack", "bytes", found.stack_bytes if found else None, budget.stack_bytes),
+        ("stack", "bytes", emission.stack_bytes, budget.stack_bytes),
         ("a tick", "instructions", bound.tick if bound else None, budget.tick_instructions),
     ):
         if may is not None and has is None:

@@ -12,13 +12,13 @@ import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
 from springpot.codegen.errors import DataError, UsageError
-from springpot.codegen.files import read_bounded, write_file
-from springpot.codegen.model.model import Model
-from springpot.codegen.model.model_file import MODEL_SUFFIX, read_model
+from springpot.codegen.files import given_path, read_bounded, write_file
+from springpot.codegen.model.model_file import MODEL_SUFFIX
 from springpot.codegen.scene import Scene
+from springpot.trainer.recordings.recording_file import File
 
 T = TypeVar("T")
-_NO_SUCH_KEY = "unexpected_keyword_argument"
+_NO_SUCH_KEY = ("unexpected_keyword_argument", "extra_forbidden")
 _ADAPTER = TypeAdapter(Scene)
 _EXAMPLE = Scene(schema=1, name="example", model="model.spm")
 _MAX_BYTES = 1 << 14  # a page or five; the TOML reader takes the square of a dotted key
@@ -69,19 +69,26 @@ def checked_keys(
         place = first["loc"]
         if first["type"] == "missing":
             found = "missing: add this key"
-        elif first["type"] == _NO_SUCH_KEY:
+        elif first["type"] in _NO_SUCH_KEY:
             here = known(place[:-1])
             of = [f"[{name}]" for name in known(()) if place[-1] in known((name,))]
             elsewhere = f"it is one of {' and of '.join(of)}; " if of else ""
             found = f"no such key: {elsewhere}known here are {', '.join(here)}"
+        elif first["type"] == "value_error":  # of a whole section: no one value is wrong
+            found = first["msg"].removeprefix("Value error, ")
         else:
             found = f"{first['msg']} (found {first['input']!r})"
-        raise UsageError(f"{where}: {'.'.join(map(str, place))}: {found}") from None
+        key = f"{'.'.join(map(str, place))}: " if place else ""
+        raise UsageError(f"{where}: {key}{found}") from None
 
 
-def read_scene(path: Path) -> Scene:
-    """Read a scene file. Raises UsageError that names the key, its value and what it may be."""
-    return scene_from_json(toml_as_json(path, _MAX_BYTES, "scene file"), str(path))
+def read_scene(path: File) -> Scene:
+    """Read a scene file. Raises UsageError that names the key, its value and what it may be.
+
+    >>> read_scene("scene.toml").name
+    'pad'
+    """
+    return scene_from_json(toml_as_json(given_path(path), _MAX_BYTES, "scene file"), str(path))
 
 
 def scene_to_json(scene: Scene) -> str:
@@ -104,8 +111,16 @@ def checked_scene(scene: Scene) -> Scene:
         raise UsageError(f"scene: {error}: give numbers, strings and booleans") from None
 
 
-def write_scene(path: Path, scene: Scene) -> None:
-    """Write the keys that differ from their defaults, as TOML. Raises UsageError as reading."""
+def write_scene(path: File, scene: Scene) -> None:
+    """Write the keys of a scene that differ from their defaults, as TOML.
+
+    The scene's `model`, where it is no absolute path, counts from the file's folder.
+    Raises UsageError as `read_scene`.
+
+    >>> write_scene("scene.toml", Scene(1, "pad", "model.spm"))
+    >>> read_scene("scene.toml").model
+    'model.spm'
+    """
     keys = dataclasses.asdict(checked_scene(scene))
     usual = dataclasses.asdict(_EXAMPLE)
     sections = {"": {name: keys.pop(name) for name in _FIRST}} | {
@@ -120,7 +135,7 @@ def write_scene(path: Path, scene: Scene) -> None:
             f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in section.items()
         ]
     text = "".join(f"{line}\n" for line in lines)
-    write_file(path, text.replace("\x7f", "\\u007f").encode())
+    write_file(given_path(path), text.replace("\x7f", "\\u007f").encode())
 
 
 def model_path(scene: Scene, scene_file: Path) -> Path:
@@ -132,24 +147,6 @@ def model_path(scene: Scene, scene_file: Path) -> Path:
     if not file.exists():
         raise DataError(f"{file}: cannot be read (no such file): `model` of {scene_file} names it")
     return file
-
-
-def scene_and_model_file(scene_file: Path | None, model_file: Path | None) -> tuple[Scene, Path]:
-    """A scene and its model's file, each from the other where it is not given.
-
-    Raises UsageError for neither.
-    """
-    if scene_file is not None:
-        scene = read_scene(scene_file)
-        return scene, model_file or model_path(scene, scene_file)
-    if model_file is None:
-        raise UsageError("neither scene nor model: give --model, --scene, or both")
-    return default_scene(read_model(model_file)), model_file
-
-
-def default_scene(model: Model) -> Scene:
-    """The scene of a model alone: every key has its default."""
-    return Scene(schema=1, name=model.name, model="model.spm")
 
 
 def scene_from_json(text: str, where: str) -> Scene:

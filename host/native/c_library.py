@@ -148,7 +148,7 @@ def _built(real: str, others: Sequence[Path]) -> CLibrary:
     """Build the port with the links of other packages."""
     names = ("sp_link.h", "sp_loop.h", "sp_press.h")
     links = [*sorted(PORT_POSIX.glob("sp_link_*.c")), *others]
-    headers = [*(PORT_POSIX / name for name in names), *links]
+    headers = [SIM / "sim.h", *(PORT_POSIX / name for name in names), *links]
     sources = [*sorted(PORT_POSIX.glob("*.c")), *others, PORT_WIRE / "sp_wire.c"]
     return load_c(headers, [*sources, *sorted(SIM.glob("*.c"))], real, ["-pthread"])
 

@@ -87,20 +87,21 @@ def compiler_version(compiler: tuple[str, ...]) -> str:
     return lines[0].strip() if lines else f"{' '.join(compiler)}, of no known version"
 
 
-def run_compiler(arguments: Sequence[str]) -> None:
-    """Run the compiler; raise CompilerError with its first error line where it fails."""
-    compiler = find_compiler()
-    name = " ".join(compiler)
+def run_compiler(
+    arguments: Sequence[str], what: str = "the sources", compiler: Sequence[str] = ()
+) -> None:
+    """Run a compiler, by default this machine's.
+
+    Raises CompilerError with its first error line where it refuses `what`.
+    """
+    compiler = compiler or find_compiler()
     result = subprocess.run([*compiler, *arguments], capture_output=True, text=True, check=False)
     if result.returncode != 0:
-        raise CompilerError(f"{name} refused the sources: {first_error(result.stderr)}")
-
-
-def first_error(said: str) -> str:
-    """First line of what a compiler said that tells of an error; else the end of it."""
-    told = ("error", "multiple definition")  # the linker says "error" only of its own end
-    lines = [line for line in said.splitlines() if any(word in line for word in told)]
-    return lines[0] if lines else said.strip()[-300:]
+        # The linker says "error" only of its own end.
+        told = ("error", "multiple definition", "overflowed by")
+        lines = [line for line in result.stderr.splitlines() if any(word in line for word in told)]
+        found = lines[0] if lines else result.stderr.strip()[-300:]
+        raise CompilerError(f"{' '.join(compiler)} refused {what}: {found}")
 
 
 def shared_library(

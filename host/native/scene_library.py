@@ -22,21 +22,22 @@ from springpot.host.native.c_library import CLibrary, declarations
 from springpot.host.native.compiler import shared_library
 from springpot.runtime_c.paths import INCLUDE
 
-MANIFEST = "manifest.json"
+
+def read_manifest(folder: Path) -> JsonObject:
+    """Read all metadata of an emitted folder. Raises DataError where manifest.json is none."""
+    file = folder / "manifest.json"
+    try:
+        metadata: JsonObject = json.loads(file.read_text(encoding="utf-8"))
+        if {"accept_unsafe", "hash"} <= metadata.keys() and len(metadata["sources"]) == 1:
+            return metadata
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        pass
+    raise DataError(f"{file}: no manifest: emit again")
 
 
 def scene_prefix(folder: Path) -> str:
-    """The prefix of an emitted folder's C: NAME of NAME.c and NAME.h.
-
-    Raises DataError where the folder is none.
-    """
-    try:
-        (source,) = json.loads((folder / MANIFEST).read_text(encoding="utf-8"))["sources"]
-        return Path(source).stem
-    except (OSError, ValueError, KeyError, TypeError):
-        raise DataError(
-            f"{folder}: not an emitted folder: `springpot emit --out` makes one"
-        ) from None
+    """The prefix of an emitted folder's C: NAME of NAME.c and NAME.h. Raises as `read_manifest`."""
+    return Path(str(read_manifest(folder)["sources"][0])).stem
 
 
 def write_port(folder: Path, real: str, files: Iterable[Path], out: Path) -> None:
@@ -61,7 +62,11 @@ def build_scene(folder: Path) -> Path:
 
 
 class SceneLibrary:
-    """One scene's C, loaded; `new_state` gives it memory."""
+    """One scene's C, loaded; `new_state` gives it memory.
+
+    manifest: of the folder; what the C says of itself is true of what runs, whatever was edited in
+    the file.
+    """
 
     def __init__(self, folder: Path) -> None:
         self.path = build_scene(folder)
@@ -73,7 +78,7 @@ class SceneLibrary:
                 f"{folder}: C API version {found}, this springpot has {ABI_VERSION}: emit again"
             )
         manifest = self.loaded.ffi.string(self.function("manifest")())
-        self.manifest: JsonObject = json.loads(manifest)
+        self.manifest = read_manifest(folder) | json.loads(manifest)
         self.dtype: RealType = np.float32 if self.manifest["number"] == "float32" else np.float64
         self.real = "float" if self.dtype is np.float32 else "double"
         self.state_bytes: int = self.function("state_size")()
@@ -163,11 +168,10 @@ class SceneState:
         return force, notes
 
 
-@contextmanager
-def built(plan: Plan) -> Iterator[SceneLibrary]:
+def built(plan: Plan) -> SceneLibrary:
     """The plan's C, built and loaded."""
     with written(plan) as folder:
-        yield SceneLibrary(folder)
+        return SceneLibrary(folder)
 
 
 @contextmanager

@@ -8,7 +8,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from springpot.codegen.messages import short_repr
-from springpot.host.native.compiler import CompilerError, find_compiler
+from springpot.host.native.compiler import (
+    CompilerError,
+    NoCompilerError,
+    find_compiler,
+    run_compiler,
+)
+from springpot.host.native.scene_library import scene_prefix
 from springpot.runtime_c.paths import flags
 
 _ARM = ("-mthumb", "-mfloat-abi=hard")
@@ -26,6 +32,13 @@ _CROSS: dict[str, tuple[str, tuple[str, ...]]] = {
             "--specs=picolibc.specs",
         ),
     ),
+}
+# Programs for boards: the package that has each, and what it is for.
+PROGRAMS = {
+    "arm-none-eabi-gcc": ("gcc-arm-none-eabi", "C for Cortex-M boards"),
+    "riscv64-unknown-elf-gcc": ("gcc-riscv64-unknown-elf", "C for RISC-V boards"),
+    "qemu-system-arm": ("qemu-system-arm", "boards without hardware"),
+    "qemu-system-riscv32": ("qemu-system-misc", "boards without hardware"),
 }
 SOFT_DOUBLES = ("cortex-m4f", "rv32imafc")  # doubles run in software
 _FLASH_SIZES = re.compile(r"^\.(?:text|rodata|data)\S*\s+(\d+)", re.M)
@@ -65,7 +78,7 @@ def missing_tools(target: str) -> str:
         return ""
     if target == "host":
         return "no `size` on PATH: `apt-get install binutils`"
-    package = "gcc-arm-none-eabi" if target.startswith("cortex") else "gcc-riscv64-unknown-elf"
+    package, _ = PROGRAMS[f"{_CROSS[target][0]}gcc"]
     return f"no compiler for {target}: `apt-get install {package}`"
 
 
@@ -80,29 +93,26 @@ class Footprint:
     stack_bytes: int | None
 
 
-def measure_footprint(folder: Path, source: str, tools: Toolchain) -> Footprint:
-    """Compile folder/source for the target and read the sizes. Raises CompilerError."""
+def measure_footprint(folder: Path, target: str) -> Footprint:
+    """Compile an emitted folder's C for the target and read the sizes.
+
+    Raises NoCompilerError with what to install, CompilerError where the compiler refuses.
+    """
+    tools, source = toolchain(target), f"{scene_prefix(folder)}.c"
+    if tools is None:
+        raise NoCompilerError(missing_tools(target))
     with tempfile.TemporaryDirectory() as scratch:
         built = Path(scratch) / "scene.o"
-        command = [
-            *tools.compiler, *flags("SP_CFLAGS"), *tools.flags, _NO_SELFTEST,
-            "-fcallgraph-info=su", "-c",
-            str(folder / source), "-o", str(built),
-        ]  # fmt: skip
-        graph = True
-        result = subprocess.run(command, capture_output=True, text=True, check=False)
-        if result.returncode != 0:  # clang has no call graph
-            command.remove("-fcallgraph-info=su")
-            graph = False
-            result = subprocess.run(command, capture_output=True, text=True, check=False)
-        if result.returncode != 0:
-            raise CompilerError(
-                f"{tools.compiler[0]} refused {source}: {result.stderr.strip()[:300]}"
-            )
+        arguments = [*flags("SP_CFLAGS"), *tools.flags, _NO_SELFTEST, "-c", str(folder / source),
+                     "-o", str(built)]  # fmt: skip
+        try:
+            run_compiler([*arguments, "-fcallgraph-info=su"], source, tools.compiler)
+        except CompilerError:  # clang has no call graph
+            run_compiler(arguments, source, tools.compiler)
         sizes = subprocess.run(
             [tools.size, "-A", "-d", str(built)], capture_output=True, text=True, check=True
         ).stdout
-        info = next(Path(scratch).glob("*.ci"), None) if graph else None
+        info = next(Path(scratch).glob("*.ci"), None)
         return Footprint(
             flash_bytes=sum(map(int, _FLASH_SIZES.findall(sizes))),
             stack_bytes=deepest_stack(info.read_text()) if info else None,

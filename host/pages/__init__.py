@@ -1,1 +1,1 @@
-"""Pages of HTML, a local server of one, and the look of figures."""
+"""Pages of HTML, and the look of their figures."""

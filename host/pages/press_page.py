@@ -96,11 +96,12 @@ def _verdict(plan: Plan, stiffness_npm: float, more_delay: int) -> str:
 def _recording(folder: Path) -> list[str] | None:
     """Return depth and force of the first validated recording, float32; None without one."""
     try:
-        series = read_validation(folder).series[0]
+        recording, _ = read_validation(folder)[1][0]
     except DataError:
         return None
-    step = -(-len(series.position_m) // _MAX_RECORDED)
-    thinned = [its[::step].astype(np.float32) for its in (series.position_m, series.measured_n)]
+    step = -(-len(recording.force_n) // _MAX_RECORDED)
+    both = (recording.position_m, recording.force_n)
+    thinned = [its[::step].astype(np.float32) for its in both]
     return [_packed(its.tobytes()) for its in thinned]
 
 

@@ -1,29 +1,126 @@
-"""The pages of `springpot report`: on an emitted and validated scene, and on a benchmark."""
+"""The pages of `springpot report`, with their figures: on a validated scene, and on a benchmark."""
 
+import io
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import matplotlib as mpl
+import numpy as np
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
 
+from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.codegen.files import write_file
 from springpot.codegen.types import JsonMapping, JsonObject
 from springpot.host.bench.bench import RESULT
 from springpot.host.emission.emission import read_emission, require_emission
 from springpot.host.native.compiler import CompilerError
-from springpot.host.native.scene_library import scene_prefix
-from springpot.host.native.toolchain import measure_footprint, missing_tools, toolchain
-from springpot.host.pages import figures
-from springpot.host.pages.figures import STYLE, log_ticks, svg_text
+from springpot.host.native.scene_library import read_manifest
+from springpot.host.native.toolchain import measure_footprint
 from springpot.host.pages.page import page_text
-from springpot.host.validation.store import Stored, read_validation
+from springpot.host.validation.store import Validated, read_validation
+from springpot.host.validation.validation import draw_forces, median_error
 from springpot.trainer.kinds import KINDS, Kind
+from springpot.trainer.recordings.recording import Recording
 
-_REPORT_NAME = "report.html"
 _FILE = Kind("file", "", "", "D", "#6a4c93")  # of a model that was not fitted here
-Row = JsonMapping
+MUTED = "#888888"
+STYLE: Any = {
+    "font.size": 9.0,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "svg.hashsalt": "springpot",
+    "svg.fonttype": "path",
+}
+_PLAIN = (1e-4, 1e7)
+SVG_METADATA = dict.fromkeys(("Date", "Creator", "Format", "Type"))
+_SIZE_INCHES = (4.4, 3.4)
+_CURVE_POINTS, _TOTAL_POINTS = 4000, 20_000  # of a recording; of all in one figure
+
+
+def log_ticks(axis: Axis) -> None:
+    """Write plain numbers on a logarithmic axis on which all is drawn: the wider, the fewer.
+
+    Where these would be long, powers of ten stay.
+    """
+    low, high = axis.get_view_interval()
+    if low < _PLAIN[0] or high > _PLAIN[1]:
+        return
+    decades = np.log10(high / low)
+    fits = {0.7: (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0), 1.5: (1.0, 2.0, 5.0), 4.0: (1.0, 3.0)}
+    subs = next((subs for most, subs in fits.items() if decades < most), (1.0,))
+    axis.set_major_locator(LogLocator(subs=subs))
+    axis.set_major_formatter(lambda value, _: f"{value:.10g}")
+    axis.set_minor_formatter(NullFormatter())
+
+
+def svg_text(figure: Figure) -> str:
+    """The figure as an SVG element: the same figure, the same text."""
+    text = io.StringIO()
+    figure.savefig(text, format="svg", metadata=SVG_METADATA)
+    svg = text.getvalue()
+    return svg[svg.index("<svg") :]
+
+
+@mpl.rc_context(STYLE)
+def time_figure(recording: Recording, predicted_n: Samples) -> str:
+    """Draw measured force, that of the C and their difference against time."""
+    figure = Figure(figsize=(6.4, 4.2), layout="constrained")
+    upper, lower = figure.subplots(2, 1, sharex=True, height_ratios=[2.2, 1])
+    draw_forces(upper, recording, predicted_n)
+    upper.set_xlabel("")
+    time_s = recording.dt_s * np.arange(len(predicted_n))
+    lower.plot(time_s, predicted_n - recording.force_n, color="tab:blue", lw=0.8)
+    lower.axhline(0.0, color=MUTED, lw=0.6)
+    lower.set(xlabel="time, s", ylabel="C - measured, N")
+    return svg_text(figure)
+
+
+@mpl.rc_context(STYLE)
+def loop_figure(recording: Recording, predicted_n: Samples) -> str:
+    """Draw both forces against depth."""
+    figure = Figure(figsize=_SIZE_INCHES, layout="constrained")
+    axes = figure.subplots()
+    depth_mm = 1e3 * recording.position_m
+    axes.plot(depth_mm, recording.force_n, color="black", lw=0.9, label="measured")
+    axes.plot(depth_mm, predicted_n, color="tab:red", lw=0.8, ls="--", label="C")
+    axes.set(xlabel="depth, mm", ylabel="force, N")
+    axes.legend(loc="upper left", frameon=False)
+    return svg_text(figure)
+
+
+@mpl.rc_context(STYLE)
+def error_figure(pairs: Sequence[Validated]) -> str:
+    """Draw the error of every recording against depth."""
+    figure = Figure(figsize=_SIZE_INCHES, layout="constrained")
+    axes = figure.subplots()
+    every = _every(sum(len(predicted_n) for _, predicted_n in pairs), _TOTAL_POINTS)
+    for recording, predicted_n in pairs:
+        depth_mm = 1e3 * recording.position_m[::every]
+        error_n = (predicted_n - recording.force_n)[::every]
+        axes.plot(depth_mm, error_n, ",", color="tab:blue", rasterized=True)
+    axes.axhline(0.0, color=MUTED, lw=0.6)
+    axes.set(xlabel="depth, mm", ylabel="C - measured, N")
+    return svg_text(figure)
+
+
+def _thinned(recording: Recording, predicted_n: Samples) -> Validated:
+    """Samples enough for a curve."""
+    every = _every(len(predicted_n), _CURVE_POINTS)
+    position_m, force_n = recording.position_m[::every], recording.force_n[::every]
+    dt_s = every * recording.dt_s
+    thin = replace(recording, position_m=position_m, force_n=force_n, dt_s=dt_s)
+    return thin, predicted_n[::every]
+
+
+def _every(samples: int, points: int) -> int:
+    """Every how many samples one is drawn."""
+    return max(1, -(-samples // points))
 
 
 def write_report(folder: Path) -> Path:
@@ -31,49 +128,35 @@ def write_report(folder: Path) -> Path:
 
     Raises DataError where the folder was not emitted or validated, or changed since.
     """
-    stored = _matching_validation(folder)
-    manifest = json.loads((folder / "manifest.json").read_text())
-    median = figures.median_series(stored.series)
+    require_emission(folder)
+    metadata, pairs = read_validation(folder)
+    if read_emission(folder).hash != metadata["result"]["hash"]:
+        raise DataError(f"{folder}: changed since it was validated: `springpot validate` again")
+    manifest = read_manifest(folder)
+    median = _thinned(*median_error(pairs))
     context = {
         "manifest": manifest,
-        "result": stored.metadata["result"],
-        "machine": stored.metadata["machine"],
-        "recordings": stored.metadata["recordings"],
+        **{key: metadata[key] for key in ("result", "machine", "recordings", "rows")},
         "provenance": manifest["provenance"],
-        "rows": stored.metadata["rows"],
         "costs": _cost_rows(folder, manifest),
-        "time_figure": figures.time_figure(median),
-        "loop_figure": figures.loop_figure(median),
-        "error_figure": figures.error_figure(stored.series),
+        "time_figure": time_figure(*median),
+        "loop_figure": loop_figure(*median),
+        "error_figure": error_figure(pairs),
     }
-    path = folder / _REPORT_NAME
+    path = folder / "report.html"
     write_file(path, page_text("report.html", context).encode())
     return path
-
-
-def _matching_validation(folder: Path) -> Stored:
-    """Read the last validation. Raises DataError where it is not of this emission."""
-    require_emission(folder)
-    stored = read_validation(folder)
-    result = stored.metadata["result"]
-    emitted = read_emission(folder)
-    if emitted.hash != result["hash"]:
-        raise DataError(f"{folder}: changed since it was validated: `springpot validate` again")
-    return stored
 
 
 def _cost_rows(folder: Path, manifest: JsonObject) -> dict[str, str]:
     """Return bytes of memory in words."""
     target = manifest["target"]
-    tools = toolchain(target)
-    flash = f"not measured: {missing_tools(target)}"
-    if tools is not None:
-        try:
-            found = measure_footprint(folder, f"{scene_prefix(folder)}.c", tools)
-            stack = "" if found.stack_bytes is None else f", stack {found.stack_bytes} bytes"
-            flash = f"{found.flash_bytes} bytes ({target}){stack}"
-        except CompilerError as error:
-            flash = f"not measured: {error}"
+    try:
+        found = measure_footprint(folder, target)
+        stack = "" if found.stack_bytes is None else f", stack {found.stack_bytes} bytes"
+        flash = f"{found.flash_bytes} bytes ({target}){stack}"
+    except CompilerError as error:
+        flash = f"not measured: {error}"
     return {"flash": flash, "RAM": f"{manifest['state_bytes']} bytes of state"}
 
 
@@ -92,13 +175,13 @@ def write_bench_page(folder: Path) -> Path:
     return page
 
 
-def label(point: Row) -> str:
+def label(point: JsonMapping) -> str:
     """Return a model's kind, or file, and the options that are not the default's."""
     options = ", ".join(f"{name} {value}" for name, value in point["options"].items())
     return f"{point['model']} ({options})" if options else str(point["model"])
 
 
-def _figure(points: Sequence[Row]) -> str:
+def _figure(points: Sequence[JsonMapping]) -> str:
     """Draw the error against the time of a tick; marks filled on the front, as large as flash."""
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(9.6, 5.2), layout="constrained")

@@ -5,7 +5,6 @@ import re
 import shutil
 import subprocess
 import tempfile
-from collections.abc import Sequence
 from importlib.resources import as_file, files
 from pathlib import Path
 
@@ -13,7 +12,7 @@ from springpot import SpringpotError
 from springpot.codegen.emit.golden import backward_velocity, golden_positions
 from springpot.codegen.errors import MismatchError, UsageError
 from springpot.codegen.plan import Plan
-from springpot.host.native.compiler import CompilerError, first_error, packaged_compiler
+from springpot.host.native.compiler import packaged_compiler, run_compiler
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary, write_port
 from springpot.runtime_c.paths import PORT_BROWSER, PORT_WASM, SIM, flags
@@ -37,13 +36,14 @@ def page_module(folder: Path, plan: Plan) -> bytes:
         names += re.findall(r"\b(sp_page_\w+)[(\[]", (place / "sp_page.h").read_text())
         exports = [f"--export={name}" for name in (*names, "__heap_base")]
         include = [f"-I{each}" for each in (place, folder, SIM)]
-        command = [*compiler, *flags("SP_CFLAGS"), *_COMPILE, *include, "-c"]
+        options = [*flags("SP_CFLAGS"), *_COMPILE, *include, "-c"]
         objects = []
         for source in (folder / f"{prefix}.c", place / "sp_page.c"):
             objects.append(str(place / f"{source.stem}.o"))
-            _run([*command, str(source), "-o", objects[-1]])
-        _run([*linker, *_LINK, *exports, *objects, "-o", str(place / "module.wasm")])
-        return (place / "module.wasm").read_bytes()
+            run_compiler([*options, str(source), "-o", objects[-1]], source.name, compiler)
+        module = place / "module.wasm"
+        run_compiler([*_LINK, *exports, *objects, "-o", str(module)], "the page's module", linker)
+        return module.read_bytes()
 
 
 def node_force_hash(folder: Path, plan: Plan, module: bytes) -> str | None:
@@ -85,9 +85,3 @@ def _tools() -> tuple[list[str], list[str]]:
             "`pip install 'springpot[cc]'`"
         )
     return [*packaged, "cc", "--target=wasm32-freestanding"], [*packaged, "wasm-ld"]
-
-
-def _run(command: Sequence[str]) -> None:
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    if done.returncode != 0:
-        raise CompilerError(f"{command[0]} made no wasm module: {first_error(done.stderr)}")

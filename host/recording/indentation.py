@@ -1,7 +1,6 @@
 """A real device that presses an object under force control, for recording: the loop of a session
 with a force controller (runtime_c/port/posix/sp_press.h) in place of a scene."""
 
-import sys
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -10,20 +9,19 @@ from datetime import UTC, datetime
 import numpy as np
 
 from springpot.codegen.arrays import Samples
-from springpot.codegen.errors import DeviceError, SpringpotError, UsageError
+from springpot.codegen.errors import DeviceError, SpringpotError
 from springpot.codegen.notes import LATCHED
 from springpot.codegen.types import CData, JsonObject
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.drivers import driver_of
 from springpot.host.native.c_library import COLUMN, NONE, LoopRows, empty_rows, loop_library
-from springpot.host.output import say
 from springpot.host.recording.protocols import RATE_HZ
 from springpot.host.session.c_loop import StepFunctions
 from springpot.host.session.outcome import LoopSettings, LoopState
 from springpot.host.session.runner import Progress, SessionRunner
-from springpot.host.session.terminal import reading_keys
+from springpot.host.session.terminal import reading_keys, wait_for_enter
 
-_WATCHDOG_S = 0.02
+WATCHDOG_S = 0.02
 _HEADROOM = 1.2  # of the motor over the command, for the controller
 _REST_S = 0.5  # between two presses
 _MORE_TICKS = 50  # so that none of the command's is missing when clocks differ
@@ -128,12 +126,10 @@ class PressedDevice:
         """
         if place_m == self.place_m:
             return
-        say(
+        wait_for_enter(
             f"put x = {1e3 * place_m[0]:.4g} mm, y = {1e3 * place_m[1]:.4g} mm of the object under "
             "the tool, which gives no force, and press Enter"
         )
-        if not sys.stdin.readline():
-            raise UsageError("nobody presses Enter: run it in a terminal")
         self.place_m = place_m
 
     def press(
@@ -186,17 +182,14 @@ class PressedDevice:
             max_depth_m=self._limits.max_depth_m,
             sensed=self.sensed,
         )
-        requirements = DeviceRequirements(RATE_HZ, _WATCHDOG_S, _HEADROOM * max_n, presses=True)
+        requirements = DeviceRequirements(RATE_HZ, WATCHDOG_S, _HEADROOM * max_n, presses=True)
         runner = SessionRunner(
             steps, self.url, requirements, settings, [rows.append], reconnect_s=0.0
         )
-        runner.open()
-        try:
+        with runner:
             self.attach(runner)
             runner.start()
             self._watch(runner, rows, steps.kept[0])
-        finally:
-            runner.close()
         line, error = runner.why()
         if not rows.full:
             self._require_no_fault(steps.kept[0])
@@ -252,7 +245,7 @@ def trip_error(url: str, state: LoopState, why: str = "") -> DeviceError:
 
     why: what the device says of it.
     """
-    ms = 1e3 * _WATCHDOG_S
+    ms = 1e3 * WATCHDOG_S
     if why:
         return DeviceError(f"{url}: {why}; stopped, force zero: press anew")
     if state.tripped:
@@ -278,12 +271,18 @@ def press_step_functions(
         "n": len(command_n),
         "dt_s": 1 / RATE_HZ,
         "max_force_n": max_force_n,
-        "watchdog_s": _WATCHDOG_S,
+        "watchdog_s": WATCHDOG_S,
         "latched_note": LATCHED,
         **gains,
     }
     press = library.ffi.new("sp_press *", settings)
-    measured_n = library.address(library.ffi.addressof(press, "measured_n"))
-    return StepFunctions.of(
-        library, "sp_press", press, kept=(press, command_n), measured_n=measured_n
+    c, address = library.c, library.address
+    return StepFunctions(
+        library,
+        step=address(c.sp_press_step),
+        idle=address(c.sp_press_idle),
+        reset=address(c.sp_press_reset),
+        state=address(press),
+        measured_n=address(library.ffi.addressof(press, "measured_n")),
+        kept=(press, command_n),
     )

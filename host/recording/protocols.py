@@ -1,19 +1,17 @@
 """Force commands for recording an object: the paper's protocols, an extended one, a user's own."""
 
-import tomllib
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, model_validator
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import UsageError
 from springpot.codegen.messages import short_repr
 from springpot.codegen.types import JsonMapping, JsonObject
-
-Command = Samples
+from springpot.host.emission.scene_file import checked_keys, toml_as_json
 
 RATE_HZ = 1000
 PEAK_N = 10.0
@@ -22,6 +20,7 @@ _FREQUENCIES_HZ = (1 / 5, 1 / 4, 1 / 3, 1 / 2, 1.0, 2.0, 3.0, 4.0, 5.0)
 _VALIDATION_SIGNALS, _VALIDATION_S = 10, 15.0
 _MULTISINE_S, _MULTISINE_HZ, _MULTISINE_TONES = 15.0, (0.1, 10.0), 12
 _HOLD_N, _HOLD_S, _RISE_S = 8.0, 20.0, 0.5
+_MAX_BYTES = 1 << 18  # a thousand profiles, each at its place
 _Metre = Annotated[float, Field(ge=-1, le=1)]
 _Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 
@@ -37,13 +36,13 @@ class Profile:
     """
 
     name: str
-    command_n: Command
+    command_n: Samples
     metadata: JsonMapping = field(default_factory=dict)
     place_m: tuple[float, float] | None = None
     __repr__ = short_repr
 
 
-def inverted_cosine(t_s: Command, amplitude_n: float, frequency_hz: float) -> Command:
+def inverted_cosine(t_s: Samples, amplitude_n: float, frequency_hz: float) -> Samples:
     """-(a/2) (cos(2 pi v t) - 1), the paper's equations (1) and (2), at the times `t_s`."""
     return amplitude_n / 2 * (1 - np.cos(2 * np.pi * frequency_hz * t_s))
 
@@ -103,7 +102,7 @@ def extended(seed: int) -> list[Profile]:
     return [*profiles, _multisine(f"{following:02d}-multisine", seed), hold]
 
 
-def from_file(path: Path, seed: int = 0) -> list[Profile]:
+def from_file(path: Path, seed: int) -> list[Profile]:
     """Read a user's protocol: TOML, one [[profile]] table for each press.
 
     `amplitude_n` with `frequency_hz` and `cycles` (default 1), or with `hold_s` and `rise_s`
@@ -111,17 +110,8 @@ def from_file(path: Path, seed: int = 0) -> list[Profile]:
     one, by its name. `places_m`, x and y of each place: all presses are made at each.
     Raises UsageError with the key that is wrong.
     """
-    try:
-        content = tomllib.loads(path.read_text(encoding="utf-8"))
-        checked = _ProtocolFile.model_validate(content)
-    except OSError as error:
-        raise UsageError(f"{path}: {error.strerror}: give a protocol file that exists") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise UsageError(f"{path}: not a TOML file ({error})") from None
-    except ValidationError as error:
-        first = error.errors()[0]
-        key = ".".join(str(part) for part in first["loc"]) or "profile"
-        raise UsageError(f"{path}: {key}: {first['msg']}") from None
+    content = toml_as_json(path, _MAX_BYTES, "protocol file")
+    checked = checked_keys(TypeAdapter(_ProtocolFile), content, str(path), _known_keys)
     presses = load_protocol(checked.protocol, seed) if checked.protocol else []
     presses += [_from_table(table) for table in checked.profile]
     places: list[tuple[float, float] | None] = [*checked.places_m] or [None]
@@ -183,6 +173,11 @@ class _ProtocolFile(BaseModel):
         return self
 
 
+def _known_keys(place: tuple[Any, ...]) -> list[str]:
+    of_profile = place[:1] == ("profile",)
+    return [*(_ProfileTable if of_profile else _ProtocolFile).model_fields]
+
+
 def _from_table(table: _ProfileTable) -> Profile:
     metadata: JsonObject = {"amplitude_n": table.amplitude_n}
     if table.frequency_hz is None:
@@ -197,13 +192,13 @@ def _from_table(table: _ProfileTable) -> Profile:
     return Profile(name, command_n, metadata)
 
 
-def cosine_cycles(amplitude_n: float, frequency_hz: float, cycles: int, n: int) -> Command:
+def cosine_cycles(amplitude_n: float, frequency_hz: float, cycles: int, n: int) -> Samples:
     """Inverted cosines in n samples."""
     t_s = np.minimum(np.arange(n) / RATE_HZ, cycles / frequency_hz)
     return inverted_cosine(t_s, amplitude_n, frequency_hz)
 
 
-def _hold(amplitude_n: float, duration_s: float, rise_s: float) -> Command:
+def _hold(amplitude_n: float, duration_s: float, rise_s: float) -> Samples:
     t_s = np.arange(round(duration_s * RATE_HZ)) / RATE_HZ
     edge_s = np.minimum(np.minimum(t_s, duration_s - t_s), rise_s)
     return inverted_cosine(edge_s, amplitude_n, 1 / (2 * rise_s))

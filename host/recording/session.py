@@ -11,9 +11,11 @@ from springpot.codegen.arrays import rms
 from springpot.codegen.errors import SpringpotError, UsageError
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.drivers import driver_of, parse_device
+from springpot.host.devices.virtual import parse_url
 from springpot.host.native.c_library import COLUMN, IDLE, LoopRows
 from springpot.host.recording.indentation import (
     OPEN_LOOP,
+    WATCHDOG_S,
     Limits,
     PressedDevice,
     press_step_functions,
@@ -22,7 +24,6 @@ from springpot.host.recording.protocols import RATE_HZ, Profile
 from springpot.host.session.outcome import LoopSettings
 from springpot.host.session.runner import Progress, SessionRunner
 from springpot.host.simulation.bench import SimulatedBench
-from springpot.host.simulation.objects import parse_url
 from springpot.trainer.recordings.journal import JournalWriter
 from springpot.trainer.recordings.recording import (
     RECORDING_SUFFIX,
@@ -33,7 +34,7 @@ from springpot.trainer.recordings.recording import (
 from springpot.trainer.recordings.recording_file import journal_of, require_no_journal
 
 TOUCHES = 3
-_RATE_HZ, _WATCHDOG_S, _LONGEST_S, _MEAN_S = 1000.0, 0.02, 600.0, 0.3
+_LONGEST_S, _MEAN_S = 600.0, 0.3
 _STILL_M = 0.2e-3  # the tool moves no more than this while it is measured
 _SAME_M = 1.0e-3  # three touches of one surface
 _NO_FORCE_N = 1e-3
@@ -148,12 +149,11 @@ def find_surface(url: str, touched: Callable[[int], None]) -> float:
     if "surface_mm" in parse_device(url).settings:
         raise UsageError(f"{url}: leave surface_mm out of the URL, or --find-surface")
     steps = press_step_functions(np.zeros(1), _NO_FORCE_N, OPEN_LOOP)
-    settings = LoopSettings(1 / _RATE_HZ, _LONGEST_S, _NO_FORCE_N)
-    required = DeviceRequirements(_RATE_HZ, _WATCHDOG_S, _NO_FORCE_N, examined=True)
+    settings = LoopSettings(1 / RATE_HZ, _LONGEST_S, _NO_FORCE_N)
+    required = DeviceRequirements(RATE_HZ, WATCHDOG_S, _NO_FORCE_N, examined=True)
     newest, places_m = deque[LoopRows](maxlen=20), list[float]()
     runner = SessionRunner(steps, url, required, settings, [newest.append], reconnect_s=0.0)
-    runner.open()
-    try:
+    with runner:
         runner.start()
         for number in range(1, TOUCHES + 1):
             touched(number)
@@ -161,8 +161,6 @@ def find_surface(url: str, touched: Callable[[int], None]) -> float:
             if runner.over:
                 break
             places_m.append(_place_m(tuple(newest), url))
-    finally:
-        runner.close()
     line, error = runner.why()
     if error is not None or len(places_m) < TOUCHES:
         raise error or SpringpotError(f"{url}: {line}")
@@ -179,7 +177,7 @@ def _place_m(tables: Sequence[LoopRows], url: str) -> float:
     """Return where the tool is held still; tables: the last rows of the loop."""
     rows = np.concatenate([np.empty((0, len(COLUMN))), *tables])
     sampled = (rows[:, COLUMN["call"]].astype(int) & IDLE) == 0
-    position_m = rows[sampled, COLUMN["position_m"]][-round(_MEAN_S * _RATE_HZ) :]
+    position_m = rows[sampled, COLUMN["position_m"]][-round(_MEAN_S * RATE_HZ) :]
     if not len(position_m) or not np.isfinite(position_m).all():
         raise SpringpotError(f"{url}: no positions come: check its power and cable")
     if np.ptp(position_m) > _STILL_M:

@@ -2,7 +2,6 @@
 
 import os
 from dataclasses import asdict, dataclass, field
-from typing import Self
 
 from springpot.codegen.entry_points import blaming
 from springpot.codegen.errors import DeviceError
@@ -40,19 +39,8 @@ class StepFunctions:
     kept: CData = field(default=None, repr=False)  # owners of the memory behind the addresses
     __repr__ = short_repr
 
-    @classmethod
-    def of(cls, library: CLibrary, name: str, state: CData, kept: CData, **more: int) -> Self:
-        """Functions `name`_step, _idle and _reset of a library's C on a state that it declares."""
-        step, idle, reset = (
-            library.address(getattr(library.c, f"{name}_{each}"))
-            for each in ("step", "idle", "reset")
-        )
-        return cls(library, step, idle, reset, library.address(state), kept=kept, **more)
 
-
-def scene_step_functions(
-    scene: SceneLibrary, place_m: tuple[float, float] | None = None
-) -> StepFunctions:
+def scene_step_functions(scene: SceneLibrary, place_m: tuple[float, float] | None) -> StepFunctions:
     """A fresh state of a scene, at a place if it has a map."""
     state = scene.new_state(place_m)
     step, idle, reset = (scene.address(name) for name in ("step", "idle", "reset"))

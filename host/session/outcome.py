@@ -57,7 +57,6 @@ class LoopState:
     disconnects: int = 0
     resets: int = 0
     start_ns: int = 0
-    newest_row: int = 0
     elapsed_s: float = 0.0
     latched: int = 0
     tripped: int = 0

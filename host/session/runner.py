@@ -5,6 +5,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any, Self
 
 import numpy as np
 
@@ -13,23 +14,10 @@ from springpot.codegen.errors import DeviceError, SpringpotError, UsageError
 from springpot.codegen.messages import short_repr
 from springpot.host.devices.device import RECONNECT_S, DeviceRequirements
 from springpot.host.devices.drivers import open_device
-from springpot.host.native.c_library import (
-    COLUMN,
-    IDLE,
-    NONE,
-    LoopRows,
-    Stop,
-    empty_rows,
-)
+from springpot.host.native.c_library import COLUMN, IDLE, NONE, LoopRows, Stop, empty_rows
 from springpot.host.output import say
 from springpot.host.session.c_loop import CLoop, StepFunctions
-from springpot.host.session.outcome import (
-    BY_USER,
-    LinkCounts,
-    LoopSettings,
-    LoopState,
-    spread_us,
-)
+from springpot.host.session.outcome import BY_USER, LinkCounts, LoopSettings, LoopState, spread_us
 from springpot.host.session.supervisor import DeviceSupervisor
 
 _DRAIN_S = 0.02
@@ -87,6 +75,13 @@ class SessionRunner:
             self._loop, device, self.url, self._requirements, self._reconnect_s, self._report,
             self._fail,
         )  # fmt: skip
+
+    def __enter__(self) -> Self:
+        self.open()
+        return self
+
+    def __exit__(self, *error: Any) -> None:
+        self.close()
 
     def start(self) -> None:
         """Begin ticking; returns at once."""

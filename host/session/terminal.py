@@ -12,7 +12,8 @@ from types import FrameType
 from rich.live import Live
 from rich.text import Text
 
-from springpot.host.output import progress_console
+from springpot.codegen.errors import UsageError
+from springpot.host.output import progress_console, say
 from springpot.host.session.runner import Progress, SessionRunner
 
 _KEYS = "q stop, p pause, r reset"
@@ -117,6 +118,13 @@ def reading_keys() -> Iterator[Callable[[], str]]:
     finally:
         with contextlib.suppress(termios.error):  # the terminal was closed
             termios.tcsetattr(sys.stdin, termios.TCSADRAIN, before)
+
+
+def wait_for_enter(line: str) -> None:
+    """Ask for something that a person does, until Enter. Raises UsageError if nobody answers."""
+    say(line)
+    if not sys.stdin.readline():
+        raise UsageError("nobody presses Enter: run it in a terminal")
 
 
 def _pressed() -> str:

@@ -1,18 +1,14 @@
 """The simulated bench: soft objects, device and hands of runtime_c/sim, as a device `sim://OBJECT`."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import replace
 from functools import cache
 
 import numpy as np
 
 from springpot.codegen.arrays import Samples
-from springpot.codegen.coupling.linear_loop import HandName
-from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE, LoopDevice
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.codegen.types import CData, JsonObject
 from springpot.host.native.c_library import CLibrary, load_c
-from springpot.host.simulation.hand_loop import tool_device
 from springpot.host.simulation.objects import (
     ALL_OBJECTS,
     HAND_NAMES,
@@ -28,34 +24,12 @@ SUBSTEPS = 16
 _CHUNK = 250  # samples handed on at once
 
 
-class ObjectMotion:
-    """One object under a prescribed motion: the truth, without device or noise.
-
-    Moves go on where the last one ended; a new one starts undeformed and relaxed.
-    """
-
-    def __init__(
-        self, simulated: SimulatedObject, dt_s: float = DT_S, substeps: int = SUBSTEPS
-    ) -> None:
-        """Put a fresh object under the tool: dt_s between samples, substeps within each."""
-        self._library = _library()
-        self.state = _new("sim_object")
-        init = self._library.c.sim_object_init
-        _check(init(self.state, *_object_arguments(simulated), dt_s, substeps))
-        if simulated.name in PLACED_OBJECTS:
-            _check(self._library.c.sim_object_place(self.state, simulated.x_m, simulated.y_m))
-
-    def move(self, position_m: Samples) -> Samples:
-        """Return the true force (n,), N, at each position (n,), m, linear between samples."""
-        position_m = np.ascontiguousarray(position_m, dtype=np.float64)
-        force_n = np.empty_like(position_m)
-        arrays = map(self._library.array, (position_m, force_n))
-        _check(self._library.c.sim_object_move(self.state, len(position_m), *arrays))
-        return force_n
-
-
 class SimulatedBench:
-    """An object under a force-controlled device at 1 kHz, as its sensors see it."""
+    """An object under a force-controlled device at 1 kHz, as its sensors see it.
+
+    rate_hz: of the samples that are kept. session: of this object and what is random about it.
+    place_m: where a lump is pressed, m; None of an object that is the same everywhere.
+    """
 
     start_s: float | None = None  # of the last press, if it met what the ones before had pressed
     _state: CData = None
@@ -63,31 +37,13 @@ class SimulatedBench:
 
     def __init__(self, simulated: SimulatedObject, substeps: int = SUBSTEPS) -> None:
         """Put the object under the device; substeps of the integrator in each ms."""
-        self.simulated = simulated
-        self._substeps = substeps
-        self._library = _library()
+        self.object_name, self.rate_hz = simulated.name, simulated.presses.rate_hz
+        self.session = f"{simulated.name}, seed {simulated.seed}"
+        placed = simulated.name in PLACED_OBJECTS
+        self.place_m = (simulated.x_m, simulated.y_m) if placed else None
+        self._simulated, self._substeps = simulated, substeps
+        self._library = bench_library()
         self._presses = 0
-
-    @property
-    def object_name(self) -> str:
-        """Name of the object on the bench."""
-        return self.simulated.name
-
-    @property
-    def rate_hz(self) -> int:
-        """Of the samples that are kept."""
-        return self.simulated.presses.rate_hz
-
-    @property
-    def session(self) -> str:
-        """Of this object and what is random about it."""
-        return f"{self.simulated.name}, seed {self.simulated.seed}"
-
-    @property
-    def place_m(self) -> tuple[float, float] | None:
-        """Where a lump is pressed, m; None of an object that is the same everywhere."""
-        simulated = self.simulated
-        return (simulated.x_m, simulated.y_m) if simulated.name in PLACED_OBJECTS else None
 
     def prepare(self) -> JsonObject:
         """Nothing: it is ready."""
@@ -105,8 +61,7 @@ class SimulatedBench:
             )
         if place_m == self.place_m:
             return
-        x_m, y_m = place_m
-        self.simulated, self._state = replace(self.simulated, x_m=x_m, y_m=y_m), None
+        self.place_m, self._state = place_m, None
 
     def press(
         self,
@@ -125,7 +80,7 @@ class SimulatedBench:
                 f"the command reaches {np.max(np.abs(command_n)):.1f} N and the simulated device "
                 f"gives {MAX_COMMAND_N:g} N: lower the protocol's amplitude_n"
             )
-        settings, step = self.simulated.presses, round(1 / (DT_S * self.rate_hz))
+        settings, step = self._simulated.presses, round(1 / (DT_S * self.rate_hz))
         if self._state is None or settings.rest_s is None:
             self._put_object()
         else:
@@ -146,13 +101,13 @@ class SimulatedBench:
         return np.concatenate([p for p, _ in parts]), np.concatenate([f for _, f in parts])
 
     def _put_object(self) -> None:
-        self._state, self._ticks = _new("sim_bench"), 0
-        seed = (self.simulated.seed << 32) + self._presses
-        of_object = _object_arguments(self.simulated)
-        delay_samples, init = self.simulated.delay_samples, self._library.c.sim_bench_init
-        _check(init(self._state, *of_object, seed, delay_samples, self._substeps))
+        c, memory = self._library.c, self._library.memory
+        self._state, self._ticks = memory(c.sim_bench_size(), "sim_bench"), 0
+        seed = (self._simulated.seed << 32) + self._presses
+        of_object, delay_samples = object_arguments(self._simulated), self._simulated.delay_samples
+        _check(c.sim_bench_init(self._state, *of_object, seed, delay_samples, self._substeps))
         if self.place_m is not None:
-            _check(self._library.c.sim_bench_place(self._state, *self.place_m))
+            _check(c.sim_bench_place(self._state, *self.place_m))
 
     def _move(self, command_n: Samples) -> tuple[Samples, Samples]:
         """Follow a command; position_m and force_n of every ms, both (n,)."""
@@ -164,57 +119,9 @@ class SimulatedBench:
         return position_m, force_n
 
 
-class SimulatedHand:
-    """A hand holding the device: a mass, a spring to where it intends to be, a damper.
-
-    noisy: the encoder's position and its filtered difference instead of the truth.
-    """
-
-    def __init__(
-        self,
-        hand: HandName = "mid",
-        *,
-        substeps: int = SUBSTEPS,
-        device: LoopDevice = ASSUMED_DEVICE,
-        noisy: bool = False,
-        seed: int = 0,
-        position_m: float = 0.0,
-    ) -> None:
-        """Hold the device at rest at position_m."""
-        self._library = _library()
-        self.state = _new("sim_tool")
-        holder, held = HAND_NAMES.index(hand), tool_device(self._library, device)
-        init = self._library.c.sim_tool_init
-        _check(init(self.state, holder, held, substeps, int(noisy), seed, position_m))
-        self._out_m = self._library.ffi.new("double *")
-        self._out_mps = self._library.ffi.new("double *")
-
-    @property
-    def address(self) -> int:
-        """Address of the C state, for C that moves the hand."""
-        return self._library.address(self.state)
-
-    def step(self, dt_s: float, intended_m: float, force_n: float) -> tuple[float, float]:
-        """Advance one tick of `dt_s` under a rendered force; return position_m, velocity_mps."""
-        _check(
-            self._library.c.sim_tool_step(
-                self.state, dt_s, intended_m, force_n, self._out_m, self._out_mps
-            )
-        )
-        return self._out_m[0], self._out_mps[0]
-
-    def press(self, pressed: ObjectMotion, intended_m: Samples) -> tuple[Samples, Samples]:
-        """Press the object itself along `intended_m` (n,); return position_m, true force_n."""
-        intended_m = np.ascontiguousarray(intended_m, dtype=np.float64)
-        position_m, force_n = np.empty_like(intended_m), np.empty_like(intended_m)
-        arrays = map(self._library.array, (intended_m, position_m, force_n))
-        press = self._library.c.sim_tool_press
-        _check(press(self.state, pressed.state, len(intended_m), *arrays))
-        return position_m, force_n
-
-
 @cache
-def _library() -> CLibrary:
+def bench_library() -> CLibrary:
+    """Load the simulated objects, device and hands."""
     library = load_c([paths.SIM / "sim.h"], sorted(paths.SIM.glob("*.c")))
     _check_names(library, "object", ALL_OBJECTS)
     _check_names(library, "hand", HAND_NAMES)
@@ -228,14 +135,10 @@ def _check_names(library: CLibrary, kind: str, expected: Sequence[str]) -> None:
     assert found == tuple(expected), f"sim {kind}s {found} are not {expected}"
 
 
-def _object_arguments(simulated: SimulatedObject) -> tuple[int, int, float]:
+def object_arguments(simulated: SimulatedObject) -> tuple[int, int, float]:
     """Which object and variant, and how much stiffer, as the C takes them."""
     names = ALL_OBJECTS.index(simulated.name), VARIANTS.index(simulated.variant)
     return *names, simulated.stiffer
-
-
-def _new(kind: str) -> CData:
-    return _library().memory(getattr(_library().c, f"{kind}_size")(), kind)
 
 
 def _check(status: int) -> None:

@@ -45,38 +45,36 @@ JITTER, DROPPED = 0.3, 0.1
 
 def losing_cases(plan: Plan, force: Force, hand: Hand) -> list[tuple[Case, Case]]:
     """Each case, and the same without a loss. force: the scene's on a motion."""
+    found: list[tuple[Case, Case]] = []
+    for suffix, speed in SPEEDS.items():
+        clean, *losing = _of_speed(plan, force, hand, suffix, speed)
+        found += [(lossy, clean) for lossy in losing]
+    return found
+
+
+def _of_speed(plan: Plan, force: Force, hand: Hand, suffix: str, speed: float) -> list[Case]:
+    """The case without a loss, then those that lose samples of the same strokes."""
     space = Workspace.of(plan)
     longest = max(1, round(plan.watchdog_s / plan.dt_s) - 1)
-    found = []
-    for suffix, speed in SPEEDS.items():
-        trained_ticks = 2.0 * _stroke_ticks(space, speed)
-        cycle_ticks = min(trained_ticks, _LONGEST_CYCLE_S / plan.dt_s)
-        motion = _strokes(space, 0.5 * cycle_ticks)
-        seconds = max(_SECONDS, _CYCLES * cycle_ticks * plan.dt_s)
-        beyond = suffix != "" or cycle_ticks < trained_ticks
+    trained_ticks = 2.0 * _stroke_ticks(space, speed)
+    cycle_ticks = min(trained_ticks, _LONGEST_CYCLE_S / plan.dt_s)
+    motion = _strokes(space, 0.5 * cycle_ticks)
+    seconds = max(_SECONDS, _CYCLES * cycle_ticks * plan.dt_s)
+    beyond = suffix != "" or cycle_ticks < trained_ticks
+    found: list[Case] = []
 
-        def press(motion: Motion = motion, seconds: float = seconds) -> Scenario:
-            return pressing(space, motion, force, hand, seconds)
+    def case(name: str, ends: bool = False) -> Scenario:
+        scenario = pressing(space, motion, force, hand, seconds)
+        found.append(Case(name + suffix, scenario, ends=ends, beyond=beyond))
+        return scenario
 
-        def case(
-            name: str, ends: bool = False, suffix: str = suffix, beyond: bool = beyond
-        ) -> Case:
-            return Case(name + suffix, press(), ends=ends, beyond=beyond)
-
-        clean = case("clean")
-        n = len(clean.scenario.dt_s)
-        for name, ticks in (("lost-1", 1), ("lost-2", 2), ("lost-10", min(10, longest))):
-            lossy = case(name)
-            lossy.scenario.dropped[loss_ticks(n, cycle_ticks, ticks, plan.dt_s)] = LOST
-            found.append((lossy, clean))
-        late, nan = case("late"), case("nan-5")
-        late.scenario.dropped[loss_ticks(n, cycle_ticks, 1, plan.dt_s)] = LATE
-        nan.scenario.error_m[loss_ticks(n, cycle_ticks, min(5, longest), plan.dt_s)] = np.nan
-        found += [(late, clean), (nan, clean)]
-        for name, (lost, of, ends) in _RATES.items():
-            lossy = case(name, ends)
-            lossy.scenario.dropped[np.arange(n) % of < lost] = LOST
-            found.append((lossy, clean))
+    n = len(case("clean").dt_s)
+    for name, ticks in (("lost-1", 1), ("lost-2", 2), ("lost-10", min(10, longest))):
+        case(name).dropped[loss_ticks(n, cycle_ticks, ticks, plan.dt_s)] = LOST
+    case("late").dropped[loss_ticks(n, cycle_ticks, 1, plan.dt_s)] = LATE
+    case("nan-5").error_m[loss_ticks(n, cycle_ticks, min(5, longest), plan.dt_s)] = np.nan
+    for name, (lost, of, ends) in _RATES.items():
+        case(name, ends).dropped[np.arange(n) % of < lost] = LOST
     return found
 
 

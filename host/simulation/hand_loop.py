@@ -2,7 +2,6 @@
 
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,52 +71,52 @@ class HandLoop:
 
     def __init__(self, library: SceneLibrary) -> None:
         self._library = library
-        self._port = load_testbench(library.real)
+        self._step, self._idle = map(library.address, ("step", "idle"))
 
     def run(self, scenario: Scenario, operator: Operator, start_m: float = 0.0) -> Trace:
         """Run the scenario with a hand that starts at rest at start_m; sensors are noisy."""
         n = len(scenario.dt_s)
         trace = {name: np.empty(n) for name in _TRACED}
         notes = np.empty(n, dtype=np.int32)
-        scene, held = self._scene()
-        arrays = {name: np.ascontiguousarray(value, dtype=np.float64)
-                  for name, value in vars(scenario).items() if name != "dropped"}  # fmt: skip
-        dropped = np.ascontiguousarray(scenario.dropped, dtype=np.uint8)
-        array, new = self._port.array, self._port.ffi.new
-        inputs = {name: array(value) for name, value in arrays.items()}
-        inputs["dropped"] = array(dropped)
-        outputs = {name: array(value) for name, value in trace.items()}
-        outputs["notes"] = array(notes)
-        given = new("sp_closed_loop_scenario *", inputs)
-        traced = new("sp_closed_loop_trace *", outputs)
-        tool = self._tool(operator, start_m)
-        not_finite = self._port.c.sp_closed_loop_run(scene, tool, n, given, traced)
+        given = {
+            name: np.ascontiguousarray(value, dtype=np.uint8 if name == "dropped" else np.float64)
+            for name, value in vars(scenario).items()
+        }
+        port, state = load_testbench(self._library.real), self._library.new_state()
+        addresses = {"step": self._step, "idle": self._idle, "state": state.address}
+        scene = {name: port.pointer(address) for name, address in addresses.items()}
+        inputs = {name: port.array(values) for name, values in given.items()}
+        outputs = {name: port.array(values) for name, values in trace.items()}
+        outputs["notes"] = port.array(notes)
+        new = port.ffi.new
+        not_finite = port.c.sp_closed_loop_run(
+            new("sp_closed_loop_scene *", scene),
+            held_tool(port, operator, HAND_SUBSTEPS, start_m=start_m),
+            n,
+            new("sp_closed_loop_scenario *", inputs),
+            new("sp_closed_loop_trace *", outputs),
+        )
         _check(not_finite)
-        del held
         late = operator.device.delay_samples
         felt_n = np.concatenate([np.zeros(late), trace["force_n"]])[:n]
         return Trace(**trace, felt_n=felt_n, notes=notes, not_finite=int(not_finite))
 
-    def _scene(self) -> tuple[CData, Any]:
-        """The scene's functions with a fresh state, and what keeps that alive."""
-        state = self._library.new_state()
-        addresses = {name: self._library.address(name) for name in ("step", "idle", "reset")}
-        addresses["state"] = state.address
-        pointers = {name: self._port.pointer(address) for name, address in addresses.items()}
-        return self._port.ffi.new("sp_closed_loop_scene *", pointers), state
 
-    def _tool(self, operator: Operator, start_m: float) -> CData:
-        tool = self._port.memory(self._port.c.sim_tool_size(), "sim_tool")
-        _check(self._port.c.sim_tool_init(
-            tool, HAND_NAMES.index(operator.hand), tool_device(self._port, operator.device),
-            HAND_SUBSTEPS, 1, operator.seed, start_m,
-        ))  # fmt: skip
-        return tool
+def held_tool(
+    library: CLibrary,
+    operator: Operator,
+    substeps: int,
+    *,
+    start_m: float = 0.0,
+    noisy: bool = True,
+) -> CData:
+    """A hand that holds the tool of a device at rest at start_m, m: the C state, sim_tool.
 
-
-def tool_device(library: CLibrary, device: LoopDevice) -> CData:
-    """The device as the C of the simulated hand takes it, for a call of sim_tool_init."""
-    return library.ffi.new(
+    substeps: of the hand in a tick. noisy: the encoder's position and its filtered difference in
+    place of the truth. Raises SpringpotError for a device that cannot be.
+    """
+    device = operator.device
+    held = library.ffi.new(
         "sim_tool_device *",
         {
             "mass_kg": device.mass_kg,
@@ -128,6 +127,10 @@ def tool_device(library: CLibrary, device: LoopDevice) -> CData:
             "delay_samples": device.delay_samples,
         },
     )
+    tool, hand = library.memory(library.c.sim_tool_size(), "sim_tool"), operator.hand
+    init = library.c.sim_tool_init
+    _check(init(tool, HAND_NAMES.index(hand), held, substeps, noisy, operator.seed, start_m))
+    return tool
 
 
 def _check(status: int) -> None:

@@ -1,6 +1,5 @@
 """The stability check: linear loop, small-signal maps, closed loop; and what it all means."""
 
-from contextlib import ExitStack
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -9,9 +8,14 @@ from springpot.codegen.errors import UnsafeError
 from springpot.codegen.messages import short_repr
 from springpot.codegen.plan import Plan
 from springpot.codegen.types import JsonObject
-from springpot.host.native.scene_library import SceneLibrary, built, uncoupled
-from springpot.host.simulation.hand_loop import HandLoop
-from springpot.host.stability.closed_loop import Outcome, Rendered, run_closed_loop, stiff_plan
+from springpot.host.native.scene_library import SceneLibrary, built
+from springpot.host.stability.closed_loop import (
+    Outcome,
+    Rendered,
+    rendered,
+    run_closed_loop,
+    stiff_plan,
+)
 from springpot.host.stability.linear import (
     is_stable,
     limits,
@@ -21,12 +25,7 @@ from springpot.host.stability.linear import (
     spectral_radius,
 )
 from springpot.host.stability.small_signal import Map, small_signal_map
-from springpot.host.stability.verdict import (
-    device_words,
-    map_words,
-    outcome_words,
-    why_unbounded,
-)
+from springpot.host.stability.verdict import device_words, map_words, outcome_words, why_unbounded
 from springpot.trainer.recordings.recording import axes_for_plot
 
 if TYPE_CHECKING:
@@ -76,11 +75,6 @@ class Stability:
         loop = loop_words(self.check.stable, self.check.spectral_radius)
         return f"Stability({loop} {len(self.outcomes)} cases of the closed loop)"
 
-    @property
-    def whole(self) -> tuple[Outcome, ...]:
-        """The cases in which every sample comes, or goes wrong in a way of its own."""
-        return tuple(outcome for outcome in self.outcomes if outcome.losses is None)
-
     def as_dict(self) -> JsonObject:
         """Keys of `stability --json`."""
         return {
@@ -127,37 +121,23 @@ class Stability:
 
 def check(plan: Plan, library: SceneLibrary) -> Check:
     """Parts (a) and (b) of a scene that is built."""
-    with ExitStack() as stack:
-        return _checked(plan, library, _model_library(plan, library, stack))
+    return _checked(rendered(plan, library))
 
 
 def stability(plan: Plan) -> Stability:
     """Everything, through the C that would be emitted."""
     stiff = stiff_plan(plan)
-    with ExitStack() as stack:
-        scene, hard = (_rendered(item, stack) for item in (plan, stiff))
-        checked = _checked(plan, scene.library, scene.model)
-        outcomes = tuple(run_closed_loop(scene, hard))
-    return Stability(checked, stiff, outcomes)
+    scene, hard = (rendered(item, built(item)) for item in (plan, stiff))
+    return Stability(_checked(scene), stiff, tuple(run_closed_loop(scene, hard)))
 
 
-def _checked(plan: Plan, library: SceneLibrary, model: SceneLibrary) -> Check:
-    delay = plan.loop_device.delay_samples
-    model_map = small_signal_map(plan, model, 0)
-    same = model is library and delay == 0
+def _checked(scene: Rendered) -> Check:
+    plan, delay = scene.plan, scene.plan.loop_device.delay_samples
+    model_map = small_signal_map(plan, scene.model, 0)
+    same = scene.model is scene.library and delay == 0
     return Check(
         plan=plan,
         spectral_radius=spectral_radius(plan),
         model_map=model_map,
-        scene_map=model_map if same else small_signal_map(plan, library, delay),
+        scene_map=model_map if same else small_signal_map(plan, scene.library, delay),
     )
-
-
-def _rendered(plan: Plan, stack: ExitStack) -> Rendered:
-    library = stack.enter_context(built(plan))
-    return Rendered(plan, HandLoop(library), library, _model_library(plan, library, stack))
-
-
-def _model_library(plan: Plan, library: SceneLibrary, stack: ExitStack) -> SceneLibrary:
-    model = uncoupled(plan)
-    return library if model is plan else stack.enter_context(built(model))

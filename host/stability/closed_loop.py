@@ -1,6 +1,6 @@
 """What the closed loop did: bounds, vibration, fidelity and energy of each case and hand."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
@@ -10,7 +10,7 @@ from springpot.codegen.coupling.linear_loop import CHECKED, Hand
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.messages import at_step, short_repr
 from springpot.codegen.plan import Plan
-from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.native.scene_library import SceneLibrary, built, uncoupled
 from springpot.host.simulation.cases import cases, losing_cases, stiff_case
 from springpot.host.simulation.hand_loop import HandLoop, Operator, Trace
 from springpot.host.simulation.scenarios import Case, Workspace
@@ -21,7 +21,56 @@ from springpot.host.stability.losses import (
     longest_silence_ticks,
     losses_of,
 )
-from springpot.host.stability.vibration import Vibration, high_passed_rms, vibration_of
+
+HIGH_PASS_HZ, LOW_HZ = 15.0, 0.5
+LONG_S = 6.0  # a hold that long shows vibrations from LOW_HZ on, in each third of it
+FELT_MPS = 2.5e-4  # growth of less is that of noise and of steps of the encoder
+GROWS = 2.0
+
+
+@dataclass(frozen=True)
+class Vibration:
+    """Of the worst of some holds; None where none is long enough.
+
+    lf_speed_mps: RMS of the speed from 0.5 to 15 Hz in a hold's last third. growth_ratio: of the
+    RMS from 0.5 Hz on, last third over first, or its square over the second third if that is less:
+    what grows evenly has the same there, and what has come to its size has 1.
+    """
+
+    lf_speed_mps: float | None = None
+    growth_ratio: float | None = None
+
+    @property
+    def grows(self) -> bool:
+        """Whether some hold vibrates more and more."""
+        return self.growth_ratio is not None and self.growth_ratio > GROWS
+
+
+def vibration_of(holds: Sequence[Samples], dt_s: float) -> Vibration:
+    """holds: the tool's speed in each, (n,), m/s."""
+    found = [_hold(speed_mps, dt_s) for speed_mps in holds if len(speed_mps) * dt_s >= LONG_S]
+    if not found:
+        return Vibration()
+    return Vibration(max(low for low, _ in found), max(growth for _, growth in found))
+
+
+def _hold(speed_mps: Samples, dt_s: float) -> tuple[float, float]:
+    n = len(speed_mps) // 3
+    thirds = [speed_mps[i * n : (i + 1) * n] for i in range(3)]
+    first, second, last = (max(band_rms(part, dt_s, LOW_HZ), FELT_MPS) for part in thirds)
+    low_mps = band_rms(thirds[-1], dt_s, LOW_HZ, HIGH_PASS_HZ)
+    return low_mps, min(last / first, (last / second) ** 2)
+
+
+def band_rms(signal: Samples, dt_s: float, above_hz: float, up_to_hz: float = np.inf) -> float:
+    """RMS of a signal in a band: its spectrum under a Hann window."""
+    n = len(signal)
+    window = np.hanning(n)
+    power = np.abs(np.fft.rfft((signal - signal.mean()) * window)) ** 2
+    at_hz = np.fft.rfftfreq(n, dt_s)
+    within = (at_hz > above_hz) & (at_hz <= up_to_hz)
+    return float(np.sqrt(2.0 * power[within].sum() / (n * np.sum(window**2))))
+
 
 DEEPEST = 1.3  # of the trained depth, beside what a proxy's spring gives
 FARTHEST, _STEP = 3.0, 0.1  # of it too, for an object that bears a push no sooner
@@ -90,6 +139,12 @@ class Rendered:
     def _along(self, library: SceneLibrary, position_m: Samples) -> Samples:
         velocity_mps = np.gradient(position_m, self.plan.dt_s)
         return library.new_state().run(position_m, velocity_mps)[0].astype(np.float64)
+
+
+def rendered(plan: Plan, library: SceneLibrary, loop: type[HandLoop] = HandLoop) -> Rendered:
+    """A scene that is built, and the model alone, built here where it is another."""
+    model = uncoupled(plan)
+    return Rendered(plan, loop(library), library, library if model is plan else built(model))
 
 
 def run_closed_loop(scene: Rendered, stiff: Rendered) -> Iterator[Outcome]:
@@ -164,7 +219,7 @@ def case_outcome(rendered: Rendered, case: Case, hand: Hand, more_delay: int) ->
         bounded=bool(allowed.all() and inside and trace.not_finite == 0),
         max_depth_m=deepest_m,
         max_force_n=float(trace.force_n.max()),
-        hf_speed_mps=max(high_passed_rms(speed_mps, plan.dt_s) for speed_mps in still),
+        hf_speed_mps=max(band_rms(speed_mps, plan.dt_s, HIGH_PASS_HZ) for speed_mps in still),
         fidelity_percent=float(100.0 * error_n / max(np.abs(model_only_n).max(), 1e-9)),
         energy_out_j=-float(np.sum(trace.felt_n[:-1] * np.diff(trace.position_m))),
         trace=trace,

@@ -51,16 +51,16 @@ def samples_of(ticks: int, recording: Recording, dt_s: float) -> int:
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """Hold what the C returned along recordings, in their order.
+    """What the C returned along recordings, in their order.
 
-    force_n: along the depth, (n,), N. ramped: samples of each in the start-up ramp. logs: numbers
-    of those that are logs of sessions of the scene. clamped_low: ticks that were clamped at
-    the lower limit. mismatches: ticks of other bits.
+    predicted_n: forces along the depth, (n,), N. ramped: samples of each in the start-up ramp,
+    which no error counts. notes: ticks with each. clamped_low: ticks that were clamped at the lower
+    limit of the force. mismatches: ticks where C and reference differ in force or notes, bit for
+    bit.
     """
 
-    force_n: tuple[Samples, ...]
+    predicted_n: tuple[Samples, ...]
     ramped: tuple[int, ...]
-    logs: frozenset[int]
     notes: dict[str, int]
     clamped_low: int
     mismatches: int
@@ -79,9 +79,7 @@ def compared_all(
     replay, scene_hash = Replay(library), library.manifest["hash"]
     predicted: dict[int, Samples] = {}
     ramps = [0] * len(recordings)
-    logs: set[int] = set()
-    low = 0
-    mismatches = 0
+    low = mismatches = 0
     counts = dict.fromkeys(NOTE_NAMES.values(), 0)
     for motion in counted(motions_of(plan, ticked), "replaying"):
         number = motion.recordings[0]
@@ -99,7 +97,6 @@ def compared_all(
         if again is None:
             ramps[number] = samples_of(start_up_ramp(notes), first, plan.dt_s)
         else:
-            logs.add(number)
             force, notes, others = again
             mismatches += others
         low += int(clamped_low(notes, force, float(plan.output.min_n)).sum())
@@ -108,10 +105,8 @@ def compared_all(
         for k, start in zip(motion.recordings, motion.starts, strict=True):
             its = slice(start, start + len(ticked[k].force_n))
             predicted[k] = at_samples(force[its].astype(np.float64), recordings[k], plan.dt_s)
-    return Compared(
-        tuple(predicted[k] for k in range(len(recordings))), tuple(ramps), frozenset(logs),
-        counts, low, mismatches,
-    )  # fmt: skip
+    forces_n = tuple(predicted[k] for k in range(len(recordings)))
+    return Compared(forces_n, tuple(ramps), counts, low, mismatches)
 
 
 def is_log_of(recording: Recording, scene_hash: str) -> bool:

@@ -1,7 +1,6 @@
 """A validation for people, and the last one of an emitted folder beside its C, for the report."""
 
 import json
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
@@ -9,7 +8,6 @@ import numpy as np
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.codegen.files import write_file, written_aside
-from springpot.codegen.messages import short_repr
 from springpot.codegen.types import JsonObject
 from springpot.host.metrics import error_ratios, ratio_rows, slope_keys, slope_words
 from springpot.host.native.compiler import machine_metadata
@@ -17,32 +15,13 @@ from springpot.host.session.outcome import notes_in_words
 from springpot.host.validation.compared import place_line
 from springpot.host.validation.seen import accepted_words, seen_line
 from springpot.host.validation.validation import Validation
+from springpot.trainer.recordings.recording import Recording
 
 _FOLDER = "validation"
 _METADATA = "result.json"
 _SERIES = "series.npz"
 _ARRAYS = ("position_m", "measured_n", "predicted_n")  # of a recording
-
-
-@dataclass(frozen=True, eq=False)
-class Series:
-    """One validated recording: time step, and three arrays of shape (n,)."""
-
-    name: str
-    dt_s: float
-    position_m: Samples
-    measured_n: Samples
-    predicted_n: Samples
-    __repr__ = short_repr
-
-
-@dataclass(frozen=True, eq=False)
-class Stored:
-    """What the report reads: metadata (result, rows, machine, recordings), and samples."""
-
-    metadata: JsonObject
-    series: tuple[Series, ...]
-    __repr__ = short_repr
+Validated = tuple[Recording, Samples]  # and the forces of the C along it, (n,), N
 
 
 def store_validation(folder: Path, validation: Validation) -> None:
@@ -68,18 +47,22 @@ def store_validation(folder: Path, validation: Validation) -> None:
     write_file(target / _METADATA, (json.dumps(metadata, indent=2) + "\n").encode())
 
 
-def read_validation(folder: Path) -> Stored:
-    """Read folder/validation. Raises DataError where there is none."""
+def read_validation(folder: Path) -> tuple[JsonObject, list[Validated]]:
+    """Read folder/validation: its result, rows, machine and recordings; and these themselves.
+
+    Raises DataError where there is none.
+    """
     target = folder / _FOLDER
     try:
         metadata = json.loads((target / _METADATA).read_text())
         metadata["rows"]  # which an older validation lacks
         with np.load(target / _SERIES, allow_pickle=False) as stored:
-            series = tuple(
-                Series(rec["name"], rec["dt_s"], *(stored[f"{name}_{i}"] for name in _ARRAYS))
-                for i, rec in enumerate(metadata["recordings"])
-            )
-            return Stored(metadata=metadata, series=series)
+            pairs = []
+            for i, rec in enumerate(metadata["recordings"]):
+                position_m, measured_n, predicted_n = (stored[f"{name}_{i}"] for name in _ARRAYS)
+                recording = Recording(rec["name"], position_m, measured_n, rec["dt_s"])
+                pairs.append((recording, predicted_n))
+            return metadata, pairs
     except (OSError, ValueError, KeyError):
         raise DataError(
             f"{folder}: no validation to report: run `springpot validate {folder} --recording ...`"
@@ -135,9 +118,9 @@ def validation_rows(validation: Validation) -> dict[str, str]:
     interval = found.interval_n
     spread = f", 95 % in {interval[0]:.4g} .. {interval[1]:.4g}" if interval else ""
     below = found.ape_below_jnd
+    again = "the calls of the session made again; the force sent is compared with that of the C, "
     rows = {
-        "compared": f"{', '.join(felt)}: the calls of the session made again; the force sent is "
-        "compared with that of the C, not with a measured object",
+        "compared": f"{', '.join(felt)}: {again}not with a measured object" if felt else "",
         "training data": told,
         "signs": accepted_words(validation.manifest),
         "edited C": ", ".join(validation.edited),
@@ -145,21 +128,17 @@ def validation_rows(validation: Validation) -> dict[str, str]:
         + (f", {found.ramped} of them in the start-up ramp: not counted" if found.ramped else "")
         + _between_samples(validation),
     }
-    rows = {name: text for name, text in rows.items() if text and (felt or name != "compared")}
     differ = f"{validation.mismatches} ticks differ"
-    by_place = place_line(validation.places)
+    presses = "{:.4g} N; later ones {:.4g} N"
+    presses = presses.format(*validation.presses_n) if validation.presses_n else ""
     if len(felt) < len(validation.predicted_n):
         rows |= {
             "RMSE": f"{found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak",
             "RMSE, the model alone": _parts(validation),
-            **(
-                {"RMSE, first presses": "{:.4g} N; later ones {:.4g} N".format(*presses_n)}
-                if (presses_n := validation.presses_n)
-                else {}
-            ),
+            "RMSE, first presses": presses,
             **ratio_rows(error_ratios(found, validation.floor)),
             "slope error": slope_words(slope_keys(validation.slopes)),
-            **({"by place": by_place} if by_place else {}),
+            "by place": place_line(validation.places),
             "RMSE, mean of recordings": f"{found.mean_recording_rmse_n:.4g} N{spread}",
             "mean error": f"{found.mean_error_n:+.4g} N (the C less the measured force)",
             "maximum error": f"{found.max_abs_error_n:.4g} N; 99 %: {found.p99_abs_error_n:.4g} N",
@@ -176,9 +155,10 @@ def validation_rows(validation: Validation) -> dict[str, str]:
                 f"; {100.0 * silent / found.samples:.0f} % of the ticks, latched, had no force"
             )
     told_notes = notes_in_words(validation.notes, validation.clamped_low, validation.min_n)
-    return rows | {
+    rows |= {
         "C against reference": differ,
         "ticks with notes": told_notes + _deepest(validation),
         "tick, hot": f"{ticks.hot_median / 1e3:.3g} us",
         "tick, paced, cold": f"{ticks.p50 / 1e3:.3g} us, 99 % below {ticks.p99 / 1e3:.3g} us",
     }
+    return {name: text for name, text in rows.items() if text}

@@ -1,6 +1,5 @@
 """Validation: recordings replayed through the C, against the measurement and the reference."""
 
-import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
@@ -10,11 +9,11 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.errors import DataError, MismatchError
+from springpot.codegen.files import given_path
 from springpot.codegen.messages import caution
-from springpot.codegen.model.model import Model
-from springpot.codegen.plan import Plan
 from springpot.codegen.types import JsonObject
-from springpot.host.emission.emission import read_emission
+from springpot.host.emission.emission import Emitted, read_emission
+from springpot.host.files import File, some_recordings
 from springpot.host.metrics import (
     Accuracy,
     SlopeErrors,
@@ -41,26 +40,26 @@ from springpot.trainer.models.predict import limited_each_n, require_compatible
 from springpot.trainer.recordings.quality.repeats import NoiseFloor, find_noise_floor
 from springpot.trainer.recordings.quality.signs import sign_doubts
 from springpot.trainer.recordings.recording import Recording, axes_for_plot
+from springpot.trainer.recordings.recording_file import Recordings
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 PACED_S = 3.0
+# Keys of `validate --json` that are attributes of the same name.
+_NAMED = ("model_rmse_n", "rendering_n", "mismatches", "notes", "clamped_low", "min_n", "seen")
 
 
 @dataclass(frozen=True, eq=False)
-class Validation:
+class Validation(Compared):
     """Result over all `recordings`; predicted_n: forces of the C, one array a recording.
 
-    mismatches: ticks where C and reference differ in force or notes, bit for bit. floor: of the
-    recordings, logs of sessions apart. ramped: samples of each recording in the start-up ramp,
-    which no error counts. presses_n: of `press_errors_n`. model_rmse_n: error of the model itself;
-    rendering_n: RMS of what coupling, guard and limits add to it; None for logs alone, which
-    neither counts. edited: files of the folder that are not as emitted. seen: how many recordings
-    the model was trained on, None where it does not say. places: error of each, if recordings have
-    any.
-    clamped_low: ticks at the lower limit of the force, min_n, N; other clamped ones are at the
-    upper limit.
+    floor: of the recordings, logs of sessions apart. presses_n: of `press_errors_n`. model_rmse_n:
+    error of the model itself; rendering_n: RMS of what coupling, guard and limits add to it; None
+    for logs alone, which neither counts. edited: files of the folder that are not as emitted. seen:
+    how many recordings the model was trained on, None where it does not say. places: error of each,
+    if recordings have any. min_n: the lower limit of the force, N, of `clamped_low`; other clamped
+    ticks are at the upper limit.
 
     >>> found = validate("c", recordings)
     >>> found.accuracy.rmse_n < 0.2
@@ -68,10 +67,7 @@ class Validation:
     """
 
     accuracy: Accuracy
-    mismatches: int
-    notes: dict[str, int]
     ticks: TickTimes
-    predicted_n: tuple[Samples, ...]
     manifest: JsonObject
     floor: NoiseFloor
     recordings: tuple[Recording, ...]
@@ -82,8 +78,6 @@ class Validation:
     edited: tuple[str, ...]
     seen: int | None
     places: tuple[PlaceError, ...]
-    ramped: tuple[int, ...]
-    clamped_low: int
     min_n: float
 
     def __repr__(self) -> str:
@@ -100,9 +94,8 @@ class Validation:
         matplotlib is not installed.
         """
         axes = axes_for_plot(ax)
-        k = median_error([item.force_n for item in self.recordings], self.predicted_n)
-        shown = self.recordings[k]
-        draw_forces(axes, shown.name, shown.dt_s, shown.force_n, self.predicted_n[k])
+        pairs = list(zip(self.recordings, self.predicted_n, strict=True))
+        draw_forces(axes, *median_error(pairs))
         return axes
 
     @property
@@ -122,30 +115,25 @@ class Validation:
             **slope_keys(self.slopes),
             "first_press_rmse_n": first_n,
             "later_press_rmse_n": later_n,
-            "model_rmse_n": self.model_rmse_n,
-            "rendering_n": self.rendering_n,
-            "mismatches": self.mismatches,
-            "notes": self.notes,
-            "clamped_low": self.clamped_low,
-            "min_n": self.min_n,
+            **{name: getattr(self, name) for name in _NAMED},
             "tick_ns": shown_fields(self.ticks),
             "hash": self.manifest["hash"],
             "edited": list(self.edited),
-            "seen": self.seen,
             **({"places": [asdict(error) for error in self.places]} if self.places else {}),
         }
 
 
-def validate(
-    folder: Path,
-    recordings: Sequence[Recording],
-    paced_s: float = PACED_S,
-) -> Validation:
-    """Replay every recording from a fresh state.
+def validate(folder: File, recordings: Recordings, paced_s: float = PACED_S) -> Validation:
+    """Replay recordings through the C of `folder`: its error, its time, its bits against numpy's.
 
-    Raises DataError for a sampling rate that the scene cannot take, or where the C is not as
-    emitted, unless that is accepted.
+    paced_s: how long ticks are timed at the scene's rate, s. Files that are not as
+    emitted are a UserWarning; the result's `edited` names them. Raises DataError for recordings of
+    another rate or zero than the model's.
+
+    >>> validate("c", recordings).mismatches  # C and its reference: the same bits
+    0
     """
+    folder, recordings = given_path(folder), some_recordings(recordings)
     emitted = read_emission(folder)
     plan, model = emitted.plan, emitted.model
     for recording in recordings:
@@ -159,55 +147,44 @@ def validate(
     for doubt in sign_doubts(judged):
         caution(doubt)
     library = SceneLibrary(folder)
-    # What the C carries is a part of it; the hash is of what was built, edits and all.
-    stored = json.loads((folder / "manifest.json").read_text())
-    library.manifest = {**stored, **library.manifest, "hash": emitted.hash}
+    library.manifest["hash"] = emitted.hash  # of what was built, edits and all
     ticked = [at_ticks(recording, plan.dt_s) for recording in recordings]
     found = compared_all(plan, library, recordings, ticked)
     measured_n = [recording.force_n for recording in recordings]
     longest = max(ticked, key=lambda recording: len(recording.position_m))
-    model_rmse_n, rendering_n = _parts(found, model, plan, recordings, ticked)
+    model_rmse_n, rendering_n = _parts(found, emitted, recordings, ticked)
+    errors_of = (recordings, found.predicted_n, found.ramped)
     return Validation(
-        accuracy=accuracy(measured_n, found.force_n, found.ramped),
-        mismatches=found.mismatches,
-        notes=found.notes,
+        **vars(found),
+        accuracy=accuracy(measured_n, found.predicted_n, found.ramped),
         ticks=Replay(library).tick_times(longest.position_m, paced_s),
-        predicted_n=found.force_n,
         manifest=library.manifest,
         floor=find_noise_floor(judged),
         recordings=tuple(recordings),
-        slopes=slope_errors(recordings, found.force_n, found.ramped),
-        presses_n=press_errors_n(recordings, found.force_n, found.ramped),
+        slopes=slope_errors(*errors_of),
+        presses_n=press_errors_n(*errors_of),
         model_rmse_n=model_rmse_n,
         rendering_n=rendering_n,
         edited=emitted.edited,
         seen=seen_by(model, recordings),
-        places=place_errors(recordings, found.force_n, found.ramped),
-        ramped=found.ramped,
-        clamped_low=found.clamped_low,
+        places=place_errors(*errors_of),
         min_n=float(plan.output.min_n),
     )
 
 
 def _parts(
-    found: Compared,
-    model: Model,
-    plan: Plan,
-    recordings: Sequence[Recording],
-    ticked: Sequence[Recording],
+    found: Compared, emitted: Emitted, recordings: Sequence[Recording], ticked: Sequence[Recording]
 ) -> tuple[float | None, float | None]:
     """RMS of the model's own error, and of what rendering adds, N; None where all are logs."""
-    objects = [k for k in range(len(recordings)) if k not in found.logs]
-    model = replace(model, dt_s=plan.dt_s)  # of a scene with a rate of its own, which is as exact
+    objects = [k for k, item in enumerate(recordings) if not is_log_of(item, emitted.hash)]
+    dt_s = emitted.plan.dt_s
+    model = replace(emitted.model, dt_s=dt_s)  # of a scene with a rate of its own, as exact
     alone = limited_each_n(model, [ticked[k] for k in objects])
     errors, added = [], []
     for k, ticks_n in zip(objects, alone, strict=True):
-        alone_n, counted = (
-            at_samples(ticks_n, recordings[k], plan.dt_s),
-            slice(found.ramped[k], None),
-        )
-        errors.append((alone_n - recordings[k].force_n)[counted])
-        added.append((found.force_n[k] - alone_n)[counted])
+        alone_n, begin = at_samples(ticks_n, recordings[k], dt_s), found.ramped[k]
+        errors.append((alone_n - recordings[k].force_n)[begin:])
+        added.append((found.predicted_n[k] - alone_n)[begin:])
     if not sum(map(len, errors)):
         return None, None
     return rms(np.concatenate(errors)), rms(np.concatenate(added))
@@ -222,20 +199,17 @@ def fail_on_mismatch(folder: Path, validation: Validation) -> None:
         )
 
 
-def draw_forces(
-    axes: "Axes", name: str, dt_s: float, measured_n: Samples, predicted_n: Samples
-) -> None:
-    """Draw both forces, (n,), N, against time."""
-    time_s = dt_s * np.arange(len(measured_n))
-    axes.plot(time_s, measured_n, color="black", lw=1.2, label="measured")
+def draw_forces(axes: "Axes", recording: Recording, predicted_n: Samples) -> None:
+    """Draw measured force and that of the C, (n,), N, against time."""
+    time_s = recording.dt_s * np.arange(len(predicted_n))
+    axes.plot(time_s, recording.force_n, color="black", lw=1.2, label="measured")
     axes.plot(time_s, predicted_n, color="tab:red", lw=1.0, ls="--", label="C")
     axes.set(xlabel="time, s", ylabel="force, N")
-    axes.set_title(name, loc="left", fontsize=9)
+    axes.set_title(recording.name, loc="left", fontsize=9)
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), frameon=False, ncols=2)
 
 
-def median_error(measured_n: Sequence[Samples], predicted_n: Sequence[Samples]) -> int:
-    """Return the number of the recording that has the median RMSE."""
-    pairs = zip(measured_n, predicted_n, strict=True)
-    errors_n = [rms(predicted - measured) for measured, predicted in pairs]
-    return int(np.argsort(errors_n)[len(errors_n) // 2])
+def median_error(pairs: Sequence[tuple[Recording, Samples]]) -> tuple[Recording, Samples]:
+    """Return the recording that has the median RMSE, and the forces of the C along it."""
+    errors_n = [rms(predicted_n - recording.force_n) for recording, predicted_n in pairs]
+    return pairs[int(np.argsort(errors_n)[len(errors_n) // 2])]

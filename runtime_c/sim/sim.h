@@ -19,9 +19,8 @@
 /* springpot declarations begin */
 enum {
     SIM_OK = 0,
-    SIM_NULL = -1,  /* a pointer is null */
-    SIM_RANGE = -2, /* an index, count, factor or time step is out of its range */
-    SIM_STEP = -3   /* two states that run together differ in time step or substeps */
+    SIM_NULL = -1, /* a pointer is null */
+    SIM_RANGE = -2 /* an index, count, factor or time step is out of its range */
 };
 
 /* Objects, 0 .. sim_object_count() - 1: five silicones, softest first, then objects of other
@@ -102,11 +101,6 @@ int sim_tool_push(sim_tool *tool, double dt_s, double push_n, double force_n, do
 
 /* Where the tool is and how fast, without sensors. */
 void sim_tool_truth(const sim_tool *tool, double *position_m, double *velocity_mps);
-
-/* The same hand presses the object itself: sample i is position and true force after the tick
- * towards intended_m[i]. The tool's substeps must be the object's; its delay does not apply. */
-int sim_tool_press(sim_tool *tool, sim_object *object_state, uint32_t n, const double *intended_m,
-                   double *position_m, double *force_n);
 /* springpot declarations end */
 
 #pragma GCC visibility pop

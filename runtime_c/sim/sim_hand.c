@@ -182,38 +182,3 @@ int sim_tool_step(sim_tool *tool, double dt_s, double intended_m, double force_n
     read_sensors(tool, dt_s, position_m, velocity_mps);
     return SIM_OK;
 }
-
-int sim_tool_press(sim_tool *tool, sim_object *object, uint32_t n, const double *intended_m,
-                   double *position_m, double *force_n)
-{
-    if (tool == NULL || object == NULL || intended_m == NULL || position_m == NULL ||
-        force_n == NULL) {
-        return SIM_NULL;
-    }
-    if (tool->substeps != object->substeps) {
-        return SIM_STEP;
-    }
-    if (!sim_all_finite(n, intended_m)) {
-        return SIM_RANGE;
-    }
-    const sim_hand *hand = &hands[tool->hand].hand;
-    double velocity_mps;
-    double step_s = object->step_s;
-    for (uint32_t i = 0; i < n; i++) {
-        for (uint32_t k = 0; k < tool->substeps; k++) {
-            sim_hand_pull(hand, &tool->moved, &tool->motion, 0.5 * step_s,
-                          intended_at(tool, (double)k / tool->substeps, intended_m[i]),
-                          object->force_n);
-            tool->motion.position_m += step_s * tool->motion.velocity_mps;
-            sim_object_substep(object, tool->motion.position_m);
-            sim_hand_pull(hand, &tool->moved, &tool->motion, 0.5 * step_s,
-                          intended_at(tool, (double)(k + 1) / tool->substeps, intended_m[i]),
-                          object->force_n);
-        }
-        tool->intended_m = intended_m[i];
-        object->tool_m = tool->motion.position_m;
-        read_sensors(tool, object->dt_s, &position_m[i], &velocity_mps);
-        force_n[i] = object->force_n;
-    }
-    return SIM_OK;
-}

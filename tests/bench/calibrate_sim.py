@@ -14,9 +14,10 @@ from pathlib import Path
 
 import numpy as np
 
+from springpot.host.devices.virtual import parse_url
 from springpot.host.recording import protocols
 from springpot.host.simulation import bench as simulated_bench
-from springpot.host.simulation.objects import VARIANTS, parse_url
+from springpot.host.simulation.objects import VARIANTS
 from springpot.runtime_c import paths
 
 TARGETS = {  # object: (maximum depth over the training protocol, m; loss per cycle at 1 Hz, 10 N)

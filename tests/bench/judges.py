@@ -80,9 +80,9 @@ def judged(cell: Cell, seed: int, code: str) -> dict[str, Any]:
 def measured(fit: Fit, training: Recordings, test: Recordings) -> dict[str, Any]:
     """One model: built, and replayed on the test part."""
     plan = make_plan(fit.model, bench_scene("float32"), accept_unsafe=True)
-    with built(plan) as library:
-        errors = prediction_errors(plan, library, test, training)
-        tick_ns = hot_ns(library, test)
+    library = built(plan)
+    errors = prediction_errors(plan, library, test, training)
+    tick_ns = hot_ns(library, test)
     percent = errors["rmse_percent_of_peak"]
     if not np.isfinite(percent):
         raise ValueError(f"the force is not finite ({percent})")

@@ -49,16 +49,16 @@ class Calls:
 @pytest.mark.parametrize("name", NAMES)
 def test_memory_that_init_never_saw_is_refused(name: str, number: str) -> None:
     random = np.random.default_rng(1)
-    with built(plan(name, number)) as library:
-        calls = Calls(library)
-        for fill in (0x00, 0xCD, 0xFF, None):
-            any_bytes = random.integers(0, 256, library.state_bytes)
-            calls.bytes[:] = any_bytes if fill is None else fill
-            before = calls.bytes.copy()
-            for found, force_n in calls.all(0.002):
-                assert found == STATE
-                assert force_n == 0.0
-            np.testing.assert_array_equal(calls.bytes, before)
+    library = built(plan(name, number))
+    calls = Calls(library)
+    for fill in (0x00, 0xCD, 0xFF, None):
+        any_bytes = random.integers(0, 256, library.state_bytes)
+        calls.bytes[:] = any_bytes if fill is None else fill
+        before = calls.bytes.copy()
+        for found, force_n in calls.all(0.002):
+            assert found == STATE
+            assert force_n == 0.0
+        np.testing.assert_array_equal(calls.bytes, before)
 
 
 def numbers_of(plan: Plan) -> Iterator[tuple[int, type[Any]]]:
@@ -81,20 +81,20 @@ def test_a_damaged_state_gives_a_force_within_its_limits_and_ends(name: str, num
     planned = plan(name, number)
     places = list(numbers_of(planned))
     min_n = float(planned.output.min_n)
-    with built(planned) as library:
-        calls = Calls(library)
-        for _ in range(60):
-            calls.init()
-            for at_m in press(1.0)[: random.integers(1, 400) : 40]:
-                list(calls.all(float(at_m)))
-            damaged = random.random(len(places)) < random.choice([0.02, 0.3, 1.0])
-            with np.errstate(over="ignore"):
-                for (at, dtype), hit in zip(places, damaged, strict=True):
-                    if hit:
-                        number_there = np.array([random.choice(HOSTILE)], dtype)
-                        calls.bytes[at : at + dtype(0).nbytes] = number_there.view(np.uint8)
-            longer_s = float(random.choice([1e-3, 0.015, 1e6]))
-            for at_m in (0.003, 0.0031, np.nan, 0.0035, -0.001, 0.002):
-                for found, force_n in calls.all(at_m, longer_s):
-                    assert found >= 0
-                    assert min_n <= force_n <= float(planned.output.max_n)
+    library = built(planned)
+    calls = Calls(library)
+    for _ in range(60):
+        calls.init()
+        for at_m in press(1.0)[: random.integers(1, 400) : 40]:
+            list(calls.all(float(at_m)))
+        damaged = random.random(len(places)) < random.choice([0.02, 0.3, 1.0])
+        with np.errstate(over="ignore"):
+            for (at, dtype), hit in zip(places, damaged, strict=True):
+                if hit:
+                    number_there = np.array([random.choice(HOSTILE)], dtype)
+                    calls.bytes[at : at + dtype(0).nbytes] = number_there.view(np.uint8)
+        longer_s = float(random.choice([1e-3, 0.015, 1e6]))
+        for at_m in (0.003, 0.0031, np.nan, 0.0035, -0.001, 0.002):
+            for found, force_n in calls.all(at_m, longer_s):
+                assert found >= 0
+                assert min_n <= force_n <= float(planned.output.max_n)

@@ -85,13 +85,7 @@ def test_no_folder_is_crowded() -> None:
     assert not crowded
 
 
-FITTING = {
-    "bench",
-    "study",
-    "ensemble",
-    "recording",
-    "report",
-}  # rooms of host
+FITTING = {"bench", "study", "ensemble", "recording"}  # rooms of host
 
 
 def test_only_what_fits_imports_what_fits() -> None:

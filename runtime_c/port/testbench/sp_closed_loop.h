@@ -8,11 +8,10 @@
 #include "sp_real.h"
 
 /* springpot declarations begin */
-/* A scene: its sp_step, sp_idle and sp_reset, and a state. */
+/* A scene: its sp_step and sp_idle, and a state. */
 typedef struct {
     void *step;
     void *idle;
-    void *reset;
     void *state;
 } sp_closed_loop_scene;
 
@@ -47,23 +46,6 @@ typedef struct {
 int64_t sp_closed_loop_run(const sp_closed_loop_scene *scene, sim_tool *hand, uint32_t n,
                            const sp_closed_loop_scenario *scenario,
                            const sp_closed_loop_trace *trace);
-
-/* What random presses came to. A press lasts from the surface to the surface. */
-typedef struct {
-    uint64_t presses;
-    uint64_t not_finite;   /* forces */
-    uint64_t latched;      /* ticks */
-    double max_returned_j; /* maximum energy that a press gave back beyond what it took */
-    double max_taken_j;
-    double deepest_m;
-    double first_n; /* mean force in contact in the first and in the last tenth */
-    double last_n;
-} sp_closed_loop_presses;
-
-/* `ticks` of dt_s: the hand intends random smooth strokes between -0.2 and 1 times reach_m.
- * Returns 0, or a negative status of the simulated hand. */
-int sp_closed_loop_press(const sp_closed_loop_scene *scene, sim_tool *hand, uint64_t ticks,
-                         double dt_s, double reach_m, uint64_t seed, sp_closed_loop_presses *found);
 /* springpot declarations end */
 
 #endif

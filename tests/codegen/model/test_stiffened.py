@@ -35,8 +35,8 @@ KINDS = {
 def forces(model: Model, *motions_m: np.ndarray) -> list[np.ndarray]:
     asked = replace(scene(), guard=Guard(outside="fallback"))
     plan = make_plan(model, asked, accept_unsafe=True)
-    with built(plan) as library:
-        return [library.new_state().run(x, np.zeros_like(x))[0] for x in motions_m]
+    library = built(plan)
+    return [library.new_state().run(x, np.zeros_like(x))[0] for x in motions_m]
 
 
 @pytest.mark.few(1)

@@ -74,8 +74,7 @@ def test_the_proxy_of_the_c_makes_one_pass_do_and_proves_nothing_by_itself() -> 
     position = wandering(5, 1200).astype(plan.dtype)
     velocity = np.zeros_like(position)
     force_n, notes = require_same_bits(plan, position, velocity, find=True)
-    with built(plan) as library:
-        predicted_m = proxy_positions(plan, library, position, velocity)
+    predicted_m = proxy_positions(plan, built(plan), position, velocity)
     for predicted in (predicted_m, 0.9 * predicted_m):
         found = run_reference(plan, position, velocity, predicted)
         np.testing.assert_array_equal(found.force_n, force_n)
@@ -84,10 +83,10 @@ def test_the_proxy_of_the_c_makes_one_pass_do_and_proves_nothing_by_itself() -> 
 
 def test_two_halves_give_what_the_whole_gives() -> None:
     motion = press(2.0)
-    with built(plan_of("tool")) as library:
-        state = library.new_state()
-        halves = [state.run(part)[0] for part in (motion[:217], motion[217:])]
-        np.testing.assert_array_equal(np.concatenate(halves), library.new_state().run(motion)[0])
+    library = built(plan_of("tool"))
+    state = library.new_state()
+    halves = [state.run(part)[0] for part in (motion[:217], motion[217:])]
+    np.testing.assert_array_equal(np.concatenate(halves), library.new_state().run(motion)[0])
 
 
 @pytest.mark.slow

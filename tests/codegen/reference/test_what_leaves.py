@@ -51,17 +51,17 @@ def found_in(
     plan = make_plan(replace(golden_forces.model(name), contact=contact), chosen)
     tool = harness("float" if number == "float32" else "double")
     found = tool.ffi.new("hostile_found *")
-    with built(plan) as library:
-        state = library.new_state()
-        told = tool.ffi.new("hostile_scene *")
-        for call in ("step", "idle", "reset"):
-            setattr(told, call, tool.ffi.cast("void *", library.address(call)))
-        told.state = tool.ffi.cast("void *", state.address)
-        told.dt_s, told.depth_m = plan.dt_s, plan.model.trained.max_m
-        told.watchdog_s, told.surface = plan.watchdog_s, plan.contact
-        told.min_n, told.max_n = float(plan.output.min_n), float(plan.output.max_n)
-        told.slew_n = float(plan.output.slew_n)
-        tool.c.hostile(told, CALLS, 3, found)
+    library = built(plan)
+    state = library.new_state()
+    told = tool.ffi.new("hostile_scene *")
+    for call in ("step", "idle", "reset"):
+        setattr(told, call, tool.ffi.cast("void *", library.address(call)))
+    told.state = tool.ffi.cast("void *", state.address)
+    told.dt_s, told.depth_m = plan.dt_s, plan.model.trained.max_m
+    told.watchdog_s, told.surface = plan.watchdog_s, plan.contact
+    told.min_n, told.max_n = float(plan.output.min_n), float(plan.output.max_n)
+    told.slew_n = float(plan.output.slew_n)
+    tool.c.hostile(told, CALLS, 3, found)
     return {member: getattr(found, member) for member, _ in tool.ffi.typeof("hostile_found").fields}
 
 
@@ -96,10 +96,8 @@ def test_a_source_that_misses_every_third_sample_ends_within_a_tenth_of_a_second
     depth_m = 0.8 * plan.model.trained.max_m
     position_m = depth_m * np.minimum(np.arange(400) / 300, 1.0)
     position_m[300::3] = 0.0
-    with built(plan) as library:
-        force_n, notes = Replay(library).run(
-            position_m.astype(plan.dtype), np.zeros(400, plan.dtype)
-        )
+    library = built(plan)
+    force_n, notes = Replay(library).run(position_m.astype(plan.dtype), np.zeros(400, plan.dtype))
     ended = int(np.flatnonzero(notes & LATCHED)[0])
     assert 300 < ended <= 400
     rises_n = np.diff(force_n[300:])

@@ -85,10 +85,10 @@ def test_same_bits_as_the_reference(law: str, materials: int, mode: str, number:
     ticks = np.sort(rng.choice(len(position), 12, replace=False)).tolist()
     corners = [*map(tuple, rng.uniform(-0.02, 0.03, (10, 2)).tolist()), (0.02, 0.01), (9.0, 9.0)]
     places = list(zip(ticks, corners, strict=True))
-    with built(plan) as library:
-        assert library.selftest() == 0
-        assert library.state_bytes == state_bytes(plan)
-        force_n, notes = called(library, position, velocity, places)
+    library = built(plan)
+    assert library.selftest() == 0
+    assert library.state_bytes == state_bytes(plan)
+    force_n, notes = called(library, position, velocity, places)
     reference = run_reference(plan, position, velocity, places=places)
     np.testing.assert_array_equal(force_n, reference.force_n)
     np.testing.assert_array_equal(notes, reference.notes)
@@ -100,11 +100,11 @@ def test_a_place_is_taken_once_the_tool_is_off_the_object() -> None:
     plan = make_plan(placed(), scene(number="float64"))
     again = np.concatenate([np.zeros(20), press(1.0)])
     position = np.concatenate([press(1.0), again])
-    with built(plan) as library:
-        velocity = backward_velocity(position, plan.dt_s)
-        before, _ = called(library, position, velocity, [(0, SOFT)])
-        later, _ = called(library, position, velocity, [(0, SOFT), (len(press(1.0)) // 2, STIFF)])
-        fresh, _ = called(library, again, backward_velocity(again, plan.dt_s), [(0, STIFF)])
+    library = built(plan)
+    velocity = backward_velocity(position, plan.dt_s)
+    before, _ = called(library, position, velocity, [(0, SOFT)])
+    later, _ = called(library, position, velocity, [(0, SOFT), (len(press(1.0)) // 2, STIFF)])
+    fresh, _ = called(library, again, backward_velocity(again, plan.dt_s), [(0, STIFF)])
     half = len(press(1.0))
     np.testing.assert_array_equal(later[:half], before[:half])
     np.testing.assert_array_equal(later[half:], fresh)
@@ -113,13 +113,13 @@ def test_a_place_is_taken_once_the_tool_is_off_the_object() -> None:
 def test_a_reset_keeps_the_place() -> None:
     plan = make_plan(placed(), scene(number="float64"))
     position = np.concatenate([np.zeros(20), press(1.0)])
-    with built(plan) as library:
-        fresh, _ = called(library, position, backward_velocity(position, plan.dt_s), [(0, SOFT)])
-        state = library.new_state()
-        state.place(SOFT)
-        state.run(position[:200], np.zeros(200))
-        state.reset()
-        np.testing.assert_array_equal(state.run(position, np.zeros(len(position)))[0], fresh)
+    library = built(plan)
+    fresh, _ = called(library, position, backward_velocity(position, plan.dt_s), [(0, SOFT)])
+    state = library.new_state()
+    state.place(SOFT)
+    state.run(position[:200], np.zeros(200))
+    state.reset()
+    np.testing.assert_array_equal(state.run(position, np.zeros(len(position)))[0], fresh)
 
 
 def test_the_emitted_force_is_that_of_the_place() -> None:

@@ -10,9 +10,8 @@ from support.c.mcu import need, target_scene
 from support.paths import C_TESTS, TESTS
 from support.small import DT_S, model_file, press, scene
 
-from springpot.host.emission.boards import BOARDS, TRANSDUCER, build_firmware
+from springpot.host.emission.boards import BOARDS, TRANSDUCER, build_firmware, emulate
 from springpot.host.emission.emission import emit
-from springpot.host.emission.emulator import emulate
 from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import shared_library
 from springpot.host.native.scene_library import SceneLibrary, write_port

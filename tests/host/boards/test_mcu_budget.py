@@ -22,9 +22,8 @@ from springpot.codegen.model.regressors import Linear
 from springpot.codegen.notes import HELD, RESYNC
 from springpot.codegen.plan import instruction_bound
 from springpot.codegen.scene import Guard, Scene
-from springpot.host.emission.boards import BOARDS
+from springpot.host.emission.boards import BOARDS, run_batch, steps
 from springpot.host.emission.emission import emit
-from springpot.host.emission.emulator import run_batch, steps
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.recordings.recording_file import write_recording

@@ -10,16 +10,8 @@ from support.small import model_file, training
 
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.model.model import Model
-from springpot.host.emission.boards import BOARDS
+from springpot.host.emission.boards import BOARDS, CALL_IDLE, CALL_RESET, Batch, run_batch, steps
 from springpot.host.emission.emission import emit
-from springpot.host.emission.emulator import (
-    CALL_IDLE,
-    CALL_RESET,
-    Batch,
-    Calls,
-    run_batch,
-    steps,
-)
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.trainer.kinds import fit_model
@@ -71,13 +63,13 @@ def test_idle_reset_and_doubles_are_the_same_too(tmp_path: Path, board: str, num
     emit(chosen, model_file(tmp_path, model("rf-fd")), tmp_path / "c", accept_unsafe=True)
     real = np.float32 if number == "float32" else np.float64
     position = long_motion()[:1500].astype(real)
-    call = np.zeros(1500, dtype=np.uint32)
+    rows = steps(position, backward_velocity(position, 1e-3))
+    rows["dt_s"], call = 1e-3, rows["call"]
     call[400:450] = CALL_IDLE  # longer than the watchdog waits
     call[600] = CALL_RESET
     if (board, number) != ("netduinoplus2", "float64"):  # its counter holds one tick of those
         call[700:705] = CALL_IDLE
-    calls = Calls(call, position, backward_velocity(position, 1e-3), np.full_like(position, 1e-3))
-    batch = run_batch(tmp_path / "c", BOARDS[board], calls)
+    batch = run_batch(tmp_path / "c", BOARDS[board], rows)
     state, expected = SceneLibrary(tmp_path / "c").new_state(), []
     for i in range(1500):
         if call[i] & CALL_RESET:

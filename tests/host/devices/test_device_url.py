@@ -8,6 +8,7 @@ from support.messages import refusing
 from springpot.codegen.errors import UsageError
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.drivers import Address, open_device, parse_device
+from springpot.host.devices.virtual import parse_url
 
 
 @pytest.mark.parametrize(
@@ -40,6 +41,20 @@ def test_settings_are_numbers_within_their_limits() -> None:
             address.number("a", 7.0, low, high)
     with pytest.raises(dataclasses.FrozenInstanceError):
         address.place = "y"  # type: ignore[misc]
+
+
+@pytest.mark.parametrize(
+    ("query", "told"),
+    [("q=1", "use variant"), ("hand=none", "give one of mid, firm, light"), ("x=0.1", "leave x"),
+     ("seed=1.5", "give a whole number"), ("seed=2147483648", "between 0 and 2147483647"),
+     ("rate=300", "a whole part of that")],
+)  # fmt: skip
+def test_what_a_simulated_object_has_not(query: str, told: str) -> None:
+    with pytest.raises(UsageError, match=told):
+        parse_url(f"sim://ecoflex-00-30?{query}")
+    for url in ("sim://none", "sim://mullins?variant=b"):
+        with pytest.raises(UsageError, match="mullins"):
+            parse_url(url)
 
 
 def test_a_weight_that_a_device_cannot_hold() -> None:

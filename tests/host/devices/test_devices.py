@@ -48,7 +48,7 @@ def test_recording_on_a_serial_device(monkeypatch):
     The device's time passes with the forces, the watchdogs wait and a period of the loop is longer
     than the device's: how long a busy machine keeps its process away does not matter.
     """
-    monkeypatch.setattr(indentation, "_WATCHDOG_S", 2.0)
+    monkeypatch.setattr(indentation, "WATCHDOG_S", 2.0)
     monkeypatch.setattr(
         indentation,
         "LoopSettings",

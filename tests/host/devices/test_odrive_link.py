@@ -13,11 +13,7 @@ import cantools
 import numpy as np
 import pytest
 
-from springpot.host.devices.odrive import (
-    CLOSED_LOOP,
-    ENCODER,
-    parse_heartbeat,
-)
+from springpot.host.devices.odrive import CLOSED_LOOP, ENCODER, parse_heartbeat
 from springpot.host.native.c_library import loop_library
 
 FILES = {"0.5": "odrive-cansimple-0.5.6.dbc", "0.6": "odrive-cansimple-0.6.10.dbc"}

@@ -9,12 +9,7 @@ from hypothesis import strategies as st
 
 from springpot.codegen.errors import DeviceError
 from springpot.codegen.scene import Device
-from springpot.host.devices.device import (
-    DeviceRequirements,
-    at_most,
-    requirements_of,
-    too_weak,
-)
+from springpot.host.devices.device import DeviceRequirements, at_most, requirements_of, too_weak
 
 
 @given(st.floats(1e-9, 1e9))

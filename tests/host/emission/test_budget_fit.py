@@ -4,9 +4,10 @@ import dataclasses
 from pathlib import Path
 
 import pytest
-from support.small import model_file, press, recording, scene, small_fit
+from support.small import press, recording, scene, small_fit, small_model
 
 from springpot.codegen.errors import BudgetError, DataError, UsageError
+from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Budget, Scene
 from springpot.host.emission.budget_fit import emit_fitting
 from springpot.host.emission.emission import emit
@@ -16,10 +17,10 @@ EVALUATION = recording("judge", press(1.5, 0.011))
 
 
 @pytest.fixture(scope="module")
-def tight(tmp_path_factory: pytest.TempPathFactory) -> tuple[Scene, Path, int]:
+def tight(tmp_path_factory: pytest.TempPathFactory) -> tuple[Scene, Model, int]:
     """A scene whose budget is two thirds of what the model takes."""
     folder = tmp_path_factory.mktemp("tight")
-    model = model_file(folder, small_fit(trees=20).model)
+    model = small_fit(trees=20).model
     whole = emit(scene(), model, folder / "whole").footprint
     budget = Budget(flash_bytes=2 * whole.flash_bytes // 3)
     return dataclasses.replace(scene(), budget=budget), model, 2 * whole.flash_bytes // 3
@@ -27,7 +28,7 @@ def tight(tmp_path_factory: pytest.TempPathFactory) -> tuple[Scene, Path, int]:
 
 @pytest.mark.slow
 def test_the_best_forest_that_fits_is_emitted(
-    tmp_path: Path, capsys: pytest.CaptureFixture[str], tight: tuple[Scene, Path, int]
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], tight: tuple[Scene, Model, int]
 ) -> None:
     chosen, model, flash_bytes = tight
     with pytest.raises(BudgetError, match="--fit --recording REC makes a forest smaller"):
@@ -55,6 +56,6 @@ def test_what_cannot_be_fitted_is_refused(
 ) -> None:
     chosen, model, _ = tight
     if budget:
-        chosen, model = dataclasses.replace(chosen, budget=budget), model_file(tmp_path)
+        chosen, model = dataclasses.replace(chosen, budget=budget), small_model()
     with pytest.raises(error, match=told):
         emit_fitting(chosen, model, tmp_path / "c", False, recordings, fit=fit)

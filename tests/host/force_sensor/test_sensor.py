@@ -13,11 +13,7 @@ from support.peer import peer
 from springpot.codegen.errors import DeviceError
 from springpot.host.devices.wire import constant
 from springpot.host.recording.indentation import Limits
-from springpot.host.recording.sensed_press import (
-    ForceSensor,
-    SensedPressDevice,
-    opened_sensor,
-)
+from springpot.host.recording.sensed_press import ForceSensor, SensedPressDevice, opened_sensor
 
 
 def heard(*rows: tuple[float, float, float]) -> Any:

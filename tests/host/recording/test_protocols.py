@@ -88,7 +88,7 @@ def test_each_press_is_made_at_each_place(tmp_path):
         ('protocol = "paper"\n[[profile]]\namplitude_n = 4\nhold_s = 3\n', "either [[profile]]"),
         ('protocol = "papers"\n', "protocol"),
         ('places_m = [[0, 2]]\nprotocol = "paper"\n', "places_m.0.1"),
-        ("[[profile]\n", "not a TOML file"),
+        ("[[profile]\n", "not a protocol file"),
     ],
 )
 def test_a_wrong_file_names_the_key(tmp_path, text, named):

@@ -7,8 +7,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from scipy.special import erf, exp1
+from truth import ObjectMotion
 
-from springpot.host.simulation.bench import ObjectMotion
 from springpot.host.simulation.objects import SimulatedObject
 
 # Fast in, hold, half out, hold, in again, slowly out: times s, depths m; the punch never leaves.

@@ -1,11 +1,12 @@
 """The simulated layer with lumps: where it is stiff and slow, passive, and its places."""
 
 import numpy as np
+from truth import ObjectMotion
 
 from springpot.codegen.arrays import Samples
+from springpot.host.devices.virtual import parse_url
 from springpot.host.recording.protocols import inverted_cosine
-from springpot.host.simulation.bench import ObjectMotion, SimulatedBench
-from springpot.host.simulation.objects import parse_url
+from springpot.host.simulation.bench import SimulatedBench
 
 LUMP, PLAIN = (0.010, 0.011), (0.026, 0.004)
 

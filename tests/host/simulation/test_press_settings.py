@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
+from springpot.host.devices.virtual import parse_url
 from springpot.host.simulation.bench import SimulatedBench
-from springpot.host.simulation.objects import parse_url
 
 HALF_S = 0.5 * 10 * (1 - np.cos(2 * np.pi * 2 * np.arange(500) / 1000))
 

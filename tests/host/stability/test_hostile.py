@@ -5,6 +5,7 @@ import os
 
 import numpy as np
 import pytest
+from support.paths import TESTS
 from support.small import DEPTH_M, DT_S, press, scene, training
 
 from springpot import Model
@@ -13,9 +14,11 @@ from springpot.codegen.model.model import TrainedRange
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.reference import run_reference
 from springpot.codegen.scene import Coupling
-from springpot.host.native.scene_library import built
-from springpot.host.simulation.hand_loop import HandLoop, Operator
+from springpot.host.native.c_library import load_c
+from springpot.host.native.scene_library import SceneLibrary, built
+from springpot.host.simulation.hand_loop import HAND_SUBSTEPS, Operator, held_tool
 from springpot.host.simulation.objects import HAND_NAMES
+from springpot.runtime_c.paths import PORT_TESTBENCH, SIM
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 
@@ -36,18 +39,19 @@ def model_of(kind: str, contact: str = "surface") -> Model:
 
 
 def pressed(
-    loop: HandLoop, operator: Operator, ticks: int, dt_s: float, reach_m: float
+    library: SceneLibrary, operator: Operator, ticks: int, dt_s: float, reach_m: float
 ) -> dict[str, float]:
-    """Random presses; the members of sp_closed_loop_presses."""
-    scene, kept = loop._scene()
-    ffi = loop._port.ffi
-    found = ffi.new("sp_closed_loop_presses *")
-    status = loop._port.c.sp_closed_loop_press(
-        scene, loop._tool(operator, -0.001), ticks, dt_s, reach_m, operator.seed, found
-    )
-    assert status >= 0
-    del kept
-    return {name: getattr(found, name) for name, _ in ffi.typeof("sp_closed_loop_presses").fields}
+    """Random presses; the members of random_presses."""
+    here = TESTS / "support" / "c" / "random_presses.c"
+    headers = [SIM / "sim.h", PORT_TESTBENCH / "sp_closed_loop.h", here.with_suffix(".h")]
+    port = load_c(headers, [here, *sorted(SIM.glob("*.c"))], library.real)
+    state = library.new_state()
+    step, own = port.pointer(library.address("step")), port.pointer(state.address)
+    scene = port.ffi.new("sp_closed_loop_scene *", {"step": step, "state": own})
+    found = port.ffi.new("random_presses *")
+    tool = held_tool(port, operator, HAND_SUBSTEPS, start_m=-0.001)
+    assert port.c.press_at_random(scene, tool, ticks, dt_s, reach_m, operator.seed, found) >= 0
+    return {name: getattr(found, name) for name, _ in port.ffi.typeof("random_presses").fields}
 
 
 @pytest.mark.few(1)
@@ -61,9 +65,9 @@ def test_the_force_is_right_again_within_the_stated_ticks(kind: str, mode: str) 
     dirty = clean.copy()
     begin, end = 600, 618  # shorter than the watchdog waits
     dirty[begin:end] = rng.choice([np.nan, np.inf, -np.inf, 1e30, 1e-42, 0.05], end - begin)
-    with built(plan) as library:
-        right_n, _ = library.new_state().run(clean)
-        found_n, _ = library.new_state().run(dirty)
+    library = built(plan)
+    right_n, _ = library.new_state().run(clean)
+    found_n, _ = library.new_state().run(dirty)
     assert np.all(np.isfinite(found_n))
     back = end + plan.recovery_ticks
     assert back < len(clean) - 500
@@ -89,16 +93,17 @@ def test_float32_stays_beside_float64(kind: str, share: float) -> None:
     plans = [make_plan(model, scene(number=n), accept_unsafe=True) for n in ("float32", "float64")]
     chunk = min(100_000, DRIFT_TICKS // 4)
     errors = []
-    with built(plans[0]) as single, built(plans[1]) as double:
-        one, other = single.new_state(), double.new_state()
-        for begin in range(0, DRIFT_TICKS, chunk):
-            time_s = np.arange(begin, begin + chunk)[:, None] * DT_S
-            wave = np.sin(2 * np.pi * hz * time_s + phases).sum(axis=1)
-            motion = (0.45 * DEPTH_M + amplitude_m * wave).astype(np.float32)
-            difference = np.abs(one.run(motion)[0] - other.run(motion.astype(np.float64))[0])
-            most_n = np.quantile(difference, 0.95)
-            assert most_n <= share * peak_n, begin
-            errors.append(float(np.sqrt(np.mean(difference[difference <= most_n] ** 2))))
+    single = built(plans[0])
+    double = built(plans[1])
+    one, other = single.new_state(), double.new_state()
+    for begin in range(0, DRIFT_TICKS, chunk):
+        time_s = np.arange(begin, begin + chunk)[:, None] * DT_S
+        wave = np.sin(2 * np.pi * hz * time_s + phases).sum(axis=1)
+        motion = (0.45 * DEPTH_M + amplitude_m * wave).astype(np.float32)
+        difference = np.abs(one.run(motion)[0] - other.run(motion.astype(np.float64))[0])
+        most_n = np.quantile(difference, 0.95)
+        assert most_n <= share * peak_n, begin
+        errors.append(float(np.sqrt(np.mean(difference[difference <= most_n] ** 2))))
     tenth = max(1, len(errors) // 10)
     assert np.mean(errors[-tenth:]) < 3.0 * np.mean(errors[:tenth]) + 1e-7 * peak_n
 
@@ -150,9 +155,9 @@ def test_hours_of_pressing_give_no_energy_and_do_not_drift(hand: str, mode: str)
     reach_m = depth_m + 8.0 / {"mid": 400.0, "firm": 5000.0, "light": 50.0}[hand]
     max_mps = 1.5 * reach_m / 0.1  # a stroke of 0.1 s
     bound_j = 2.0 * plan.coupling.felt_npm * max_mps * plan.dt_s * 1.3 * reach_m
-    with built(plan) as library:
-        ticks = round(PRESS_S / plan.dt_s)
-        found = pressed(HandLoop(library), Operator(hand), ticks, plan.dt_s, reach_m)
+    library = built(plan)
+    ticks = round(PRESS_S / plan.dt_s)
+    found = pressed(library, Operator(hand), ticks, plan.dt_s, reach_m)
     assert found["not_finite"] == 0
     assert found["latched"] == 0
     assert found["presses"] > 0.1 * PRESS_S

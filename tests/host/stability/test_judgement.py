@@ -13,15 +13,9 @@ from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE
 from springpot.codegen.scene import Coupling, Device
 from springpot.host.simulation.hand_loop import Scenario, Trace
 from springpot.host.simulation.scenarios import Case
-from springpot.host.stability.closed_loop import Outcome
-from springpot.host.stability.judgement import (
-    Grade,
-    judge,
-    judged_cases,
-)
+from springpot.host.stability.closed_loop import Outcome, Vibration
 from springpot.host.stability.losses import Losses
-from springpot.host.stability.verdict import why_unbounded
-from springpot.host.stability.vibration import Vibration
+from springpot.host.stability.verdict import Grade, judge, judged_cases, why_unbounded
 
 WHOLE = ("hold", "tap-4hz", "fast", "deep", "long-hold", "stiff")
 LOSING = ("lost-1", "lost-10-fast", "rate-50", "rate-10-fast")

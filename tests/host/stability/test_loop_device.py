@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 import pytest
+from truth import SimulatedHand
 
-from springpot import Model, Scene
+from springpot import Model, Scene, SpringpotError
 from springpot.codegen.coupling.linear_loop import HAND_MODELS, Hand
 from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE, LoopDevice, loop_device
 from springpot.codegen.make_plan import make_plan
@@ -15,7 +16,6 @@ from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.plan import Plan
 from springpot.codegen.scene import Coupling, Device, Runtime
 from springpot.host.native.scene_library import built
-from springpot.host.simulation.bench import SimulatedHand
 from springpot.host.simulation.hand_loop import HandLoop, Operator, Scenario
 from springpot.host.simulation.scenarios import Workspace, pressing, smooth
 from springpot.host.stability.check import stability
@@ -73,8 +73,7 @@ def rings(plan: Plan, hand: Hand) -> bool:
     n = len(time_s)
     scenario = Scenario(np.full(n, plan.dt_s), intended_m, np.full(n, np.nan), np.zeros(n),
                         np.zeros(n, dtype=np.uint8))  # fmt: skip
-    with built(plan) as library:
-        trace = HandLoop(library).run(scenario, Operator(hand.name, plan.loop_device))
+    trace = HandLoop(built(plan)).run(scenario, Operator(hand.name, plan.loop_device))
     speed_mps = np.abs(trace.velocity_mps)
     first = speed_mps[(time_s > KICK_S + 0.1) & (time_s < KICK_S + 0.8)].max()
     return bool(speed_mps[time_s > END_S - 0.7].max() > first)
@@ -170,7 +169,7 @@ def test_a_force_acts_so_many_ticks_late() -> None:
      LoopDevice(resolution_um=0.0), LoopDevice(delay_samples=177)],
 )  # fmt: skip
 def test_an_impossible_device_is_refused_by_the_c(device: LoopDevice) -> None:
-    with pytest.raises(ValueError, match="status -2"):
+    with pytest.raises(SpringpotError, match="status -2"):
         SimulatedHand(device=device)
 
 

@@ -1,10 +1,8 @@
 """Cases of the closed loop that lose samples: when they lose them, and what is judged of it."""
 
 from collections.abc import Callable
-from contextlib import ExitStack
 from dataclasses import replace
 from functools import cache
-from typing import Any
 
 import numpy as np
 import pytest
@@ -17,7 +15,7 @@ from springpot.codegen.make_plan import make_plan
 from springpot.codegen.plan import Plan
 from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import shared_library
-from springpot.host.native.scene_library import built, uncoupled
+from springpot.host.native.scene_library import SceneLibrary, built
 from springpot.host.simulation.cases import (
     LATE,
     LOST,
@@ -28,7 +26,7 @@ from springpot.host.simulation.cases import (
     phase_gap,
 )
 from springpot.host.simulation.hand_loop import HandLoop
-from springpot.host.stability.closed_loop import Outcome, Rendered, lossy_outcomes
+from springpot.host.stability.closed_loop import Outcome, lossy_outcomes, rendered
 from springpot.host.stability.losses import Losses, losses_of
 from springpot.runtime_c.paths import INCLUDE
 
@@ -39,18 +37,11 @@ GOING_ON = (*UNSAID, "late", "nan-5", "rate-90")
 class SilentLosses(HandLoop):
     """Its losses are kept from the scene."""
 
-    def _scene(self) -> tuple[Any, Any]:
-        pointers, state = super()._scene()
+    def __init__(self, library: SceneLibrary) -> None:
+        super().__init__(library)
         file = shared_library([C_TESTS / "silent_loss.c"], [INCLUDE, INCLUDE / "float"])
-        stub = CLibrary(file, "int silent_loss(void *, float, float *);")
-        pointers.idle = self._port.pointer(stub.address(stub.c.silent_loss))
-        return pointers, (state, stub)
-
-
-def rendered(plan: Plan, loop: type[HandLoop], stack: ExitStack) -> Rendered:
-    library = stack.enter_context(built(plan))
-    model = stack.enter_context(built(uncoupled(plan)))
-    return Rendered(plan, loop(library), library, model)
+        self.stub = CLibrary(file, "int silent_loss(void *, float, float *);")
+        self._idle = self.stub.address(self.stub.c.silent_loss)
 
 
 def plan_of(mode: str) -> Plan:
@@ -60,8 +51,7 @@ def plan_of(mode: str) -> Plan:
 @cache
 def outcomes(mode: str, loop: type[HandLoop] = HandLoop) -> dict[str, Outcome]:
     plan = plan_of(mode)
-    with ExitStack() as stack:
-        found = list(lossy_outcomes(rendered(plan, loop, stack), DESIGN_HAND, 0))
+    found = lossy_outcomes(rendered(plan, built(plan), loop), DESIGN_HAND, 0)
     return {outcome.case: outcome for outcome in found}
 
 
@@ -130,16 +120,13 @@ def test_what_is_lost_and_at_which_rates() -> None:
 def judged_after(change: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> Losses:
     """Losses of `lost-2`, its force changed; change takes force and ticks since the last loss."""
     plan = plan_of("off")
-    with ExitStack() as stack:
-        scene_of = rendered(plan, HandLoop, stack)
-        outcome = outcomes("off")["lost-2"]
-        lost = np.flatnonzero(outcome.played.scenario.dropped == LOST)
-        at = np.arange(len(outcome.trace.force_n))
-        since = at - lost[np.maximum(np.searchsorted(lost, at, side="right") - 1, 0)]
-        force_n = change(outcome.trace.force_n.copy(), since)
-        trace = replace(outcome.trace, force_n=force_n)
-        scenario, clean = outcome.played.scenario, outcome.trace
-        return losses_of(plan, scene_of.library, scenario, trace, clean)
+    outcome = outcomes("off")["lost-2"]
+    lost = np.flatnonzero(outcome.played.scenario.dropped == LOST)
+    at = np.arange(len(outcome.trace.force_n))
+    since = at - lost[np.maximum(np.searchsorted(lost, at, side="right") - 1, 0)]
+    force_n = change(outcome.trace.force_n.copy(), since)
+    trace = replace(outcome.trace, force_n=force_n)
+    return losses_of(plan, built(plan), outcome.played.scenario, trace, outcome.trace)
 
 
 def test_each_property_sees_what_breaks_it() -> None:

@@ -14,8 +14,7 @@ rougher force and no more energy with a protection than without: an account of e
 force of a resting hand.
 """
 
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -53,13 +52,7 @@ OUTSIDE_ZERO = replace(scene(), guard=Guard(outside="zero"))
 Forces = dict[str, Callable[[Samples], tuple[Samples, Samples]]]
 
 
-@pytest.fixture(scope="module")
-def stack() -> Iterator[ExitStack]:
-    with ExitStack() as stack:
-        yield stack
-
-
-def rendered(stack: ExitStack, plan: Plan, names: tuple[str, ...]) -> Forces:
+def rendered(plan: Plan, names: tuple[str, ...]) -> Forces:
     """Forces, N, and notes along positions: of the plan (""), and without each protection."""
 
     def along(replay: Replay) -> Callable[[Samples], tuple[Samples, Samples]]:
@@ -71,7 +64,7 @@ def rendered(stack: ExitStack, plan: Plan, names: tuple[str, ...]) -> Forces:
         return forces
 
     plans = {"": plan} | {name: WITHOUT[name](plan) for name in names}
-    return {name: along(Replay(stack.enter_context(built(one)))) for name, one in plans.items()}
+    return {name: along(Replay(built(one))) for name, one in plans.items()}
 
 
 def rising(depth_m: float, n: int, dt_s: float) -> Samples:
@@ -86,11 +79,11 @@ def roughness(position_m: Samples, force_n: Samples) -> tuple[float, float, floa
 
 
 @pytest.mark.parametrize("rate_hz", [100.0, 1000.0, 3000.0, 8000.0])
-def test_no_protection_roughens_a_rest_or_a_vibration(rate_hz: float, stack: ExitStack) -> None:
+def test_no_protection_roughens_a_rest_or_a_vibration(rate_hz: float) -> None:
     """Noise of up to 5 steps of an encoder of 10 or 50 um, whatever the scene states."""
     model = golden_forces.model("hammerstein")
     plan = make_plan(model, replace(OUTSIDE_ZERO, runtime=Runtime(rate_hz=rate_hz)))
-    forces = rendered(stack, plan, tuple(WITHOUT))
+    forces = rendered(plan, tuple(WITHOUT))
     rng, depth_m, n = np.random.default_rng(0), model.trained.max_m, round(8 * rate_hz)
     for share in (0.03, 0.5, 0.97):
         at_m = rising(share * depth_m, n, plan.dt_s)
@@ -113,9 +106,7 @@ def test_no_protection_roughens_a_rest_or_a_vibration(rate_hz: float, stack: Exi
 
 
 @pytest.mark.parametrize(("rate_hz", "stiffer"), [(100.0, 0.5), (8000.0, 8.0)])
-def test_no_protection_moves_what_any_hand_holds(
-    rate_hz: float, stiffer: float, stack: ExitStack
-) -> None:
+def test_no_protection_moves_what_any_hand_holds(rate_hz: float, stiffer: float) -> None:
     """From a stiff pinch to one fingertip, knocked, with noise: the same to the last bit."""
     device = Device(mass_kg=0.1, viscous_nspm=3.0, position_noise_um=30.0)
     chosen = replace(scene(), runtime=Runtime(rate_hz=rate_hz), device=device)
@@ -123,7 +114,7 @@ def test_no_protection_moves_what_any_hand_holds(
     names = ("slew", "jump", "resync", "watchdog")
     plans = [plan, *(WITHOUT[name](plan) for name in names)]
     scenes = [Rendered(one, HandLoop(library), library, library)
-              for one in plans for library in [stack.enter_context(built(one))]]  # fmt: skip
+              for one in plans for library in [built(one)]]  # fmt: skip
     for hand in HAND_MODELS:
         case, operator = (
             held_case(Workspace.of(plan), scenes[0].felt, hand),
@@ -143,11 +134,11 @@ def most_in_a_tick(forces: Forces, name: str, position_m: Samples) -> float:
     [("slew", passive_model, 0.9e-3), ("jump", passive_model, 5e-3)],
 )
 def test_a_wrong_sample_is_felt_without_it(
-    name: str, model: Callable[[], Model], wrong_m: float, stack: ExitStack
+    name: str, model: Callable[[], Model], wrong_m: float
 ) -> None:
     """A spring ten times stiffer than the object of the recordings shows what a sample can do."""
     plan = make_plan(model().stiffened(16.0), scene(), accept_unsafe=True)
-    forces = rendered(stack, plan, (name,))
+    forces = rendered(plan, (name,))
     position_m = rising(0.3 * plan.model.trained.max_m, 1000, plan.dt_s)
     position_m[900] += wrong_m
     slew_n = float(plan.output.slew_n)
@@ -157,28 +148,28 @@ def test_a_wrong_sample_is_felt_without_it(
     assert growth[name] > (1.5 * slew_n if name == "slew" else 2.0 * growth[""])
 
 
-def test_the_last_force_stays_without_a_watchdog(stack: ExitStack) -> None:
+def test_the_last_force_stays_without_a_watchdog() -> None:
     plan = make_plan(passive_model(), scene())
-    forces = rendered(stack, plan, ("watchdog",))
+    forces = rendered(plan, ("watchdog",))
     position_m = rising(0.6 * plan.model.trained.max_m, 1000, plan.dt_s)
     position_m[700:] = np.nan
     assert forces[""](position_m)[0][-1] == 0.0
     assert forces["watchdog"](position_m)[0][-1] > 1.0
 
 
-def test_a_force_that_does_not_begin_at_zero_is_a_step_without_an_onset(stack: ExitStack) -> None:
+def test_a_force_that_does_not_begin_at_zero_is_a_step_without_an_onset() -> None:
     """As of recordings with a dead load, or a surface that was found too deep."""
     model = passive_model()
     assert model.hammerstein is not None
     loaded = replace(model, hammerstein=replace(model.hammerstein, bias_n=1.0))
-    forces = rendered(stack, make_plan(loaded, scene()), ("onset",))
+    forces = rendered(make_plan(loaded, scene()), ("onset",))
     position_m = np.linspace(-1e-4, 1.5e-4, 2000)
     assert most_in_a_tick(forces, "onset", position_m) > 0.9
     assert most_in_a_tick(forces, "", position_m) < 0.01
 
 
-def test_the_force_ends_at_once_without_a_fade(stack: ExitStack) -> None:
+def test_the_force_ends_at_once_without_a_fade() -> None:
     plan = make_plan(passive_model(), OUTSIDE_ZERO)
-    forces = rendered(stack, plan, ("fade",))
+    forces = rendered(plan, ("fade",))
     position_m = rising(1.2 * plan.model.trained.max_m, 2000, plan.dt_s)
     assert most_in_a_tick(forces, "fade", position_m) > 5.0 * most_in_a_tick(forces, "", position_m)

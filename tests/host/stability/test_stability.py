@@ -9,13 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.silicones import paper_presses
-from support.small import (
-    DEPTH_M,
-    model_file,
-    passive_model,
-    scene,
-    small_model,
-)
+from support.small import DEPTH_M, model_file, passive_model, scene, small_model
 
 from springpot.codegen.coupling.linear_loop import DESIGN_HAND
 from springpot.codegen.errors import UnsafeError
@@ -26,10 +20,9 @@ from springpot.host.emission.emission import emit, read_emission
 from springpot.host.native.scene_library import built
 from springpot.host.stability.check import Stability, stability
 from springpot.host.stability.closed_loop import Outcome
-from springpot.host.stability.judgement import Grade, judge
 from springpot.host.stability.linear import is_stable, require_stable, scene_loop, spectral_radius
 from springpot.host.stability.small_signal import small_signal_map
-from springpot.host.stability.verdict import why_unbounded
+from springpot.host.stability.verdict import Grade, judge, why_unbounded
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 
@@ -109,8 +102,7 @@ def test_no_active_cells_for_passive_models_and_the_default_forest(name: str, ki
     plan = make_plan(simulated_model(name, kind, 100), dataclasses.replace(
         PLAIN, guard=dataclasses.replace(PLAIN.guard, max_force_n=1000.0)
     ))  # fmt: skip
-    with built(plan) as library:
-        found = small_signal_map(plan, library, 0)
+    found = small_signal_map(plan, built(plan), 0)
     assert found.active(outside=False) == (0, 30)
     assert found.active(outside=True) == (0, 18)
 
@@ -119,11 +111,9 @@ def test_no_active_cells_for_passive_models_and_the_default_forest(name: str, ki
 def test_the_map_finds_the_negative_control_and_a_delay() -> None:
     """Past positions act with negative damping; a sample of delay makes any model active."""
     plan = make_plan(simulated_model("dragon-skin-10", "rf-fd", past=True), PLAIN)
-    with built(plan) as library:
-        assert small_signal_map(plan, library, 0).active(outside=False)[0] >= 3
+    assert small_signal_map(plan, built(plan), 0).active(outside=False)[0] >= 3
     passive = make_plan(simulated_model("dragon-skin-10", "hammerstein"), PLAIN)
-    with built(passive) as library:
-        late = small_signal_map(passive, library, 1)
+    late = small_signal_map(passive, built(passive), 1)
     assert late.active(outside=False)[0] >= 5
     assert late.sin_delta.min() == pytest.approx(-0.46, abs=0.1)
 
@@ -158,8 +148,7 @@ def test_proxy_gives_no_kick_at_contact_or_release() -> None:
     coupled = dataclasses.replace(scene(), coupling=Coupling("proxy", 4000.0, 20.0, 0.02))
     forces = []
     for chosen in (coupled, scene()):
-        with built(make_plan(small_model(), chosen)) as library:
-            forces.append(library.new_state().run(motion)[0])
+        forces.append(built(make_plan(small_model(), chosen)).new_state().run(motion)[0])
     force_n, bare_n = forces
     assert np.all(force_n[motion <= 0.0] == 0.0)
     begins = np.flatnonzero((motion[1:] > 0.0) & (motion[:-1] <= 0.0)) + 1

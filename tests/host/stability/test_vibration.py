@@ -2,7 +2,6 @@
 
 import dataclasses
 import re
-from contextlib import ExitStack
 
 import numpy as np
 import pytest
@@ -16,15 +15,19 @@ from springpot.codegen.errors import UnsafeError
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.plan import Plan
 from springpot.codegen.scene import Device
-from springpot.host.native.scene_library import built, uncoupled
+from springpot.host.native.scene_library import built
 from springpot.host.simulation.cases import HOLDS, NUDGE_N, NUDGE_S, cases, held_case
-from springpot.host.simulation.hand_loop import HandLoop
 from springpot.host.simulation.scenarios import Workspace, holding, pressing
 from springpot.host.stability.check import stability
-from springpot.host.stability.closed_loop import Outcome, Rendered, case_outcome
-from springpot.host.stability.judgement import Grade, judge
+from springpot.host.stability.closed_loop import (
+    Outcome,
+    band_rms,
+    case_outcome,
+    rendered,
+    vibration_of,
+)
 from springpot.host.stability.linear import scene_loop
-from springpot.host.stability.vibration import band_rms, vibration_of
+from springpot.host.stability.verdict import Fault, Grade, judge
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 
@@ -57,12 +60,9 @@ def test_slow_vibration_has_its_size(frequency_hz: float) -> None:
 
 def held(plan: Plan, hand: Hand, more_delay: int) -> Outcome:
     """The eleven holds."""
-    with ExitStack() as stack:
-        library = stack.enter_context(built(plan))
-        model = stack.enter_context(built(uncoupled(plan)))
-        rendered = Rendered(plan, HandLoop(library), library, model)
-        hold = next(case for case in cases(plan, rendered.force, hand) if case.name == "hold")
-        return case_outcome(rendered, hold, hand, more_delay)
+    found = rendered(plan, built(plan))
+    hold = next(case for case in cases(plan, found.force, hand) if case.name == "hold")
+    return case_outcome(found, hold, hand, more_delay)
 
 
 def test_a_heavy_device_that_swings_up_slowly_is_seen() -> None:
@@ -118,7 +118,7 @@ def test_past_positions_vibrate_between_the_depths_that_were_looked_at_before() 
     ).model
     plan = make_plan(model, Scene(schema=1, name="x", model="x"))
     outcome = held(plan, LIGHT, 1)
-    assert judge(outcome).loud
+    assert Fault.LOUD in judge(outcome).faults
     speeds = [
         band_rms(outcome.trace.velocity_mps[part], plan.dt_s, 0.5) for part in outcome.played.still
     ]

@@ -68,8 +68,7 @@ def replayed(name: str, number: str, mode: str) -> tuple[np.ndarray, np.ndarray]
     """Forces, N, and notes of one model in one scene, built here; each (n,)."""
     plan = make_plan(model(name), scene(name, number, mode), accept_unsafe=True)
     position = motion_m().astype(plan.dtype)
-    with built(plan) as library:
-        return Replay(library).run(position, backward_velocity(position, plan.dt_s))
+    return Replay(built(plan)).run(position, backward_velocity(position, plan.dt_s))
 
 
 def force_hash(force_n: np.ndarray, notes: np.ndarray) -> str:

@@ -20,11 +20,11 @@ def require_same_bits(
     """
     position = position_m.astype(plan.dtype)
     velocity = backward_velocity(position, plan.dt_s) if velocity_mps is None else velocity_mps
-    with built(plan) as library:
-        assert library.selftest() == 0
-        assert library.state_bytes == state_bytes(plan)
-        force_n, notes = Replay(library).run(position, velocity)
-        predicted_m = None if find else proxy_positions(plan, library, position, velocity)
+    library = built(plan)
+    assert library.selftest() == 0
+    assert library.state_bytes == state_bytes(plan)
+    force_n, notes = Replay(library).run(position, velocity)
+    predicted_m = None if find else proxy_positions(plan, library, position, velocity)
     reference = run_reference(plan, position, velocity, predicted_m)
     bits = f"u{force_n.itemsize}"
     np.testing.assert_array_equal(force_n.view(bits), reference.force_n.view(bits))

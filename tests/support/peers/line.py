@@ -13,12 +13,14 @@ import sys
 import tempfile
 import time
 import tty
+from collections.abc import Callable
 from pathlib import Path
+from typing import NoReturn
 
 import numpy as np
+from truth import ObjectMotion, SimulatedHand
 
 from springpot.codegen.files import written_aside
-from springpot.host.simulation.bench import ObjectMotion, SimulatedHand
 from springpot.host.simulation.objects import OBJECTS, SimulatedObject
 
 
@@ -55,6 +57,14 @@ def be_a_device() -> None:
     signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
     with contextlib.suppress(OSError):
         os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(60))
+
+
+def run(url: str, tick: Callable[[], None]) -> NoReturn:
+    """Print the URL, and tick until SIGTERM."""
+    be_a_device()
+    print(url, flush=True)
+    while True:
+        tick()
 
 
 class Noise:

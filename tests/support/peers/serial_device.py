@@ -9,7 +9,7 @@ import argparse
 import time
 from typing import Any
 
-from line import Clock, Faults, Noise, Port, Tool, arguments, be_a_device, say
+from line import Clock, Faults, Noise, Port, Tool, arguments, run, say
 
 from springpot.host.devices.wire import Receiver, Sender, constant, layout
 
@@ -146,10 +146,7 @@ def main() -> None:
     options.trip_for = 0.01
     port = Port()
     board = Board(options, port)
-    be_a_device()
-    print(f"serial://{port.path}?baud=4000000", flush=True)
-    while True:
-        board.tick()
+    run(f"serial://{port.path}?baud=4000000", board.tick)
 
 
 if __name__ == "__main__":

@@ -9,7 +9,7 @@ import argparse
 import time
 
 from axis import Axis, add_options
-from line import Noise, Port, arguments, be_a_device, say
+from line import Noise, Port, arguments, run, say
 
 
 class Adapter:
@@ -80,10 +80,7 @@ def main() -> None:
     options = parser.parse_args()
     port = Port()
     adapter = Adapter(options, port)
-    be_a_device()
-    print(f"odrive://slcan/{port.path}?{adapter.axis.settings}", flush=True)
-    while True:
-        adapter.tick()
+    run(f"odrive://slcan/{port.path}?{adapter.axis.settings}", adapter.tick)
 
 
 if __name__ == "__main__":

@@ -11,7 +11,7 @@ import time
 
 import can
 from axis import Axis, add_options
-from line import Noise, arguments, be_a_device
+from line import Noise, arguments, run
 
 GROUP = "239.74.163.2"
 FRAME = struct.Struct("<H8s")
@@ -49,10 +49,8 @@ def main() -> None:
     parser.add_argument("--port", type=int, default=43113)
     options = parser.parse_args()
     bus = Bus(options)
-    be_a_device()
-    print(f"odrive://udp_multicast/{GROUP}?port={options.port}&{bus.axis.settings}", flush=True)
-    while True:
-        bus.tick()
+    url = f"odrive://udp_multicast/{GROUP}?port={options.port}&{bus.axis.settings}"
+    run(url, bus.tick)
 
 
 if __name__ == "__main__":

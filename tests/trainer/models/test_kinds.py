@@ -42,8 +42,7 @@ def test_the_c_predicts_what_the_model_predicts(variant: str) -> None:
     item = recording("new", press(1.7, 0.010))
     # What the model gives, whether a hand paid for it or not.
     chosen = scene(number="float64")
-    with built(make_plan(model, chosen)) as library:
-        force_n, _ = library.new_state().run(item.position_m)
+    force_n, _ = built(make_plan(model, chosen)).new_state().run(item.position_m)
     predicted_n = predict_n(model, item)
     inside = item.position_m > 0.002  # below the onset, where contact shapes the force
     # Trees may take the other branch where a feature rounds differently.
