@@ -27,9 +27,9 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
     [
         ("codegen/*.py", 6680),
         ("trainer/*.py", 8685),
-        ("host/*.py", 13399),
-        ("runtime_c/*.[ch] codegen/*.j2", 7878),
-        ("tests/*.py", 20530),
+        ("host/*.py", 12952),
+        ("runtime_c/*.[ch] codegen/*.j2", 7716),
+        ("tests/*.py", 20529),
     ],
 )
 def test_lines(what: str, most: int) -> None:
