@@ -239,8 +239,8 @@ def rates(results: Results) -> dict[str, Found]:
     slow = [100.0 * one.slow_change for one in results]
     return {
         "V, table 3, RF-FD": (shown, 0.7 <= forest / fd <= 0.9),
-        "V, table 3, RBF-PV": (shown, pv / fd >= 1.2),
-        "V, table 3, objects": (by_kind(mhz, " MHz"), alike(mhz, 1.1)),
+        "V, table 3, RBF-PV": (shown, pv / fd >= 1.5),
+        "V, table 3, objects": (by_kind(mhz, " MHz"), alike(mhz, 1.5)),
         "V, orders below 0.4": (listed(shares), min(shares) > 0.5),
         "V, errors at 1.27 ms": (f"At most {change:.2g} %", change < 10.0),
         "V, figure 14": (f"{listed(slow)} %", max(slow) < 5.0),
