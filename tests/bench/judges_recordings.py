@@ -6,12 +6,13 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parents[1]))
+from support.peers.truth import ObjectMotion
 from support.presses.structures import STRUCTURES, TEST, TRAINING, Part
 
 from springpot.codegen.arrays import rms
 from springpot.host.devices.virtual import parse_url
 from springpot.host.recording.protocols import RATE_HZ, load_protocol
-from springpot.host.simulation.bench import SUBSTEPS, ObjectMotion, SimulatedBench
+from springpot.host.simulation.bench import SUBSTEPS, SimulatedBench
 from springpot.trainer.recordings.recording import Recording
 
 Recordings = tuple[Recording, ...]
