@@ -11,7 +11,7 @@ import click
 from springpot.codegen import errors
 from springpot.host.commands import COMMANDS
 from springpot.host.options import CommandGroup
-from springpot.host.output import notices_said, say
+from springpot.host.output import notices_printed, say
 
 _EXIT_STATUS: dict[type[Exception], int] = {
     errors.UsageError: 2,
@@ -36,7 +36,7 @@ def exit_status(error: errors.SpringpotError) -> int:
 @click.version_option(package_name="springpot")
 def springpot() -> None:
     """Recordings of a soft object in; small, fast, checked C that renders its feel out."""
-    click.get_current_context().with_resource(notices_said())
+    click.get_current_context().with_resource(notices_printed())
 
 
 def main() -> None:

@@ -50,7 +50,7 @@ class _SaidLine(logging.Handler):
 
 
 @contextmanager
-def notices_said() -> Iterator[None]:
+def notices_printed() -> Iterator[None]:
     """Print what is noticed, and what Python warns of, on standard error while this lasts."""
 
     def show(message: Warning | str, category: type[Warning], *place: Any) -> None:

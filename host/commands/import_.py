@@ -150,16 +150,16 @@ def _rows(files: Sequence[Path], report: QualityReport) -> list[dict[str, Any]]:
 
 def _show(rows: Sequence[dict[str, Any]]) -> None:
     """Print two lines of each recording, or three where several were read and point elsewhere."""
-    said = {""} if len(rows) > 1 else {row["signs"]["words"] for row in rows}
+    printed = {""} if len(rows) > 1 else {row["signs"]["words"] for row in rows}
     for row in rows:
         (low_m, high_m), (low_n, high_n) = row["position_m"], row["force_n"]
         words = row["signs"]["words"]
         click.echo(
             f"{row['file']}  {row['samples']} samples at {row['rate_hz']:.6g} Hz, "
             f"{low_m * 1e3:.4g} to {high_m * 1e3:.4g} mm, {low_n:.4g} to {high_n:.4g} N\n"
-            f"  {row['glance']}" + ("" if words in said else f"\n  {words}")
+            f"  {row['glance']}" + ("" if words in printed else f"\n  {words}")
         )
-        said.add(words)
+        printed.add(words)
 
 
 def write_all(out: Path, recordings: list[Recording]) -> list[Path]:

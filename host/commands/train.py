@@ -148,9 +148,9 @@ def training_rows(
     """A person's view of a fit, of the keys of `--json`; found: error on `tested` recordings."""
     sizes = [f"{result[key]} {key[2:]}" for key in ("n_nodes", "n_centers", "n_parameters")
              if key in result]  # fmt: skip
-    told = seen_line(result["seen"], tested) if found is not None else ""
+    seen = seen_line(result["seen"], tested) if found is not None else ""
     rows = {
-        **({"training data": told} if told else {}),
+        **({"training data": seen} if seen else {}),
         "model": ", ".join([fit.model.kind, *sizes, result["out"]]),
         "rows": f"{fit.rows} of {result['rows_total']}",
         "memory": f"{result['window_s']:.4g} s",

@@ -87,7 +87,7 @@ class OpenedDevice(Protocol):
     """A device that was opened, checked and started: it sends samples and takes forces.
 
     comes_back: it can be unplugged and plugged in again. A driver's class inherits what harms
-    nobody if it is not said.
+    nobody if it is not stated.
     """
 
     comes_back: bool = True

@@ -61,7 +61,7 @@ class DhdDevice(OpenedDevice):
         number = None if address.place == "" else _number(address)
         self._sdk = DhdLibrary(address.url, address.settings.get("library"))
         self._link: CData = None
-        self._kept: list[CData] = []
+        self._owners: list[CData] = []
         self.id = self._sdk.open(number)
         try:
             self._require_usable()
@@ -79,7 +79,7 @@ class DhdDevice(OpenedDevice):
     def failure(self) -> str:
         """Why it is gone, or switched its forces off."""
         error = 0 if self._link is None else int(self._link.device_error)
-        c = self._kept[0].c if self._kept else None
+        c = self._owners[0].c if self._owners else None
         if not error or c is None:
             return ""
         if error >= c.SP_DHD_FORCE_OFF:
@@ -118,7 +118,7 @@ class DhdDevice(OpenedDevice):
             },
         )
         memory = library.memory(library.c.sp_link_dhd_size())
-        self._kept = [library, memory, settings]
+        self._owners = [library, memory, settings]
         self._link = library.c.sp_link_dhd_init(memory, settings)
         return self._link
 
@@ -186,10 +186,10 @@ class DhdDevice(OpenedDevice):
         if sdk.c.dhdEnableExpertMode() < 0:
             raise sdk.error("dhdEnableExpertMode failed", "install a newer SDK")
         steps = math.ceil(self._required.watchdog_s / _WATCHDOG_STEP_S - 1e-9)
-        taken = sdk.c.dhdSetWatchdog(min(steps, _MAX_STEPS), self.id) >= 0
-        why = "" if taken else sdk.words()
+        is_set = sdk.c.dhdSetWatchdog(min(steps, _MAX_STEPS), self.id) >= 0
+        why = "" if is_set else sdk.words()
         sdk.c.dhdDisableExpertMode()
-        if not taken:
+        if not is_set:
             raise self._unwatched(f"the device has no watchdog ({why})")
 
     def _enable_force(self) -> None:

@@ -144,13 +144,13 @@ class Drive:
         found = "never" if math.isinf(found_s) else f"{found_s:.2f} s"
         raise DeviceError(
             f"{self.url}: node {self.node} keeps its torque without commands ({found}, at most "
-            f"{ZERO_S:g} s are taken): switch its watchdog on, and short "
+            f"{ZERO_S:g} s are accepted): switch its watchdog on, and short "
             "(`odrv0.axis0.config.watchdog_timeout = 0.05`, `enable_watchdog = True`, a heartbeat "
             "every 100 ms or sooner, save)"
         )
 
     def _silent_until_off_s(self) -> float:
-        """Arm, and go silent: time from the last command until the drive said that its watchdog
+        """Arm, and go silent: time from the last command until the drive reports that its watchdog
         had ended it, an upper bound of the watchdog's; infinite where it did not."""
         self.arm()
         while time.monotonic() < self._fed_s + _PROOF_S:

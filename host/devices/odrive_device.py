@@ -78,7 +78,7 @@ class OdriveDevice(OpenedDevice):
         self.bus = CanBus(address, bitrate)
         self.drive = Drive(self.bus, self.node, address.url, self.transmission.limits)
         self._rate_hz = requirements.rate_hz
-        self._kept: CData = None
+        self._memory: CData = None
         try:
             self.drive.make_ready()
             require_sample_rate(
@@ -114,8 +114,8 @@ class OdriveDevice(OpenedDevice):
                 "max_current_a": train.limits.current_a,
             },
         )
-        self._kept = library.memory(library.c.sp_link_odrive_size())
-        return library.c.sp_link_odrive_init(self._kept, self.bus.fd, settings)
+        self._memory = library.memory(library.c.sp_link_odrive_size())
+        return library.c.sp_link_odrive_init(self._memory, self.bus.fd, settings)
 
     def _estimates_until(self, until_s: float) -> int:
         """How many come; those that waited until now are no measure."""

@@ -117,13 +117,13 @@ class SerialDevice(OpenedDevice):
             raise self._refusal(action, refused)
 
     def _refusal(self, action: str, refused: int) -> DeviceError:
-        said = f"{self.address.url}: the device refuses {_REFUSED.get(refused, 'a command')}"
+        what = f"{self.address.url}: the device refuses {_REFUSED.get(refused, 'a command')}"
         if refused == _REFUSED_ACTION:
             return DeviceError(
-                f"{said} ({action}): its firmware is of an older springpot: flash that of this one"
+                f"{what} ({action}): its firmware is of an older springpot: flash that of this one"
             )
         return DeviceError(
-            f"{said} ({self.requirements.rate_hz:g} Hz, watchdog {1e3 * self.watchdog_s:g} ms): "
+            f"{what} ({self.requirements.rate_hz:g} Hz, watchdog {1e3 * self.watchdog_s:g} ms): "
             "change runtime.rate_hz or guard.watchdog_ms in the scene"
         )
 
@@ -185,7 +185,7 @@ class SerialDevice(OpenedDevice):
         found = "never" if math.isinf(found_s) else f"after {found_s:.2f} s"
         raise DeviceError(
             f"{self.address.url}: without forces from here the device trips {found}, at most "
-            f"{ZERO_S:g} s are taken: its firmware must keep COMMAND's watchdog_s, and set "
+            f"{ZERO_S:g} s are accepted: its firmware must keep COMMAND's watchdog_s, and set "
             "TRIPPED in its samples"
         )
 

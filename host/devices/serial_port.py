@@ -1,4 +1,4 @@
-"""Serial ports: opened for one process, with what can be wrong said in one line each."""
+"""Serial ports: opened for one process, what can be wrong is one line each."""
 
 import os
 from pathlib import Path

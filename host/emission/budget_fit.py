@@ -29,7 +29,7 @@ from springpot.trainer.recordings.recording import Recording
 
 _TREES = (1.0, 0.8, 0.6, 0.4, 0.3, 0.2, 0.1, 0.05)  # shares of the trees
 _LEAVES = (1, 2, 4, 8, 16, 32)  # leaves made one
-_EVALUATED = 4000  # samples that decide the order; what is said is measured on all
+_EVALUATED = 4000  # samples that decide the order; the line is measured on all
 
 
 def emit_fitting(

@@ -134,11 +134,11 @@ def loop_library(real: str) -> CLibrary:
 
 def _built_without_faulty(real: str, others: Sequence[Path]) -> CLibrary:
     """Build the port with each link that goes with those before it; say which are left out."""
-    library, kept = _built(real, []), list[Path]()
+    library, linked = _built(real, []), list[Path]()
     for link in others:
         try:
-            library = _built(real, [*kept, link])
-            kept.append(link)
+            library = _built(real, [*linked, link])
+            linked.append(link)
         except _UNBUILT as error:
             print(f"springpot: left out: {link}: {error}: correct or uninstall it", file=sys.stderr)
     return library

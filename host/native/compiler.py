@@ -98,8 +98,8 @@ def run_compiler(
     result = subprocess.run([*compiler, *arguments], capture_output=True, text=True, check=False)
     if result.returncode != 0:
         # The linker says "error" only of its own end.
-        told = ("error", "multiple definition", "overflowed by")
-        lines = [line for line in result.stderr.splitlines() if any(word in line for word in told)]
+        marks = ("error", "multiple definition", "overflowed by")
+        lines = [line for line in result.stderr.splitlines() if any(word in line for word in marks)]
         found = lines[0] if lines else result.stderr.strip()[-300:]
         raise CompilerError(f"{' '.join(compiler)} refused {what}: {found}")
 
@@ -152,13 +152,13 @@ def _require_own(path: Path) -> None:
     if not hasattr(os, "geteuid"):  # Windows keeps a user's folders to the user
         return
     if status.st_uid != os.geteuid():
-        whose = f"belongs to user {status.st_uid}"
+        reason = f"belongs to user {status.st_uid}"
     elif status.st_mode & (stat.S_IWGRP | stat.S_IWOTH):
-        whose = "can be written by others"
+        reason = "can be written by others"
     else:
         return
     raise CompilerError(
-        f"{path}: {whose}, and what lies there would run as you: set XDG_CACHE_HOME to a folder "
+        f"{path}: {reason}, and what lies there would run as you: set XDG_CACHE_HOME to a folder "
         f"of your own, or `chmod go-w` and remove what is not yours"
     )
 

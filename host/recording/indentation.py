@@ -189,10 +189,10 @@ class PressedDevice:
         with runner:
             self.attach(runner)
             runner.start()
-            self._watch(runner, rows, steps.kept[0])
+            self._watch(runner, rows, steps.owners[0])
         line, error = runner.why()
         if not rows.full:
-            self._require_no_fault(steps.kept[0])
+            self._require_no_fault(steps.owners[0])
             raise error or SpringpotError(f"{self.url}: the press did not come to its end: {line}")
 
     def _watch(self, runner: SessionRunner, rows: PressRows, press: CData) -> None:
@@ -217,10 +217,10 @@ class PressedDevice:
     def _require_no_fault(self, press: CData) -> None:
         """Raise what the press itself ended for."""
         if press.fault:
-            told = _FAULTS[press.fault].format(
+            fault = _FAULTS[press.fault].format(
                 mps=press.max_mps, measured_n=press.mean_measured_n, motor_n=press.mean_motor_n
             )
-            raise DeviceError(f"{self.url}: {told}; what came before is kept")
+            raise DeviceError(f"{self.url}: {fault}; what came before is kept")
 
     def unmeasured(self) -> SpringpotError:
         """The error of a press that measures no force."""
@@ -284,5 +284,5 @@ def press_step_functions(
         reset=address(c.sp_press_reset),
         state=address(press),
         measured_n=address(library.ffi.addressof(press, "measured_n")),
-        kept=(press, command_n),
+        owners=(press, command_n),
     )

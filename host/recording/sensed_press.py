@@ -159,14 +159,14 @@ class ForceSensor:
         settings = {name: its for name, its in address.settings.items() if name == "baud"}
         plain = Address(url, "serial", "", address.place, settings)
         self._device = SerialDevice(plain, DeviceRequirements(RATE_HZ, 0.02, 0.0, senses=True))
-        self._taken, self._lock, self._over = array("d"), threading.Lock(), threading.Event()
+        self._samples, self._lock, self._over = array("d"), threading.Lock(), threading.Event()
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()
 
     def require_rate(self) -> None:
         """Wait until its rate is known. Raises DeviceError where it is too low, or it failed."""
         self._over.wait(_COUNT_S)
-        rate_hz = len(self._taken) / 3 / _COUNT_S
+        rate_hz = len(self._samples) / 3 / _COUNT_S
         if self.error is not None:
             raise self.error
         if rate_hz < _MIN_RATE_HZ:
@@ -181,7 +181,7 @@ class ForceSensor:
         A sample is only ever held back on its way: the sensor's clock is the line below arrivals.
         """
         with self._lock:
-            stamp_s, arrived_s, force_n = np.array(self._taken).reshape(-1, 3).T
+            stamp_s, arrived_s, force_n = np.array(self._samples).reshape(-1, 3).T
         line_s = np.polyval(np.polyfit(stamp_s, arrived_s, 1), stamp_s)
         return line_s + np.min(arrived_s - line_s), force_n
 
@@ -205,11 +205,11 @@ class ForceSensor:
     def _take(self, stamp_s: float, values: JsonMapping) -> None:
         if not values["status"] & constant("LOAD_CELL"):
             raise DeviceError(f"{self.url}: its samples carry no force: give one with a load cell")
-        if self._taken and stamp_s <= self._taken[-3]:
+        if self._samples and stamp_s <= self._samples[-3]:
             raise DeviceError(f"{self.url}: its numbers went back, it restarted: start again")
         force_n = self._factor * values["measured_n"]
         with self._lock:
-            self._taken.extend((stamp_s, time.monotonic(), force_n))
+            self._samples.extend((stamp_s, time.monotonic(), force_n))
         self.on_force(force_n)
 
 

@@ -36,7 +36,7 @@ class StepFunctions:
     reset: int
     state: int
     measured_n: int = 0  # where the state wants the measured force, or 0
-    kept: CData = field(default=None, repr=False)  # owners of the memory behind the addresses
+    owners: CData = field(default=None, repr=False)  # owners of the memory behind the addresses
     __repr__ = short_repr
 
 
@@ -44,8 +44,8 @@ def scene_step_functions(scene: SceneLibrary, place_m: tuple[float, float] | Non
     """A fresh state of a scene, at a place if it has a map."""
     state = scene.new_state(place_m)
     step, idle, reset = (scene.address(name) for name in ("step", "idle", "reset"))
-    kept = (scene, state)
-    return StepFunctions(loop_library(scene.real), step, idle, reset, state.address, kept=kept)
+    owners = (scene, state)
+    return StepFunctions(loop_library(scene.real), step, idle, reset, state.address, owners=owners)
 
 
 class CLoop:
@@ -61,7 +61,7 @@ class CLoop:
         self._chunk = empty_rows(capacity)
         self._state = self._ffi.new("sp_loop_state *")
         self._links: list[CData] = []
-        self._kept: list[CData] = []
+        self._owners: list[CData] = []
         self._ticking = False
 
     def start(self, device: OpenedDevice) -> None:
@@ -166,7 +166,7 @@ class CLoop:
         with blaming(f"{type(device).__name__}.link", type(device), DeviceError):
             link = _link(device, self._library)
         self._links.append(link)
-        self._kept.append(device)
+        self._owners.append(device)
         return link
 
 

@@ -99,8 +99,8 @@ class LiveWarnings:
         begins = time_s[0] - self._last_s.get(what, -np.inf) > CALM_S
         self._last_s[what] = float(time_s[-1])
         if begins:
-            said = what if words is None else words
-            self._alarm(f"{time_s[0]:.1f} s: warning: {said}" if said else "")
+            line = what if words is None else words
+            self._alarm(f"{time_s[0]:.1f} s: warning: {line}" if line else "")
         if begins and len(events) < MAX_EVENTS:
             events.append({"time_s": round(float(time_s[0]), 4), "what": what, "count": 0})
         events[-1]["count"] += len(time_s)

@@ -124,10 +124,10 @@ def notes_in_words(counts: Mapping[str, int], low: int = 0, min_n: float = 0.0) 
     low: of those clamped, how many at the lower limit, min_n, N.
     """
     all_words = {**_WORDS, "clamped": _clamped_words(counts.get("clamped", 0), low, min_n)}
-    told = [
+    parts = [
         f"{name} {counts[name]} ({words})" for name, words in all_words.items() if counts.get(name)
     ]
-    return ", ".join(told) or "none"
+    return ", ".join(parts) or "none"
 
 
 def _clamped_words(count: int, low: int, min_n: float) -> str:

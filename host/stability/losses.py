@@ -78,7 +78,7 @@ def losses_of(
         allowed_n=max(ERROR_N, ERROR_OF_PEAK * peak_n),
         returned_j=max((-given for given, _ in returned), default=0.0),
         clean_returned_j=max((-given for given, _ in clean_returned), default=0.0),
-        stored_j=max((taken for _, taken in clean_returned), default=0.0),
+        stored_j=max((work_j for _, work_j in clean_returned), default=0.0),
     )
 
 
@@ -97,19 +97,19 @@ def ended(plan: Plan, trace: Trace) -> bool:
     return fallen < len(trace.force_n) and not trace.force_n[fallen:].any()
 
 
-def _taken(scenario: Scenario) -> Flags:
+def _accepted(scenario: Scenario) -> Flags:
     return np.asarray((scenario.dropped == TAKEN) & np.isfinite(scenario.error_m))
 
 
 def longest_silence_ticks(scenario: Scenario) -> int:
     """Ticks of the longest time without a good sample."""
-    taken = np.concatenate([[True], _taken(scenario), [True]])
-    return int(np.diff(np.flatnonzero(taken)).max()) - 1
+    accepted = np.concatenate([[True], _accepted(scenario), [True]])
+    return int(np.diff(np.flatnonzero(accepted)).max()) - 1
 
 
 def _good_ticks(scenario: Scenario) -> NDArray[np.int64]:
     """Samples that have come one after the other, this one too; many before the first loss."""
-    good = _taken(scenario)
+    good = _accepted(scenario)
     at = np.arange(len(good))
     last = np.maximum.accumulate(np.where(good, -len(good), at))
     return np.asarray(at - last)
@@ -118,7 +118,7 @@ def _good_ticks(scenario: Scenario) -> NDArray[np.int64]:
 def _growth_n(plan: Plan, scenario: Scenario, trace: Trace) -> float:
     """How far |force| grew beyond what it may: a slew for each sample that came, 0 without one."""
     dropped = scenario.dropped
-    came = _taken(scenario).astype(np.int64)
+    came = _accepted(scenario).astype(np.int64)
     came[1:] += (dropped[:-1] == LATE) & (dropped[1:] == TAKEN)
     size_n = np.abs(trace.force_n)
     return float((np.diff(size_n, prepend=0.0) - float(plan.output.slew_n) * came).max())
@@ -138,7 +138,7 @@ def _within_a_tick(force_n: Samples) -> tuple[Samples, Samples]:
 
 
 def _presses_j(plan: Plan, trace: Trace) -> Iterator[tuple[float, float]]:
-    """Of each press what it took in all, and the most that it had taken, J.
+    """Of each press what it took in all, and the most at any time, J.
 
     A press lasts from the surface to the surface; where there is none, from turn to turn outside.
     """
@@ -148,5 +148,5 @@ def _presses_j(plan: Plan, trace: Trace) -> Iterator[tuple[float, float]]:
     space = Workspace.of(plan)
     edge_m = space.base_m if plan.contact else space.base_m + 2.0 * _TOUCH * space.span_m
     for begin, end in runs(trace.position_m[:-1] > edge_m):
-        taken_j = np.cumsum(work_j[begin:end])
-        yield float(taken_j.min()), float(taken_j.max())
+        work_in_j = np.cumsum(work_j[begin:end])
+        yield float(work_in_j.min()), float(work_in_j.max())

@@ -38,18 +38,18 @@ def study_report(plan: StudyPlan) -> JsonObject:
     whole = study.sessions * len(study.session_trials())
     finished = {person: own for person, own in of_each.items() if len(own) == whole}
     judged = {person: consistency(study, own) for person, own in finished.items()}
-    kept = [_ratings(own) for person, own in finished.items() if not judged[person]["broken"]]
+    valid = [_ratings(own) for person, own in finished.items() if not judged[person]["broken"]]
     keys = [(one.method, one.material) for one in study.conditions()]
-    scores = np.array([[np.mean(own[key]) for key in keys] for own in kept])
+    scores = np.array([[np.mean(own[key]) for key in keys] for own in valid])
     return {
         "trials": sum(map(len, of_each.values())),
-        "people": len(kept),
+        "people": len(valid),
         "unfinished": [person for person in of_each if person not in finished],
         "excluded": [{"participant": person, **found} for person, found in judged.items()
                      if found["broken"]],
         "conditions": [
             {"method": key[0], "material": key[1], "mean": float(np.mean(column)),
-             "se": float(np.std(column, ddof=1) / len(kept) ** 0.5) if len(kept) > 1 else None}
+             "se": float(np.std(column, ddof=1) / len(valid) ** 0.5) if len(valid) > 1 else None}
             for key, column in zip(keys, scores.T, strict=False)
         ],
         **_comparisons(study, scores),

@@ -1,1 +1,1 @@
-"""Recordings replayed through the C: accuracy, what is kept of it, report."""
+"""Recordings replayed through the C: accuracy, its store, report."""

@@ -114,14 +114,14 @@ def _deepest(validation: Validation) -> str:
 def validation_rows(validation: Validation) -> dict[str, str]:
     """A person's view of a validation."""
     found, ticks, felt = validation.accuracy, validation.ticks, validation.felt
-    told = seen_line(validation.seen, len(validation.predicted_n))
+    seen = seen_line(validation.seen, len(validation.predicted_n))
     interval = found.interval_n
     spread = f", 95 % in {interval[0]:.4g} .. {interval[1]:.4g}" if interval else ""
     below = found.ape_below_jnd
     again = "the calls of the session made again; the force sent is compared with that of the C, "
     rows = {
         "compared": f"{', '.join(felt)}: {again}not with a measured object" if felt else "",
-        "training data": told,
+        "training data": seen,
         "signs": accepted_words(validation.manifest),
         "edited C": ", ".join(validation.edited),
         "samples": str(found.samples)
@@ -154,10 +154,10 @@ def validation_rows(validation: Validation) -> dict[str, str]:
             differ += (
                 f"; {100.0 * silent / found.samples:.0f} % of the ticks, latched, had no force"
             )
-    told_notes = notes_in_words(validation.notes, validation.clamped_low, validation.min_n)
+    note_words = notes_in_words(validation.notes, validation.clamped_low, validation.min_n)
     rows |= {
         "C against reference": differ,
-        "ticks with notes": told_notes + _deepest(validation),
+        "ticks with notes": note_words + _deepest(validation),
         "tick, hot": f"{ticks.hot_median / 1e3:.3g} us",
         "tick, paced, cold": f"{ticks.p50 / 1e3:.3g} us, 99 % below {ticks.p99 / 1e3:.3g} us",
     }

@@ -77,7 +77,7 @@ def test_friction_is_given_to_the_motor_too(late_s: float) -> None:
 def test_a_tick_without_a_sample_goes_on() -> None:
     gains = late_gains(Delay(0.01, 0.001, 0.3))
     steps = press_step_functions(np.full(1000, 3.0), 6.0, gains)
-    press, _ = steps.kept
+    press, _ = steps.owners
     c, out = steps.library.c, steps.library.ffi.new("double *")
     for _ in range(500):  # at rest, 3 N of motor are 2.5 N on the sensor
         press.measured_n = -0.5 - out[0]
@@ -95,7 +95,7 @@ def test_a_tick_without_a_sample_goes_on() -> None:
 def test_a_position_that_cannot_be_ends_in_no_force(position_m: float, observed: bool) -> None:
     gains = late_gains(Delay(0.01, 0.001, 0.3)) if observed else OPEN_LOOP
     steps = press_step_functions(np.full(1000, 3.0), 6.0, gains)
-    press, _ = steps.kept
+    press, _ = steps.owners
     c, out = steps.library.c, steps.library.ffi.new("double *")
     for _ in range(300):
         c.sp_press_step(press, 0.004, 0.0, out)

@@ -19,7 +19,7 @@ from springpot.host.recording.sensed_press import ForceSensor, SensedPressDevice
 def heard(*rows: tuple[float, float, float]) -> Any:
     """A sensor that has taken samples: stamp, arrival, force."""
     taken = array("d", [value for row in rows for value in row])
-    return SimpleNamespace(_taken=taken, _lock=threading.Lock(), url="x", _factor=-2.0,
+    return SimpleNamespace(_samples=taken, _lock=threading.Lock(), url="x", _factor=-2.0,
                            on_force=lambda _force_n: None)  # fmt: skip
 
 
@@ -40,8 +40,8 @@ def test_the_line_below_late_arrivals(rate: float) -> None:
 def test_a_sample_has_the_sign_and_scale_of_the_url() -> None:
     sensor = heard((0.001, 5.0, 1.0))
     ForceSensor._take(sensor, 0.002, {"status": constant("LOAD_CELL"), "measured_n": 3.0})
-    assert sensor._taken[-3] == 0.002
-    assert sensor._taken[-1] == -6.0
+    assert sensor._samples[-3] == 0.002
+    assert sensor._samples[-1] == -6.0
 
 
 @pytest.mark.parametrize(
