@@ -29,7 +29,7 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
         ("trainer/*.py", 8685),
         ("host/*.py", 12952),
         ("runtime_c/*.[ch] codegen/*.j2", 7716),
-        ("tests/*.py", 20529),
+        ("tests/*.py", 20531),
     ],
 )
 def test_lines(what: str, most: int) -> None:

@@ -20,11 +20,10 @@ from support.c.passive_run import PassiveC
 from support.small import DT_S, passive_force_n, press, soft_force
 
 from springpot import Recording
-from springpot.codegen.model.formulas import loss_by_depth
+from springpot.codegen.model.formulas import loss_by_depth, play
 from springpot.codegen.model.passive import Damage, Flow, Hammerstein
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.hammerstein import fit_hammerstein
-from springpot.trainer.models.passive.term_values import play
 from springpot.trainer.models.training_set import training_set
 
 BOUND = 1e-5
@@ -88,7 +87,9 @@ def fitted() -> Hammerstein:
     recordings = []
     for share, frequency_hz in product((0.3, 0.7, 1.0), (0.5, 2.0, 5.0)):
         depth_m = press(frequency_hz, share * SPAN_M)
-        force_n = soft_force(depth_m) + 150.0 * (depth_m - play(depth_m, 0.002))
+        force_n = soft_force(depth_m) + 150.0 * (
+            depth_m - np.array(play(depth_m, depth_m[0], np.float64(0.002)))
+        )
         recordings.append(Recording(f"{share}-{frequency_hz}", depth_m, force_n, DT_S))
     fit = fit_hammerstein("x", training_set(recordings, smooth_s=0.0), FitOptions())
     assert len(fit.model.hammerstein.radius_m) > 0 < len(fit.model.hammerstein.tau_s)
