@@ -1,4 +1,4 @@
-"""What was found on each claim of paper.toml, and the verdict."""
+"""Judge each claim of paper.toml by what is measured."""
 
 import tomllib
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -18,7 +18,7 @@ Results = Sequence[Result]  # from the softest object to the hardest
 
 @dataclass(frozen=True)
 class Claim:
-    """What the paper says and where, what decides here, what was found, and the verdict."""
+    """A claim of the paper: its words and place, the criterion, the finding and the verdict."""
 
     section: str
     item: str
@@ -184,7 +184,7 @@ def cost(results: Results) -> dict[str, Found]:
 
 
 def alike(values: Mapping[str, Sequence[float]], factor: float) -> bool | None:
-    """Whether objects differ by this factor at most, in every kind; None of one object."""
+    """Tell if objects differ by this factor at most, in every kind; None for a single object."""
     same = all(max(of_kind) <= factor * min(of_kind) for of_kind in values.values())
     return same if len(values["rf-fd"]) > 1 else None
 

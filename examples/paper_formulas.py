@@ -43,7 +43,7 @@ def last_coefficient() -> int:
 def coupled_n(
     tool_m: Samples, model_n: Callable[[int, float, float], float], sign: float = -1.0
 ) -> Samples:
-    """What Algorithm 1 returns, f_VC, (n,), N.
+    """Return f_VC of Algorithm 1, (n,), N.
 
     tool_m: depths, (n,). model_n: f_M, out of the object, of the tick, the tool's depth and the
     proxy's. sign: with which f_M enters the proxy's force; 1.0 as printed.

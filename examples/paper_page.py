@@ -56,7 +56,7 @@ def page(found: Sequence[Claim], results: Sequence[Result]) -> str:
 
 
 def lines(number: int, one: Result) -> list[Line]:
-    """What a figure draws of an object."""
+    """Lines of an object in a figure."""
     if number == 5:
         ms = np.arange(1000.0)
         command_n, force_n, position_m = one.press

@@ -1,4 +1,4 @@
-"""What `reproduce.py` measures on an object."""
+"""Results of `reproduce.py` on an object."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 429bb017fb7d665fce9cc0c85b48d8730e91181e7115a1277ce2cac21546ed5f */
+/* springpot 0.1.0 30d27fda7b9a2d651badca9bdf7fd78eae500e6346f12e2f72c945c008e9731c */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SOFT_PAD_RATE_HZ:

@@ -180,7 +180,7 @@ _LONGEST_S = 600.0
 
 @dataclass(frozen=True, eq=False)
 class Batch:
-    """What each call returned on the board: force_n, notes, instructions; shapes (n,)."""
+    """Results of each call on the board: force_n, notes, instructions; shapes (n,)."""
 
     force_n: Reals
     notes: NDArray[np.int32]

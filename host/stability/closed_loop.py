@@ -30,7 +30,7 @@ GROWS = 2.0
 
 @dataclass(frozen=True)
 class Vibration:
-    """Of the worst of some holds; None where none is long enough.
+    """Vibration in the worst of some holds; None if none is long enough.
 
     lf_speed_mps: RMS of the speed from 0.5 to 15 Hz in a hold's last third. growth_ratio: of the
     RMS from 0.5 Hz on, last third over first, or its square over the second third if that is less:

@@ -28,8 +28,8 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
         ("codegen/*.py", 6680),
         ("trainer/*.py", 8685),
         ("host/*.py", 12952),
-        ("runtime_c/*.[ch] codegen/*.j2", 7716),
-        ("tests/*.py", 20531),
+        ("runtime_c/*.[ch] codegen/*.j2", 7721),
+        ("tests/*.py", 20532),
     ],
 )
 def test_lines(what: str, most: int) -> None:

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 34f136ff004374b60627926c08799d737466beded8b4c1b7856b83c5f35e55d1 */
+/* springpot 0.1.0 1b727e9ea16b0801a87df9d98095e8e0de4499bdeb87863e6b06915e8b465538 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:

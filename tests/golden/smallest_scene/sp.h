@@ -1,4 +1,4 @@
-/* springpot 0.1.0 eb313f7907896ee9787be53c23f19c72f327cab2ebf37c2ba273f09dad817c40 */
+/* springpot 0.1.0 903abd66302a599e656693973a708aaa9d2fc9a5823b11a51631eacf58fe4c4e */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:

@@ -77,17 +77,18 @@ def test_builds_by_hand_without_python(tmp_path: Path, emission_of: Emitted) -> 
     clean = {"PATH": "/usr/bin:/bin", "LC_ALL": "C"}
     subprocess.run(["make", "-C", tmp_path / "c", "test"], env=clean, check=True,
                    capture_output=True)  # fmt: skip
-    result = subprocess.run([tmp_path / "c" / "example"], input="0\n0.001\n0.002\n", text=True,
-                            capture_output=True, check=True)  # fmt: skip
+    result = subprocess.run([tmp_path / "c" / "example"], input="0\n0.001\r\n\n0.002\n\n",
+                            text=True, capture_output=True, check=True)  # fmt: skip
     assert f'"hash": "{emission.hash}"' in result.stderr
     forces = [float(line.split()[0]) for line in result.stdout.splitlines()]
     state = SceneLibrary(tmp_path / "c").new_state()
     assert forces == pytest.approx([state.step(x)[0] for x in (0.0, 0.001, 0.002)])
     assert forces[0] == 0.0 < forces[2]
-    wrong = subprocess.run([tmp_path / "c" / "example"], input="0\nx\n", text=True,
-                           capture_output=True, check=False)  # fmt: skip
-    assert wrong.returncode == 1
-    assert "line 2 is not a number" in wrong.stderr
+    for line in ("x", "1 2", f"0.{'1' * 90}"):
+        wrong = subprocess.run([tmp_path / "c" / "example"], input=f"0\n{line}\n", text=True,
+                               capture_output=True, check=False)  # fmt: skip
+        assert (wrong.returncode, len(wrong.stdout.splitlines())) == (1, 1)
+        assert "line 2 is not a number" in wrong.stderr
 
 
 CONTRACTED = ("-mfma", "-ffp-contract=fast")
