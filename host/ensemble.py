@@ -19,7 +19,7 @@ from springpot.trainer.models.passive.passive_fit import fit_passive
 from springpot.trainer.models.predict import regressor_force
 from springpot.trainer.models.rf_fd import PAPER_ORDERS, depth_scale, fractional_features
 from springpot.trainer.models.training_set import TrainingSet, training_set
-from springpot.trainer.recordings.quality.channels import hold_spikes
+from springpot.trainer.recordings.quality.spikes import hold_spikes
 from springpot.trainer.recordings.recording_file import Recordings, given_recordings
 
 KIND = "ensemble"

@@ -23,7 +23,7 @@ def known_among(
     hashes: Collection[str], recordings: Sequence[Recording], smooth_s: float = 0.0
 ) -> int:
     """How many recordings have one of these hashes, as they are or as a fit prepares them."""
-    from springpot.trainer.recordings.quality.channels import hold_spikes
+    from springpot.trainer.recordings.quality.spikes import hold_spikes
     from springpot.trainer.recordings.signals import smoothed
 
     return sum(

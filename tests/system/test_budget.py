@@ -26,10 +26,10 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
     ("what", "most"),
     [
         ("codegen/*.py", 6680),
-        ("trainer/*.py", 8685),
+        ("trainer/*.py", 8766),
         ("host/*.py", 12952),
         ("runtime_c/*.[ch] codegen/*.j2", 7721),
-        ("tests/*.py", 20532),
+        ("tests/*.py", 20566),
     ],
 )
 def test_lines(what: str, most: int) -> None:

@@ -9,8 +9,8 @@ import numpy as np
 
 from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.recordings.contact_point import find_contact, find_hum
-from springpot.trainer.recordings.quality.channels import hold_spikes
 from springpot.trainer.recordings.quality.signs import sign_doubts
+from springpot.trainer.recordings.quality.spikes import hold_spikes
 from springpot.trainer.recordings.recording import Recording, Zero
 from springpot.trainer.recordings.signals import Drift, find_drift
 

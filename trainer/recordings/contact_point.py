@@ -23,6 +23,7 @@ _MIN_SHARE_OF_PEAK = 0.002
 _COUNTS = 1.5  # of the sensor: noise of less than one makes one, some samples in a row
 _HIGHER = 3.0  # times the threshold: the slope below the surface is taken up to there
 _FEWEST_SWINGS, _ONE_TONE = 4, 0.5  # of a hum, in one visit to the air; of the power there
+_ABOVE = 0.25  # of its bound: a surface that is farther above all positions is none
 _WITHOUT = "import without --contact-force and --tare if position 0 is the surface"
 _STEEPEST, _NEARLY_EXPONENTIAL = 1.5, 1.01  # ratio of ways: F ~ x^2.7, and no surface at all
 
@@ -106,6 +107,8 @@ def find_contact(
         noise = _BOUND * deviation_n / level_n
         back_m, open_m = _way_back_m(lawful.passes_m, noise, low_m)
         surface_m, doubt_m = surface_m - back_m, max(doubt_m, open_m)
+        if surface_m + _ABOVE * doubt_m < low_m:
+            raise DataError(f"{recording.name}: {_never_leaves(base_n)}")
     return ContactPoint(surface_m, doubt_m, base_n, level_n)
 
 
@@ -123,14 +126,7 @@ def _require_air(
         or _meets_first(presses).before_m - low_m < 0.5 * _MIN_FREE_SHARE * travel_m
         or min(press.passes_m[0] for press in presses) - low_m < _MIN_FREE_SHARE * travel_m
     ):
-        other = "--zero first or --zero min if position 0 means nothing"
-        if base_n < 0.0:
-            other = "--tare=-PRELOAD_N, the force taken off, if it was zeroed under load"
-        why = (
-            f"never leaves the object (force is {base_n:.4g} N at its lowest position), so the "
-            "surface cannot be found: record from above the object, or leave --contact-force and "
-            f"--tare out: pass {other}"
-        )
+        why = _never_leaves(base_n)
         if any(press.falls_back for press in presses):
             why = (
                 "force rises and falls back before the object is met, as the mass of a tool makes "
@@ -139,6 +135,17 @@ def _require_air(
         if hum := find_hum(recording):
             why = f"force without contact {hum}: filter it out in the source, or {_WITHOUT}"
         raise DataError(f"{recording.name}: {why}")
+
+
+def _never_leaves(base_n: float) -> str:
+    other = "--zero first or --zero min if position 0 means nothing"
+    if base_n < 0.0:
+        other = "--tare=-PRELOAD_N, the force taken off, if it was zeroed under load"
+    return (
+        f"never leaves the object (force is {base_n:.4g} N at its lowest position), so the "
+        "surface cannot be found: record from above the object, or leave --contact-force and "
+        f"--tare out: pass {other}"
+    )
 
 
 def find_hum(recording: Recording) -> str:

@@ -9,6 +9,7 @@ import springpot
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.conditioning import Conditioning, condition
+from springpot.trainer.recordings.contact_point import find_contact
 from springpot.trainer.recordings.recording import Recording
 
 DEPTH_M, PEAK_N, NOISE_N, COUNT_N, DT_S = 5e-3, 8.0, 0.01, 0.012, 5e-3
@@ -55,6 +56,12 @@ def drifts(position_m: Samples, force_n: Samples, number: int) -> tuple[Samples,
 def stands_still(position_m: Samples, force_n: Samples, number: int) -> tuple[Samples, Samples]:
     last = int(np.flatnonzero(force_n > 0.5 * PEAK_N)[200])
     return position_m, np.append(force_n[:last], np.full(len(force_n) - last, force_n[last]))
+
+
+def comes_off(position_m: Samples, force_n: Samples, number: int) -> tuple[Samples, Samples]:
+    off = int(np.flatnonzero(force_n > 0.3 * PEAK_N)[200 + 40 * number])
+    noise_n = NOISE_N * np.random.default_rng(number).standard_normal(len(force_n) - off)
+    return position_m, np.append(force_n[:off], noise_n)
 
 
 def other_object(position_m: Samples, force_n: Samples, number: int) -> tuple[Samples, Samples]:
@@ -105,6 +112,33 @@ def test_a_drift_is_named_with_its_bound_and_taken_off() -> None:
 def test_a_sensor_that_stands_still_is_named_and_no_drift() -> None:
     found = kinds(presses(stands_still))
     assert "stuck" in found and "drift" not in found
+
+
+def test_a_cable_that_comes_off_is_named_and_no_object_that_flows() -> None:
+    for number, recording in enumerate(presses(comes_off)):
+        (found,) = springpot.check_recordings(recording).findings
+        off_s = DT_S * int(np.flatnonzero(press(number)[1] > 0.3 * PEAK_N)[200 + 40 * number])
+        at_s = float(found.what.split(" s")[0].split()[-1])
+        assert found.kind == "tear" or (found.kind == "gone" and off_s <= at_s < off_s + 2.0)
+    position_m = np.maximum(press(1)[0], 0.0)
+    position_m[len(position_m) // 2 :] = position_m[: len(position_m) - len(position_m) // 2]
+    slow = np.interp(np.arange(8 * len(position_m)) / 8, np.arange(len(position_m)), position_m)
+    both = np.append(position_m, slow)
+    pushed_n = np.maximum(np.diff(both, prepend=0.0), 0.0)
+    flows = Recording("putty", both, PEAK_N * pushed_n / pushed_n.max(), DT_S)
+    assert "gone" not in kinds([flows])
+
+
+@pytest.mark.parametrize("power", [2.3, 2.6])
+@pytest.mark.parametrize("preload_m", [1e-3, 1.5e-3])
+def test_a_press_that_begins_inside_shows_no_surface(power: float, preload_m: float) -> None:
+    """A curved law hides a preload in the noise; its surface would lie above all positions."""
+    position_m = DEPTH_M * np.maximum(0.0, np.sin(0.5 * np.pi * np.arange(0.0, 16.0, DT_S)))
+    force_n = PEAK_N * ((position_m + preload_m) / (DEPTH_M + preload_m)) ** power
+    for seed in range(3):
+        noise_n = 5 * NOISE_N * np.random.default_rng(seed).standard_normal(len(force_n))
+        with pytest.raises(DataError, match="never leaves the object"):
+            find_contact(Recording("inside", position_m, force_n + noise_n, DT_S))
 
 
 @pytest.mark.slow

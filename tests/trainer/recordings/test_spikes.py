@@ -11,7 +11,7 @@ from springpot import Recording, check_recordings
 from springpot.host.metrics import accuracy
 from springpot.host.validation.seen import seen_by
 from springpot.trainer.models.predict import predict_n
-from springpot.trainer.recordings.quality.channels import hold_spikes
+from springpot.trainer.recordings.quality.spikes import hold_spikes
 
 CYCLES = 0.006 + press(1.0, 0.004, 3)
 PRESSES = recording("a", press(1.0, 0.01, 3))

@@ -1,29 +1,25 @@
-"""Faults of a channel: constant, clipped, filled, coarse, or wrapped; spikes, which are replaced.
-
-A spike is a few samples far from those around them: they are replaced from the samples beside.
-"""
+"""Faults of a channel: constant, clipped, stuck, gone, filled, coarse, or wrapped."""
 
 from collections.abc import Iterator
-from dataclasses import replace
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from springpot.codegen.arrays import Indices, Samples, runs
+from springpot.codegen.arrays import Samples, runs
 from springpot.codegen.messages import number_of
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.signals import noise_n, quantisation_step
+from springpot.trainer.recordings.signals import noise_n, quantisation_step, sensor_noise_n
 
-HELD = "outliers"  # of a recording's details: what was found in each channel
-_LONGEST_M, _LONGEST_N = 5, 2  # samples of position, of force: a longer run may be an impact
-_SHARE_M, _SHARE_N = 0.25, 0.02  # of the channel's range: a spike is as far off at least
-_NOISES, _STEPS = 8.0, 5.5  # of the noise, and of the largest step around: it is farther off
-_REACH = 5  # samples to each side that are compared
-_MOST = 0.05  # of the samples
-_STILL = 0.1  # of the travel: a tool that moves more meanwhile may have hit something
 _CLIPPED_RUN, _CLIPPED_MOVE = 5, 0.05  # samples at the extreme; of the other channel's range
+_FREE = 0.1  # of the travel, taken as free of contact
 _STUCK, _DEAD = 0.05, 0.3  # of the force's range, off its level without contact; of the travel
+_GONE, _ABRUPT = 0.02, 5.0  # of the largest force: none is left; times that, just before
+_GONE_NOISES, _GONE_REACH = 4.0, 2  # of the noise; samples to each side in a running median
+_NOISY = 0.1  # of the largest force: such noise hides whether any is left
+_MIDDLE, _DEEP = 0.5, 0.7  # of the travel: in contact, wherever the surface is
+_BENDS = 2e-3  # of the travel: a motion that is bent by less goes on
+_SLOWER = 4.0  # times the samples of a way in that meets force
 _AVERAGED_SHARE = 8  # of such a row, one part is averaged
 _CLIPPED_NOISES = 6.0  # of that mean
 _HELD_S = 0.02
@@ -33,114 +29,6 @@ _LONG, _USUAL_STEPS = 0.4, 4.0  # of the range; times the usual step: a jump
 _BESIDE = 5  # samples, over which a channel moves against its jump
 _MOST_JUMPS = 0.8  # of the jumps
 _GOES_ON = 0.2  # of the other channel's range, meanwhile
-
-
-def hold_spikes(recording: Recording) -> tuple[Recording, list[Finding]]:
-    """Return the recording without spikes, and a finding for each channel that has any.
-
-    One spike would stretch the trained range, the scale of all that is fitted, and the limit of
-    force. More than 5 % of the samples are refused. The recording keeps what was found in it.
-
-    >>> position_m = 1e-3 * (1 - np.cos(np.linspace(0, 6.28, 200)))
-    >>> force_n = 500 * position_m
-    >>> force_n[50] = 900.0
-    >>> held, (finding,) = hold_spikes(Recording("a", position_m, force_n, 1e-3))
-    >>> finding.what
-    '1 of 200 samples of force jump away, the first at 0.05 s to 900 N'
-    """
-    name = recording.name
-    if known := recording.details.get(HELD):
-        replaced = ("replaced from those beside", "if the tool did so, record at a higher rate")
-        return recording, [warning("outlier", name, what, *replaced) for what in known]
-    position_m, force_n = recording.position_m, recording.force_n
-    at_m = _position_spikes(position_m, force_n)
-    held_m = _interpolated(position_m, at_m)
-    at_n = _force_spikes(held_m, force_n)
-    channels = (("position", at_m, 1e3 * position_m, "mm"), ("force", at_n, force_n, "N"))
-    found = [
-        f"{len(rows)} of {len(values)} samples of {channel} jump away, the first at "
-        f"{rows[0] * recording.dt_s:.4g} s to {values[rows[0]]:.4g} {unit}"
-        for channel, rows, values, unit in channels
-        if len(rows)
-    ]
-    if not found:
-        return recording, []
-    if max(len(at_m), len(at_n)) > _MOST * len(force_n):
-        spoiled = ("too many to be replaced", "mend the sensor or its cable, and record again")
-        return recording, [refusal("outlier", name, what, *spoiled) for what in found]
-    details, held_n = {**recording.details, HELD: found}, _interpolated(force_n, at_n)
-    held = replace(recording, position_m=held_m, force_n=held_n, details=details)
-    return hold_spikes(held)
-
-
-def _position_spikes(position_m: Samples, force_n: Samples) -> Indices:
-    """Rows of spikes, ascending: at most five samples in a row.
-
-    At an end of the recording force has to stay: it may start just before a sudden press.
-    """
-    spikes, last = np.zeros(len(position_m), dtype=bool), len(position_m) - 1
-    for run in _far_runs(position_m, _LONGEST_M, _SHARE_M):
-        inside = run[-1] + 1 if run[0] == 0 else run[0] - 1
-        step_m, step_n = (float(each[run[0]] - each[inside]) for each in (position_m, force_n))
-        follows = step_m * step_n > 0.0 and abs(step_n) > _SHARE_M * float(np.ptp(force_n))
-        spikes[run] = not follows or (run[0] > 0 and run[-1] < last)
-    return np.flatnonzero(spikes)
-
-
-def _force_spikes(position_m: Samples, force_n: Samples) -> Indices:
-    """Rows of spikes, ascending: one or two samples in a row.
-
-    Not where the tool moves by a tenth of its travel meanwhile, which may be an impact, nor at an
-    end where force goes on: a recording may begin while it relaxes.
-    """
-    spikes, last = np.zeros(len(force_n), dtype=bool), len(force_n) - 1
-    for run in _far_runs(force_n, _LONGEST_N, _SHARE_N):
-        beside_n = force_n[run[-1] + 1 :][:2] if run[0] == 0 else force_n[: run[0]][-2:]
-        goes_on = float(np.ptp(beside_n)) > _SHARE_N * float(np.ptp(force_n))
-        if (run[0] > 0 and run[-1] < last) or not goes_on:
-            moved_m = float(np.ptp(position_m[max(run[0] - 1, 0) : run[-1] + 2]))
-            spikes[run] = moved_m <= _STILL * float(np.ptp(position_m))
-    return np.flatnonzero(spikes)
-
-
-def _far_runs(samples: Samples, longest: int, share: float) -> list[Indices]:
-    """Runs of rows farther from the medians around than noise, motion and a share of the range.
-
-    The noise is by the median of second differences, which spikes hardly change; without those
-    that are 0, of a sensor that repeats its values. The motion is that of the medians.
-    """
-    second = np.abs(np.diff(samples, 2))
-    second = second[second > 0.0]
-    if len(samples) <= 2 * _REACH or not len(second):
-        return []
-    least = _NOISES * 1.4826 * float(np.median(second)) / np.sqrt(6.0)
-    if np.abs(np.diff(samples)).max() <= least:
-        return []
-    medians = np.median(sliding_window_view(samples, 2 * _REACH + 1), axis=1)
-    typical = np.pad(medians, _REACH, mode="edge")
-    steps = np.pad(np.abs(np.diff(typical)), 2 * _REACH)
-    steps = sliding_window_view(steps, 4 * _REACH).max(axis=1)
-    least = np.maximum(max(least, share * float(np.ptp(typical))), _STEPS * steps)
-    far = np.flatnonzero(np.abs(samples - typical) > least)
-    runs = np.split(far, np.flatnonzero(np.diff(far) > 1) + 1)
-    return [run for run in runs if 0 < len(run) <= longest]
-
-
-def _interpolated(samples: Samples, rows: Indices) -> Samples:
-    """The samples with these rows from those beside, on the sensor's grid if there is one.
-
-    Values off the grid would hide it, and with it the noise of a force without contact.
-    """
-    if not len(rows):
-        return samples
-    good = np.setdiff1d(np.arange(len(samples)), rows)
-    values = np.interp(rows, good, samples[good])
-    if step := quantisation_step(samples[good]):
-        first = samples[good[0]]
-        values = first + step * np.round((values - first) / step)
-    held = samples.copy()
-    held[rows] = values
-    return held
 
 
 def channel_findings(recording: Recording) -> Iterator[Finding]:
@@ -180,6 +68,7 @@ def channel_findings(recording: Recording) -> Iterator[Finding]:
                     "use a finer sensor or range, or more amplitude",
                 )  # fmt: skip
     yield from _stuck_findings(recording)
+    yield from _gone_findings(recording)
     filled = _filled_runs(recording) if not grains else []  # coarse channels repeat values
     if filled:
         begin, end = max(filled, key=lambda run: run[1] - run[0])
@@ -212,11 +101,21 @@ def _clipping_findings(
             )  # fmt: skip
 
 
+def _free_n(recording: Recording) -> float:
+    """Force at the lowest positions, N."""
+    position_m = recording.position_m
+    free_m = float(position_m.min()) + _FREE * float(np.ptp(position_m))
+    return float(np.median(recording.force_n[position_m <= free_m]))
+
+
 def _stuck_findings(recording: Recording) -> Iterator[Finding]:
     """Find a force that stands still in contact while the tool moves through the object."""
     position_m, force_n = recording.position_m, recording.force_n
-    travel_m, range_n = float(np.ptp(position_m)), float(np.ptp(force_n))
-    free_n = float(np.median(force_n[position_m <= position_m.min() + _STILL * travel_m]))
+    travel_m, range_n, free_n = (
+        float(np.ptp(position_m)),
+        float(np.ptp(force_n)),
+        _free_n(recording),
+    )
     for begin, end in runs(np.diff(force_n) == 0.0):
         moved_m = float(np.ptp(position_m[begin : end + 1]))
         in_contact = abs(force_n[begin] - free_n) > _STUCK * range_n
@@ -230,6 +129,50 @@ def _stuck_findings(recording: Recording) -> Iterator[Finding]:
                 "no sample of the sensor came through", "cut the recording there",
             )  # fmt: skip
             return
+
+
+def _gone_findings(recording: Recording) -> Iterator[Finding]:
+    """Find the first row at which force is gone."""
+    position_m = recording.position_m
+    for row in _gone(position_m, np.abs(recording.force_n - _free_n(recording))):
+        yield warning(
+            "gone", recording.name,
+            f"force is gone at {row * recording.dt_s:.4g} s, with the tool "
+            f"{1e3 * (position_m[row] - position_m.min()):.3g} mm from its lowest position",
+            "a cable came off, or the object tore or stays dented", "cut the recording there",
+        )  # fmt: skip
+        return
+
+
+def _gone(x: Samples, rise: Samples) -> Iterator[int]:
+    """Rows from which on the tool is deep in the object, and meets no force where it met some.
+
+    An object relaxes, and one that flows answers a slow press with little. So the force falls from
+    one sample to the next while the tool goes on as before; or there is none on a whole way in that
+    takes no more than four times the samples of one with force.
+    """
+    noise_n = _GONE_NOISES * sensor_noise_n(rise)
+    if len(x) <= 2 * _GONE_REACH or noise_n > _NOISY * rise.max():
+        return
+    samples = sliding_window_view(np.pad(rise, _GONE_REACH, mode="edge"), 2 * _GONE_REACH + 1)
+    rise = np.median(samples, axis=1)
+    middle_m, deep_m = (float(x.min() + share * np.ptp(x)) for share in (_MIDDLE, _DEEP))
+    most_n = max(_GONE * float(rise.max()), noise_n)
+
+    def way_in(begin: int, end: int) -> int:
+        """Samples from row `begin`, in the middle, to the first deep one; 0 if there is none."""
+        return (
+            int(np.argmax(x[begin:end] >= deep_m)) if begin > 0 and x[begin - 1] < middle_m else 0
+        )
+
+    ways = [(begin, way_in(begin, end)) for begin, end in runs(x >= middle_m)]
+    longest = _SLOWER * max((way for begin, way in ways if rise[begin + way] > most_n), default=0)
+    for begin, end in runs((x >= middle_m) & (rise <= most_n)):
+        near = x[max(0, begin - 2 * _GONE_REACH) : begin + _GONE_REACH + 1]
+        falls = begin > 0 and end - begin > _GONE_REACH and rise[begin - 1] > _ABRUPT * most_n
+        goes_on = abs(near[0] - 2.0 * x[begin - 1] + near[-1]) <= _BENDS * float(np.ptp(x))
+        if (falls and goes_on) or 0 < way_in(begin, end) <= longest:
+            yield begin
 
 
 def _excursion(other: Samples, channel: str) -> float:

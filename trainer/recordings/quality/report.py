@@ -16,7 +16,7 @@ from springpot.codegen.messages import counted
 from springpot.codegen.types import JsonObject
 from springpot.trainer.recordings.conditioning import find_air_drift
 from springpot.trainer.recordings.contact_point import ContactPoint, find_contact
-from springpot.trainer.recordings.quality.channels import channel_findings, hold_spikes
+from springpot.trainer.recordings.quality.channels import channel_findings
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
 from springpot.trainer.recordings.quality.repeats import (
     Cycles,
@@ -28,6 +28,7 @@ from springpot.trainer.recordings.quality.repeats import (
     skew_findings,
 )
 from springpot.trainer.recordings.quality.signs import Signs, find_signs, sign_findings
+from springpot.trainer.recordings.quality.spikes import hold_spikes
 from springpot.trainer.recordings.quality.units import glance, unit_findings
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.recording_file import Recordings, given_recordings
@@ -118,10 +119,12 @@ def check_recordings(given: Recordings) -> QualityReport:
         cycles.append(find_cycles(recording))
         found += channel_findings(recording)
         if not _refused(found):  # one cause, one line: a constant has no unit, a wrap turns signs
-            # A sensor that stands still seems to drift, and to give energy.
+            # A sensor that stands still seems to drift, and to give energy; a force that is torn
+            # or late is missed on the next way in.
             stuck = any(finding.kind == "stuck" for finding in found)
-            its = sign_findings(recording, signs[-1])
-            found += [each for each in its if not (stuck and each.kind == "energy")]
+            its = list(sign_findings(recording, signs[-1]))
+            its = [finding for finding in its if not (stuck and finding.kind == "energy")]
+            found = [finding for finding in found if not (its and finding.kind == "gone")] + its
             spoiled = _refused(found) or stuck  # a turned sign moves the contact
             whole += [] if spoiled else [recording]
             found += unit_findings(recording)
@@ -204,10 +207,11 @@ def _surface_findings(met: Sequence[Met]) -> Iterator[Finding]:
     position 0, others that begin deeper do not say that the surface is elsewhere. To put each of
     them at 0 would take away what the object remembers.
     """
-    off = [item for item in met if _is_off(*item, bounds=2.0)]
-    if not off:
+    sure = any(_is_off(*item, bounds=2.0) for item in met)
+    agree = len(met) > 1 and all(_is_off(*item, bounds=1.0) for item in met)
+    if not sure and not agree:
         return
-    off = [item for item in met if _is_off(*item, bounds=0.0)]  # one that is sure is enough
+    off = [item for item in met if _is_off(*item, bounds=0.0)]
     first = min(met, key=lambda item: item[1].position_m)
     where = off[0][0].name if len(off) == 1 else f"{len(off)} recordings"
     usual_m = float(np.median([contact.position_m for _, contact in off]))

@@ -15,8 +15,8 @@ import numpy as np
 from springpot.codegen.arrays import Flags, Samples
 from springpot.codegen.types import JsonObject
 from springpot.trainer.recordings.formats.units import parts_of
-from springpot.trainer.recordings.quality.channels import hold_spikes
 from springpot.trainer.recordings.quality.finding import Finding, refusal, three_digits, warning
+from springpot.trainer.recordings.quality.spikes import hold_spikes
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.signals import noise_n
 
