@@ -1,9 +1,13 @@
-"""The size of springpot: what is added must be taken away elsewhere."""
+"""The size of springpot: what is added must be taken away elsewhere; what a release needs."""
 
 import re
 import subprocess
+import sys
+import tomllib
+from pathlib import Path
 
 import pytest
+from support.pages.job import small_job
 from support.paths import ROOT
 
 import springpot
@@ -29,7 +33,7 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
         ("trainer/*.py", 8685),
         ("host/*.py", 12952),
         ("runtime_c/*.[ch] codegen/*.j2", 7721),
-        ("tests/*.py", 20532),
+        ("tests/*.py", 20138),
     ],
 )
 def test_lines(what: str, most: int) -> None:
@@ -55,3 +59,51 @@ def test_names_commands_and_kinds() -> None:
 def test_types_are_written() -> None:
     lines = [line for text in tracked(*PYTHON) for line in text.splitlines()]
     assert sum(bool(re.search(r"\bAny\b", line)) for line in lines) <= 150
+
+
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
+VERSION = PROJECT["version"]
+
+
+def test_the_version_is_said_where_a_release_says_it_and_nowhere_else() -> None:
+    assert f"\nversion: {VERSION}\n" in (ROOT / "CITATION.cff").read_text()
+    assert re.search(rf"^## {re.escape(VERSION)}\b", (ROOT / "CHANGELOG.md").read_text(), re.M)
+    assert not [text for text in tracked("*.py") if f'"{VERSION}"' in text]
+
+
+def test_everything_locked_has_a_hash_and_everything_needed_is_locked() -> None:
+    lock = (ROOT / "requirements.lock").read_text()
+    pins = re.findall(r"^([\w.-]+)==\S+.*?\n((?:    --hash=sha256:[0-9a-f]{64}.*\n)+)", lock, re.M)
+    locked = {name.lower() for name, _ in pins}
+    assert len(pins) == len(re.findall(r"^\S+==", lock, re.M))
+    extras = PROJECT["optional-dependencies"]
+    needed = [*PROJECT["dependencies"], *(item for name in extras for item in extras[name])]
+    names = {re.split(r"[\[>=]", item)[0].lower() for item in needed}
+    assert names - locked == {"springpot", "ziglang"}  # ziglang: where there is no compiler at all
+
+
+EXTRAS = ("scipy", "sklearn", "joblib", "matplotlib", "can", "m2cgen", "statsmodels")
+CODE = (
+    "import sys\nfor name in {!r}: sys.modules[name] = None\n"
+    "sys.argv = ['springpot', *{!r}]\nfrom springpot.host.cli import main\nmain()"
+)
+RENDERING = (
+    "check training",
+    "emit --scene scene.toml --out c",
+    "validate c --recording validation",
+    "stability --scene scene.toml",
+    "run --scene scene.toml --device sim://ecoflex-00-30 --seconds 0.5 --log felt.h5",
+    "validate c --recording felt.h5",
+)
+
+
+@pytest.mark.slow
+def test_what_is_required_renders(tmp_path: Path) -> None:
+    small_job(tmp_path)
+    for line in RENDERING:
+        absent = EXTRAS if "--device" in line else (*EXTRAS, "serial")
+        done = subprocess.run(
+            [sys.executable, "-c", CODE.format(absent, line.split())],
+            cwd=tmp_path, capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        assert done.returncode == 0, f"{line}\n{done.stderr}"

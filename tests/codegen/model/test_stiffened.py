@@ -4,32 +4,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from support.small import DEPTH_M, press, scene, training
+from support.small import DEPTH_M, VARIANTS, fitted, press, scene
 
 from springpot import Model
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.scene import Guard
 from springpot.host.native.scene_library import built
-from springpot.trainer.kinds import fit_model
-from springpot.trainer.models.fit import FitOptions
 
 POWER_OF_TWO = 8.0  # exact, so that every decision is the same
-OPTIONS = FitOptions(trees=4, leaf=20, n_centers=20, poles=4)
-KINDS = {
-    "fir": ("rf-fd", OPTIONS),
-    "fir quantised": ("rf-fd", replace(OPTIONS, round_features=True)),
-    "fir-fast": ("rf-fd", replace(OPTIONS, engine="fir-fast")),
-    "fir-fast quantised": ("rf-fd", replace(OPTIONS, engine="fir-fast", round_features=True)),
-    "recursive": ("rf-fd", replace(OPTIONS, engine="recursive")),
-    "recursive quantised": ("rf-fd", replace(OPTIONS, engine="recursive", round_features=True)),
-    "lags": ("rf-fd", replace(OPTIONS, past_positions=True)),
-    "lags quantised": ("rf-fd", replace(OPTIONS, past_positions=True, round_features=True)),
-    "rbf": ("rbf-fd", OPTIONS),
-    "rbf fir-fast": ("rbf-fd", replace(OPTIONS, engine="fir-fast")),
-    "position and velocity": ("rbf-pv", OPTIONS),
-    "passive": ("hammerstein", OPTIONS),
-    "springpot": ("springpot", OPTIONS),
-}
 
 
 def forces(model: Model, *motions_m: np.ndarray) -> list[np.ndarray]:
@@ -40,10 +22,9 @@ def forces(model: Model, *motions_m: np.ndarray) -> list[np.ndarray]:
 
 
 @pytest.mark.few(1)
-@pytest.mark.parametrize("what", KINDS)
-def test_the_emitted_force_of_the_stiffened_model_is_the_models_at_factor_x(what: str) -> None:
-    kind, options = KINDS[what]
-    model = fit_model(kind, "x", training(), options).model
+@pytest.mark.parametrize("variant", VARIANTS)
+def test_the_emitted_force_of_the_stiffened_model_is_the_models_at_factor_x(variant: str) -> None:
+    model = fitted(variant)
     motion = np.concatenate([press(2.0, 0.8 * DEPTH_M), press(4.0, 1.1 * DEPTH_M)])
     soft, wrong = forces(model, motion, motion / POWER_OF_TWO)
     (stiff,) = forces(model.stiffened(POWER_OF_TWO), motion / POWER_OF_TWO)

@@ -5,20 +5,18 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.small import DEPTH_M, model_file, scene, small_model, training
+from support.small import DEPTH_M, fitted, model_file, scene, small_model
 
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.notes import OUTSIDE
 from springpot.codegen.scene import Guard
 from springpot.host.emission.emission import emit
 from springpot.host.native.scene_library import SceneLibrary
-from springpot.trainer.kinds import fit_model
-from springpot.trainer.models.fit import FitOptions
 
 
 def pressed(folder: Path, kind: str, outside: str) -> tuple[np.ndarray, np.ndarray, int]:
     """Depth, force and notes of a slow press to 1.3 x the trained depth and back."""
-    model = fit_model(kind, "x", training(), FitOptions(trees=5, leaf=20, smooth_s=0.025)).model
+    model = fitted(kind, smooth_s=0.025)
     chosen = dataclasses.replace(
         scene(number="float64"), guard=Guard(outside=outside, max_force_n=1000.0)
     )

@@ -4,14 +4,17 @@ import json
 import os
 import re
 import subprocess
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 
+import click
 import pytest
 from support.in_process import spring
 from support.peer import CLI
 from support.small import model_file, training
 
+from springpot.host.cli import springpot as command_line
 from springpot.trainer.recordings.recording_file import write_recording
 
 
@@ -95,3 +98,50 @@ def test_validation_is_at_the_rate_of_the_scene(job: Path, tmp_path: Path) -> No
     assert "sampled at 1000 Hz, the scene at 500 Hz" in told
     found = run("validate", tmp_path / "c", "--recording", tmp_path / "half.h5", "--json")
     assert json.loads(found.stdout)["rmse_percent_of_peak"] < 5
+
+
+def words_of(group: click.Group, above: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+    for name in group.list_commands(click.Context(group)):
+        command = group.get_command(click.Context(group), name)
+        if isinstance(command, click.Group):
+            yield from words_of(command, (*above, name))
+            continue
+        for one in command.params if command else ():
+            if isinstance(one, click.Argument):
+                yield (*above, name, "")
+            elif isinstance(one, click.Option) and not one.is_flag:
+                yield (*above, name, one.opts[0], "")
+                yield (*above, name, f"{one.opts[0]}=")
+
+
+def test_no_command_takes_an_empty_word(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    given = list(words_of(command_line))
+    assert ("import", "") in given
+    assert ("study", "plan", "--out=") in given
+    for words in given:
+        done = spring(*words)
+        assert done.returncode == 2, words
+        assert "is empty" in done.stderr, done.stderr
+        assert done.stderr.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_log_is_compared_with_the_c_and_leaves_the_validation_alone(job: Path) -> None:
+    press_file, log = job / "press.h5", job / "felt.h5"
+    validated = spring("validate", job / "c", "--recording", press_file)
+    assert "mean error" in validated.stdout
+    noted = " ".join(validated.stdout.split())
+    assert "ticks with notes resync 1 (history begins anew here)" in noted
+    before = (job / "c" / "validation" / "result.json").read_text()
+    device = f"replay://{press_file}"
+    spring("run", "--scene", job / "c", "--device", device, "--log", log)
+    felt = spring("validate", job / "c", "--recording", log)
+    assert felt.returncode == 0, felt.stderr
+    words = " ".join(felt.stdout.split())
+    assert "what was felt is what the model says" in words
+    assert "not with a measured object" in words
+    assert "RMSE" not in words
+    assert (job / "c" / "validation" / "result.json").read_text() == before
+    other = spring("run", "--scene", job / "c", "--device", "sim://ecoflex-00-30?variant=b")
+    assert other.returncode == 2 and "leave them out where a scene is rendered" in other.stderr

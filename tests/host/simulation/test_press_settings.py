@@ -13,7 +13,7 @@ def test_a_rested_object_remembers_and_a_fresh_one_does_not() -> None:
     depths_m = {}
     for query in ("", "?rest=1"):
         bench = SimulatedBench(parse_url(f"sim://mullins{query}"))
-        depths_m[query] = [bench.press(0.5 * HALF_S)[0].max() for _ in range(1)]
+        depths_m[query] = [bench.press(0.5 * HALF_S)[0].max()]
         bench.press(HALF_S)
         depths_m[query].append(bench.press(0.5 * HALF_S)[0].max())
     fresh, rested = depths_m[""], depths_m["?rest=1"]

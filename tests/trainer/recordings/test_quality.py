@@ -1,4 +1,4 @@
-"""The quality report: each fault is found, and not found where it is not."""
+"""The quality report: each fault, and a delay of the force, is found, and not where it is not."""
 
 import itertools
 from dataclasses import replace
@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.files.mach1 import mach1_recordings
+from support.presses.structures import recorded
 from support.small import training
 
 import springpot
@@ -156,3 +157,39 @@ def test_stiffness_of_the_real_sinusoids(mach1_file: Path) -> None:
     assert stiffness[::4] == pytest.approx([912, 1035], abs=1)
     assert report.findings == []
     assert cycles[-1]["loss"]["angle_uncertainty_rad"] < 0.2
+
+
+@pytest.mark.parametrize("skew_ms", [-2, 0, 2, 6])
+def test_skew_is_estimated_with_its_uncertainty(skew_ms: int) -> None:
+    recordings = []
+    for hz in (0.75, 1.0, 2.0, 3.0, 5.0, 8.0):
+        lead_rad = 0.06 + 0.01 * np.log(hz) - 2 * np.pi * hz * skew_ms * 1e-3
+        recordings.append(sine(f"{hz}", hz, lead_rad))
+    report = check_recordings(recordings)
+    assert abs(report.skew.delay_s * 1e3 - skew_ms) < report.skew.uncertainty_s * 1e3
+    assert report.skew.uncertainty_s < 3e-3
+    found = [finding for finding in report.findings if finding.kind == "alignment"]
+    assert bool(found) == (abs(skew_ms) > 2)
+    stated = check_recordings([replace(r, force_delay_s=skew_ms * 1e-3) for r in recordings])
+    assert "alignment" not in {finding.kind for finding in stated.findings}
+    for metadata in stated.recordings:
+        loss = metadata["cycles"]["loss"]
+        true_rad = 0.06 + 0.01 * np.log(metadata["cycles"]["frequency_hz"])
+        assert abs(loss["angle_rad"] - true_rad) < loss["angle_uncertainty_rad"]
+    # Of one frequency nothing can be told, and no loss is quoted.
+    alone = check_recordings(recordings[:1])
+    assert alone.skew is None
+    assert alone.recordings[0]["cycles"]["loss"] is None
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("structure", ["left-out-depth", "third-repeat"])
+@pytest.mark.parametrize("name", ["bergstrom-boyce", "stiffening-tissue", "mullins",
+                                  "poro-viscoelastic", "ecoflex-00-10"])  # fmt: skip
+def test_presses_without_a_delay_are_not_said_to_have_one(
+    name: str, structure: str, tmp_path: Path
+) -> None:
+    """The first press of an object that settles loses more than a cycle does, at each speed."""
+    rest = "?rest=2" if structure == "third-repeat" else ""
+    presses = recorded(f"sim://{name}{rest}", structure, tmp_path / "a")
+    assert "alignment" not in {found.kind for found in check_recordings(presses).findings}
