@@ -2,12 +2,9 @@
 
 import re
 import subprocess
-import sys
 import tomllib
-from pathlib import Path
 
 import pytest
-from support.pages.job import small_job
 from support.paths import ROOT
 
 import springpot
@@ -33,7 +30,7 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
         ("trainer/*.py", 8685),
         ("host/*.py", 12952),
         ("runtime_c/*.[ch] codegen/*.j2", 7721),
-        ("tests/*.py", 20138),
+        ("tests/*.py", 20000),
     ],
 )
 def test_lines(what: str, most: int) -> None:
@@ -80,30 +77,3 @@ def test_everything_locked_has_a_hash_and_everything_needed_is_locked() -> None:
     needed = [*PROJECT["dependencies"], *(item for name in extras for item in extras[name])]
     names = {re.split(r"[\[>=]", item)[0].lower() for item in needed}
     assert names - locked == {"springpot", "ziglang"}  # ziglang: where there is no compiler at all
-
-
-EXTRAS = ("scipy", "sklearn", "joblib", "matplotlib", "can", "m2cgen", "statsmodels")
-CODE = (
-    "import sys\nfor name in {!r}: sys.modules[name] = None\n"
-    "sys.argv = ['springpot', *{!r}]\nfrom springpot.host.cli import main\nmain()"
-)
-RENDERING = (
-    "check training",
-    "emit --scene scene.toml --out c",
-    "validate c --recording validation",
-    "stability --scene scene.toml",
-    "run --scene scene.toml --device sim://ecoflex-00-30 --seconds 0.5 --log felt.h5",
-    "validate c --recording felt.h5",
-)
-
-
-@pytest.mark.slow
-def test_what_is_required_renders(tmp_path: Path) -> None:
-    small_job(tmp_path)
-    for line in RENDERING:
-        absent = EXTRAS if "--device" in line else (*EXTRAS, "serial")
-        done = subprocess.run(
-            [sys.executable, "-c", CODE.format(absent, line.split())],
-            cwd=tmp_path, capture_output=True, text=True, check=False,
-        )  # fmt: skip
-        assert done.returncode == 0, f"{line}\n{done.stderr}"

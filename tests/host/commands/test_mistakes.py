@@ -24,8 +24,6 @@ from springpot.trainer.recordings.recording_file import read_recordings
 TABLE = tomllib.loads((ROOT / "tests/data/mistakes.toml").read_text("utf-8"))
 MISTAKES: dict[str, dict[str, Any]] = TABLE["factors"] | TABLE["faults"]
 LIMIT = 0.1  # of the peak force
-
-
 CASES = [(mistake, name) for part in TABLE["cases"] for mistake in part["mistakes"]
          for name in part["objects"]]  # fmt: skip
 
