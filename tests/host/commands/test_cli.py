@@ -209,7 +209,7 @@ def validated(job: Path) -> Path:
 @pytest.mark.parametrize(
     "arguments",
     [
-        ["train", "rec", "--model", "rf-fd", "--out", "model.spm"],
+        ["train", "rec", "--model", "hammerstein", "--out", "model.spm"],
         ["emit", "--scene", "scene.toml", "--out", "c"],
         ["validate", "c", "--recording", "rec"],
         ["report", "c"],

@@ -1,5 +1,7 @@
 """What a session warns of while it runs: rows by hand, and a session deeper than trained."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 from support.sessions import ended
@@ -11,9 +13,12 @@ from springpot.host.native.c_library import COLUMN, NONE, empty_rows
 from springpot.host.session.live_warnings import LiveWarnings
 from springpot.trainer.recordings.recording_file import read_recording, write_recording
 
-PLAN = make_plan(passive_model(), scene())
 DEEP = "deeper than was recorded"
-TRAINED_MPS = PLAN.model.trained.max_mps
+
+
+@cache
+def plan():
+    return make_plan(passive_model(), scene())
 
 
 def rows_of(ticks, begin=0, position_m=0.005, notes=0):
@@ -29,7 +34,9 @@ def rows_of(ticks, begin=0, position_m=0.005, notes=0):
 def watched(rows, drain=20):
     """What is said of rows that come so many at a time: lines with their tick, events."""
     said = []
-    warnings = LiveWarnings(PLAN, lambda line: said.append((at + drain, line)))
+    warnings = LiveWarnings(
+        make_plan(passive_model(), scene()), lambda line: said.append((at + drain, line))
+    )
     for at in range(0, len(rows), drain):
         warnings.append(rows[at : at + drain])
     return said, warnings.finish()
@@ -61,14 +68,15 @@ def test_what_belongs_to_a_session_is_no_warning():
 
 
 def test_a_fast_press_is_told_and_a_glitch_or_free_air_is_not():
-    fast = 5.0 * TRAINED_MPS * 1e-3 * np.arange(60)
+    trained_mps = passive_model().trained.max_mps
+    fast = 5.0 * trained_mps * 1e-3 * np.arange(60)
     rows = rows_of(3000)
     rows[1000:1060, COLUMN["position_m"]] = 0.001 + fast
     rows[1060:, COLUMN["position_m"]] = 0.001 + fast[-1]
     said, events = watched(rows)
     assert [event["what"] for event in events] == ["faster than four times the recorded speed"]
     assert 40 <= events[0]["count"] <= 80
-    assert f"{5 * TRAINED_MPS:.4g} of {4 * TRAINED_MPS:.4g} m/s" in said[0][1]
+    assert f"{5 * trained_mps:.4g} of {4 * trained_mps:.4g} m/s" in said[0][1]
     rows[:, COLUMN["position_m"]] -= 1.0  # the same in free air
     assert watched(rows) == ([], [])
     slower = rows_of(3000)

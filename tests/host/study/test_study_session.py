@@ -27,7 +27,7 @@ def plan(tmp_path: Path) -> StudyPlan:
     return planned_study(tmp_path, 1)
 
 
-def types(monkeypatch: pytest.MonkeyPatch, *lines: str, seconds: float = 0.25) -> None:
+def types(monkeypatch: pytest.MonkeyPatch, *lines: str, seconds: float = 0.18) -> None:
     monkeypatch.setattr("sys.stdin", Typist(list(lines), seconds))
 
 
@@ -74,7 +74,7 @@ def test_sessions_to_the_last_question(plan: StudyPlan, monkeypatch: pytest.Monk
             assert log.force_n[called & pressing].max() > 0.2
         else:
             assert called.sum() < 100  # until the pause
-        assert float(row["seconds"]) > 0.6
+        assert float(row["seconds"]) > 0.45
 
 
 def test_killed_in_a_trial_and_a_row_cut_it_goes_on(plan: StudyPlan) -> None:
@@ -91,7 +91,7 @@ def test_killed_in_a_trial_and_a_row_cut_it_goes_on(plan: StudyPlan) -> None:
     typed = (
         "import pathlib, sys, time\n"
         "while not pathlib.Path(sys.argv[1]).exists(): time.sleep(0.1)\n"
-        "for line in ('l', 'r', '60'): time.sleep(1), print(line, flush=True)"
+        "for line in ('l', 'r', '60'): time.sleep(0.3), print(line, flush=True)"
     )
     with subprocess.Popen([sys.executable, "-c", typed, again], stdout=subprocess.PIPE) as typist:
         done = subprocess.run([*command, "--json"], stdin=typist.stdout, capture_output=True,
