@@ -47,7 +47,8 @@ GAP = pytest.mark.xfail(
     reason="`auto` stops at a gap below the stiffest proxies of the heavier device: 18 % softer",
     strict=True,
 )
-SLOW = {k: [pytest.mark.slow, *[GAP] * (k == 125)] for k in range(9, 500)}
+SLOW = {k: [pytest.mark.slow, *[pytest.mark.long] * (k > 130), *[GAP] * (k == 125)]
+        for k in range(9, 500)}  # fmt: skip
 
 
 @pytest.mark.parametrize(
