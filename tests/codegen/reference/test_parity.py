@@ -52,12 +52,9 @@ def test_same_bits_on_hostile_motion(number: str, shape: str, seed: int) -> None
     assert force_n.max() > 1.0
 
 
-@pytest.mark.slow
+@pytest.mark.few(0, 4)
 @pytest.mark.parametrize("number", NUMBERS)
-@pytest.mark.parametrize(
-    ("seed", "ticks"),
-    [(6, 500), *(pytest.param(seed, 4000, marks=pytest.mark.slow) for seed in (1, 2))],
-)
+@pytest.mark.parametrize(("seed", "ticks"), [(6, 500), (1, 4000), (2, 4000)])
 def test_same_bits_where_the_reference_finds_the_proxy(number: str, seed: int, ticks: int) -> None:
     motion = np.concatenate([press(5.0), np.full(40, -1e-3), wandering(seed, ticks)])
     force_n, _ = require_same_bits(plan_of("proxy", number), motion, find=True)

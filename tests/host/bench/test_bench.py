@@ -166,11 +166,12 @@ def wait_for(file: Path) -> None:
 
 
 @pytest.mark.slow
+@mock.patch.object(front, "PACED_S", 0.2)
 def test_two_workers_give_the_points_of_one_machine(tmp_path: Path) -> None:
     from distributed import Client  # slow to load, and this test alone needs it
 
     recordings = str(tmp_path / "training")
-    write_recordings(recordings, training())
+    write_recordings(recordings, training()[::2])
     known = tmp_path / "scheduler.json"
     with ExitStack() as stack:
         stack.enter_context(

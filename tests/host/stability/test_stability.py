@@ -65,14 +65,10 @@ CASES = {
     "hold", "tap-4hz", "tap-8hz", "fast", "deep", "stiff", "jitter", "drops", "long-hold",
     "glitch", "nan",
 }  # fmt: skip
-FAST = (("dragon-skin-10", "hammerstein"), ("dragon-skin-10", "rf-fd"))  # the stiffest
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize(
-    ("name", "kind"),
-    [pytest.param(*pair, marks=() if pair in FAST else pytest.mark.slow) for pair in LISTED],
-)
+@pytest.mark.few(0, 4)  # the stiffest first
+@pytest.mark.parametrize(("name", "kind"), LISTED[::-1])
 def test_every_case_is_bounded_quiet_and_faithful(name: str, kind: str) -> None:
     plan = make_plan(simulated_model(name, kind), PLAIN)
     # Ten times as stiff, that one is 1.004 mm/s in the stiff pinch: `auto` is at its margin there.

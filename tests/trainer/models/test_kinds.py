@@ -77,7 +77,7 @@ def test_the_papers_forest_on_a_frequency_it_never_saw(
 PASSIVE_PERCENT = [("0.1", 0.7), ("0.2", 0.4), ("0.5", 0.45), ("1", 0.6), ("2", 1.1)]
 
 
-@pytest.mark.slow
+@pytest.mark.few(0, 2)
 @pytest.mark.parametrize(("held_out", "limit"), PASSIVE_PERCENT)
 def test_the_passive_model_on_a_frequency_it_never_saw(
     mach1: dict, held_out: str, limit: float
@@ -114,6 +114,13 @@ def curves() -> dict[str, Recording]:
     [("15 30", "20 25", 4.75), ("15 20 25 30", "15 20 25 30", 3.3)],
 )
 def test_vhb_in_tension(trained: str, tested: str, percent: float) -> None:
+    """The passive model beside what others published of the same recordings.
+
+    VHB 4910 to four stretches at three rates (Hossain, Vu, Steinmann 2012). The predictions that
+    vCANN stores (arXiv 2303.12164) miss the eleven curves by 4.9 % of each one's peak, geometric
+    mean, and the six of stretches 2.0 and 2.5 by 7.1 %.
+    """
+
     def those(stretches: str) -> list[Recording]:
         names = ["loading_" + "d".join(word) for word in stretches.split()]
         return [its for name, its in curves().items() if name.startswith(tuple(names))]

@@ -80,7 +80,7 @@ def test_the_fit_predicts_what_scikit_learn_predicts() -> None:
     np.testing.assert_allclose(predict_n(model, item), expected, rtol=0, atol=rounding_n)
 
 
-@pytest.mark.slow
+@pytest.mark.few(0, 1)
 @pytest.mark.parametrize("name", ["ecoflex-00-30", "dragon-skin-10"])
 def test_the_papers_forest_is_that_of_its_text(name: str) -> None:
     """Written again: equation (15), 25 samples averaged, 100 trees; on the same fifth of rows."""
