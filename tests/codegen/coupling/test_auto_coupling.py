@@ -47,7 +47,7 @@ GAP = pytest.mark.xfail(
     reason="`auto` stops at a gap below the stiffest proxies of the heavier device: 18 % softer",
     strict=True,
 )
-SLOW = {k: [pytest.mark.slow, *[pytest.mark.long] * (40 <= k != 125), *[GAP] * (k == 125)]
+SLOW = {k: [pytest.mark.slow, *[pytest.mark.long] * (20 <= k != 125), *[GAP] * (k == 125)]
         for k in range(9, 500)}  # fmt: skip
 
 

@@ -143,7 +143,7 @@ def forces(model: Model, *motions_m: np.ndarray) -> list[np.ndarray]:
 @pytest.mark.few(1)
 @pytest.mark.parametrize("variant", VARIANTS)
 def test_the_emitted_force_of_the_stiffened_model_is_the_models_at_factor_x(variant: str) -> None:
-    model = fitted(variant)
+    model = fitted(variant, n_centers=20, poles=4)
     motion = np.concatenate([press(2.0, 0.8 * DEPTH_M), press(4.0, 1.1 * DEPTH_M)])
     soft, wrong = forces(model, motion, motion / POWER_OF_TWO)
     (stiff,) = forces(model.stiffened(POWER_OF_TWO), motion / POWER_OF_TWO)
