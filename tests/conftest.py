@@ -29,7 +29,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """`few(n)`: all but the first n cases are slow; so is what was skipped elsewhere."""
+    """`few(n, m)`: cases behind the first n are slow, behind m long; what was skipped, slow."""
     again = set(SKIPPED.read_text().split("\n")) if SKIPPED.exists() else set()
     cases: Counter[str] = Counter()
     for item in items:
@@ -38,6 +38,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         few = item.get_closest_marker("few")
         if item.nodeid in again or (few and cases[test] > few.args[0]):
             item.add_marker("slow")
+        if few and cases[test] > few.args[-1] and len(few.args) > 1:
+            item.add_marker("long")
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:

@@ -1,4 +1,7 @@
-"""The command line without a process of its own: loading numpy and click once is enough."""
+"""The command line without a process of its own: loading numpy and click once is enough.
+
+Where a command validates, ticks are paced for a tenth of a second, not for three.
+"""
 
 import io
 import subprocess
@@ -7,13 +10,19 @@ from contextlib import redirect_stderr, redirect_stdout
 from unittest import mock
 
 from springpot.host.cli import main
+from springpot.host.validation.validation import validate
 
 
 def spring(*arguments: object) -> subprocess.CompletedProcess[str]:
     """What `springpot ARGUMENTS` returns and prints."""
     command = ["springpot", *map(str, arguments)]
     out, err, status = io.StringIO(), io.StringIO(), 0
-    with mock.patch.object(sys, "argv", command), redirect_stdout(out), redirect_stderr(err):
+    with (
+        mock.patch.object(sys, "argv", command),
+        mock.patch.object(validate, "__defaults__", (0.1,)),
+        redirect_stdout(out),
+        redirect_stderr(err),
+    ):
         try:
             main()
         except SystemExit as end:

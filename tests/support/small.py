@@ -3,6 +3,7 @@
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -45,6 +46,33 @@ def training() -> tuple[Recording, ...]:
         for share in (0.3, 0.7, 1.0)
         for frequency_hz in (0.5, 1.0, 3.0, 5.0)
     )
+
+
+# Every part of a model: its kind, and options beside those of `fitted`.
+VARIANTS: dict[str, tuple[str, dict[str, Any]]] = {
+    "rf-fd": ("rf-fd", {}),
+    "rbf-fd": ("rbf-fd", {}),
+    "hammerstein": ("hammerstein", {}),
+    "rbf-fd-fast": ("rbf-fd", {"engine": "fir-fast"}),
+    "rbf-pv": ("rbf-pv", {}),
+    "rbf-pv-averaged": ("rbf-pv", {"velocity_weight": 0.7}),
+    "rf-fd-fast": ("rf-fd", {"engine": "fir-fast"}),
+    "rf-fd-fast-quantised": ("rf-fd", {"engine": "fir-fast", "round_features": True}),
+    "rf-fd-long": ("rf-fd", {"window_s": 2.0}),
+    "rf-fd-long-quantised": ("rf-fd", {"window_s": 2.0, "round_features": True}),
+    "rf-fd-quantised": ("rf-fd", {"round_features": True}),
+    "rf-history": ("rf-fd", {"past_positions": True}),
+    "rf-history-quantised": ("rf-fd", {"past_positions": True, "round_features": True}),
+    "springpot": ("springpot", {}),
+}
+
+
+@cache
+def fitted(variant: str, **options: Any) -> Model:
+    """Fit one of VARIANTS; options: in place of its own."""
+    kind, own = VARIANTS[variant]
+    asked = FitOptions(**{"trees": 5, "leaf": 20, **own, **options})
+    return fit_model(kind, variant, training(), asked).model
 
 
 @cache

@@ -31,7 +31,6 @@ class Calls:
         self.state: Any = loaded.memory(library.state_bytes, "sp_state")
         self.bytes = np.frombuffer(loaded.ffi.buffer(self.state, library.state_bytes), np.uint8)
         self.force = loaded.ffi.new(f"{library.real} *")
-        self._has = ("step", "idle")
 
     def init(self) -> None:
         self._library.function("init")(self.state)
@@ -39,8 +38,8 @@ class Calls:
     def all(self, at_m: float, dt_s: float = 1e-3) -> Iterator[tuple[int, float]]:
         """Note or error, and the force, of each call; dt_s: of those that take a time."""
         arguments = {"step": (at_m, 0.0), "idle": (dt_s,)}
-        for name in self._has:
-            found = self._library.function(name)(self.state, *arguments[name], self.force)
+        for name, its in arguments.items():
+            found = self._library.function(name)(self.state, *its, self.force)
             yield found, self.force[0]
 
 

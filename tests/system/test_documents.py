@@ -1,17 +1,27 @@
-"""The documents are of the program: commands, options, scenes and kinds of blocks exist."""
+"""The documents are of the program: what they name exists, and their commands give what is said."""
 
+import json
+import os
 import re
 import shlex
+import shutil
+import subprocess
+from contextlib import ExitStack
 from pathlib import Path
+from typing import Any
 
 import click
 import pytest
-from support.pages.documents import PAGES, Block, blocks, inline_commands, name_of
+from support.pages.documents import PAGES, Block, blocks, inline_commands, name_of, page_blocks
 from support.pages.job import SCENE
+from support.pages.notebooks import QUICK_START, code_cells, run_cells
 from support.pages.prepared_pages import PREPARED
+from support.pages.run_pages import print_urls, run_page
 from support.paths import ROOT
+from support.peer import CLI, peer
 
 from springpot.host.cli import springpot
+from springpot.host.devices.drivers import parse_device
 from springpot.host.emission.scene_file import read_scene
 from springpot.host.recording.protocols import load_protocol
 from springpot.host.study.definition import read_study
@@ -87,3 +97,119 @@ def test_every_scene_is_one(block: Block, tmp_path: Path) -> None:
         return
     file.write_text(block.text if "schema" in block.text else SCENE + block.text)
     read_scene(file)
+
+
+MACH_1 = ROOT / "examples" / "mach1.ipynb"
+
+
+@pytest.mark.slow
+def test_the_readme_runs(tmp_path: Path) -> None:
+    printed = " ".join(run_page("README.md", tmp_path).split())
+    assert "0 ticks differ" in printed
+    assert (tmp_path / "c" / "report.html").exists()
+
+
+@pytest.mark.slow
+def test_the_tutorial_of_a_material_scientist(tmp_path: Path) -> None:
+    run_page("tutorials/material-scientist.md", tmp_path)
+
+
+@pytest.mark.realtime
+def test_the_tutorial_of_a_haptics_researcher(tmp_path: Path) -> None:
+    run_page("tutorials/haptics-researcher.md", tmp_path)
+
+
+@pytest.mark.realtime
+def test_the_tutorial_of_an_embedded_engineer(tmp_path: Path) -> None:
+    needs = ["arm"] if shutil.which("arm-none-eabi-gcc") else []
+    run_page("tutorials/embedded-engineer.md", tmp_path, *needs)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", PREPARED)
+def test_a_page_runs(tmp_path: Path, name: str) -> None:
+    PREPARED[name](tmp_path)
+    run_page(name, tmp_path)
+
+
+@pytest.mark.slow
+def test_the_public_recording_runs(
+    tmp_path: Path, mach1_file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    shutil.copyfile(mach1_file, "Dynamic_data.txt")
+    names, outputs = run_cells(MACH_1)
+    assert names["percent"] < 1.0
+    difference, measured = (axes.lines[-1].get_ydata() for axes in (names["below"], names["above"]))
+    assert abs(difference).max() < 0.05 * measured.max()
+    assert "image/png" in outputs[-1][-1]["data"]
+
+
+def shown(outputs: list[dict[str, Any]]) -> list[tuple[str, list[str]]]:
+    """Of each output its text, without the digits, and the forms that it has."""
+    found = []
+    for one in outputs:
+        data = one.get("data", {})
+        text = "".join(one.get("text", data.get("text/plain", "")))
+        found.append((re.sub(r"\d[\d.e+-]*", "#", text), sorted(data)))
+    return found
+
+
+@pytest.mark.slow
+def test_the_quick_start_shows_what_is_stored(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """`make notebook` renews it."""
+    monkeypatch.chdir(tmp_path)
+    names, outputs = run_cells(QUICK_START)
+    stored = [cell["outputs"] for cell in code_cells(json.loads(QUICK_START.read_text()))]
+    assert list(map(shown, outputs)) == list(map(shown, stored))
+    assert names["found"].mismatches == 0
+    assert names["found"].accuracy.rmse_percent_of_peak < 1.0
+    assert QUICK_START.stat().st_size < 300_000
+
+
+# Of each command, what the stand-in is: held by a hand, or on the object.
+_LAB = {
+    "record": ("--pressing", "--cell-ms", 3, "--surface-mm", 12),
+    "run": ("--surface-mm", 12),
+}
+
+
+@pytest.mark.realtime
+def test_the_lab_s_first_session(tmp_path: Path) -> None:
+    """Every command of the page on the stand-in: to a log that repeats, bit for bit."""
+    printed = {}
+    (tmp_path / "short.toml").write_text(
+        "[[profile]]\namplitude_n = 4.0\nfrequency_hz = 1.0\ncycles = 4\n"
+        "[[profile]]\namplitude_n = 2.5\nfrequency_hz = 2.0\ncycles = 6\n"
+    )
+    for block in page_blocks("how-to/drives.md"):
+        if block.note.startswith("file "):
+            (tmp_path / block.note.removeprefix("file ")).write_text(block.text)
+        elif block.note == "prints URL":
+            assert all(url.startswith("dhd://") for url in print_urls(block, tmp_path))
+        elif not block.language:
+            for line in block.substituted:
+                words = shlex.split(line)
+                printed[words[1]] = lab_command(words, tmp_path)
+    assert "surface_mm = -12" in printed["record"]
+    assert "ms late" in printed["record"]
+    assert json.loads(printed["validate"])["mismatches"] == 0
+
+
+def lab_command(words: list[str], folder: Path) -> str:
+    """Run a command with a stand-in for the device that it names; what it printed."""
+    environment = {**os.environ, "COLUMNS": "200"}  # cells of a table stay whole
+    with ExitStack() as stack:
+        if options := _LAB.get(words[1]):
+            device = stack.enter_context(peer("dhd_device", *options))
+            environment["SPRINGPOT_LIBDHD"] = parse_device(device.url).settings["library"]
+            if "--force" in words:
+                words[words.index("--force") + 1] = device.wait_for("cell")["url"]
+        done = subprocess.run(
+            [*CLI, *words[1:]], cwd=folder, input="\n\n\n", text=True, capture_output=True,
+            check=False, timeout=300, env=environment,
+        )  # fmt: skip
+    assert done.returncode == 0, f"{words}\n{done.stdout}\n{done.stderr}"
+    return done.stdout + ("" if "--json" in words else done.stderr)

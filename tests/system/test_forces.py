@@ -5,22 +5,13 @@ import pytest
 from support.c import golden_forces
 from support.c.golden_scenes import SCENES, emission, folder_of
 
-FAST = {("float32", "off"), ("float64", "tool")}
+KEYS = [("hammerstein", *setting) for setting in golden_forces.SETTINGS]
+KEYS += [(name, *setting) for setting in (*golden_forces.EACH_MODE, *golden_forces.SETTINGS)
+         for name in golden_forces.models()]  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("name", "number", "mode"),
-    [
-        pytest.param(
-            name,
-            number,
-            mode,
-            marks=[] if (number, mode) in FAST or name == "hammerstein" else [pytest.mark.slow],
-        )
-        for name in golden_forces.models()
-        for number, mode in golden_forces.SETTINGS
-    ],
-)
+@pytest.mark.few(24, 33)
+@pytest.mark.parametrize(("name", "number", "mode"), list(dict.fromkeys(KEYS)))
 def test_forces_are_the_stored_ones(name: str, number: str, mode: str) -> None:
     key = f"{name} {number} {mode}"
     assert not golden_forces.difference(key, *golden_forces.replayed(name, number, mode))

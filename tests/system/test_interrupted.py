@@ -8,8 +8,9 @@ import time
 from pathlib import Path
 
 import pytest
-from support.pages.job import small_job
-from support.pages.run_pages import MAIN
+from support.in_process import spring
+from support.pages.prepared_pages import emitted_job
+from support.peer import CLI
 
 pytestmark = pytest.mark.slow
 
@@ -29,9 +30,8 @@ AFTER_S = (0.6, 1.4)
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Recordings, a model, a scene; the scene emitted and validated."""
     place = tmp_path_factory.mktemp("interrupted")
-    small_job(place)
-    for line in ("emit --scene scene.toml --out c", "validate c --recording validation"):
-        subprocess.run([*MAIN, *line.split()], cwd=place, check=True, capture_output=True)
+    emitted_job(place)
+    assert spring("validate", place / "c", "--recording", place / "validation").returncode == 0
     return place
 
 
@@ -50,7 +50,7 @@ def test_nothing_is_left_half_written(folder: Path, line: str) -> None:
     before = whole_files(folder)
     for after_s in AFTER_S:
         process = subprocess.Popen(
-            [*MAIN, *line.split()], cwd=folder, start_new_session=True, text=True,
+            [*CLI, *line.split()], cwd=folder, start_new_session=True, text=True,
             stdout=subprocess.PIPE, stderr=subprocess.PIPE,
         )  # fmt: skip
         time.sleep(after_s)

@@ -27,7 +27,7 @@ from springpot.codegen.stages.windows import TIME_S
 
 STEP_M = 10e-6  # of an encoder
 QUIET_MPS = 1.2e-3
-MANY = pytest.mark.parametrize("count", [6, pytest.param(12, marks=pytest.mark.slow)])
+MANY = pytest.mark.parametrize("count", [6, pytest.param(12, marks=pytest.mark.long)])
 
 
 def drawn(rng: np.random.Generator) -> tuple[float, float, LoopDevice]:
@@ -47,7 +47,8 @@ GAP = pytest.mark.xfail(
     reason="`auto` stops at a gap below the stiffest proxies of the heavier device: 18 % softer",
     strict=True,
 )
-SLOW = {k: [pytest.mark.slow, *[GAP] * (k == 125)] for k in range(9, 500)}
+SLOW = {k: [pytest.mark.slow, *[pytest.mark.long] * (20 <= k != 125), *[GAP] * (k == 125)]
+        for k in range(9, 500)}  # fmt: skip
 
 
 @pytest.mark.parametrize(

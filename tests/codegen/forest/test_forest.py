@@ -114,13 +114,10 @@ def test_same_leaves_as_scikit_learn_near_every_threshold(kind: type, trees: int
 
 
 # Trees, and rows that are compared: a fifth of the paper's forest, and all of it.
-SIZES = [
-    (PAPER_TREES // 5, 200_000),
-    pytest.param(PAPER_TREES, 1_000_000, marks=pytest.mark.slow),
-]
+SIZES = [(PAPER_TREES // 5, 200_000), (PAPER_TREES, 1_000_000)]
 
 
-@pytest.mark.slow
+@pytest.mark.few(0, 1)
 @pytest.mark.parametrize(("trees", "rows"), SIZES)
 def test_same_leaves_as_scikit_learn_at_the_papers_size(trees: int, rows: int) -> None:
     model = fitted(trees=trees, leaf=PAPER_LEAF, rows=9770)
@@ -129,7 +126,7 @@ def test_same_leaves_as_scikit_learn_at_the_papers_size(trees: int, rows: int) -
     assert_same_leaves(model, np.concatenate([near, away]))
 
 
-@pytest.mark.few(1)
+@pytest.mark.few(1, 1)
 @pytest.mark.parametrize(("trees", "rows"), SIZES)
 def test_same_leaves_as_scikit_learn_on_rounded_features(trees: int, rows: int) -> None:
     features = random_features(9770, 5)

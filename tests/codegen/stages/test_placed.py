@@ -187,10 +187,10 @@ def min_work_of(seed: int) -> float:
     return min_work(model, position, [(0, (0.0, 0.0)), *zip(free, places, strict=True)])
 
 
-HUNDREDS = [pytest.param(range(k, k + 200), marks=pytest.mark.slow) for k in range(1000, 2000, 200)]
+HUNDREDS = [range(k, k + 200) for k in range(1000, 2000, 200)]
 
 
-@pytest.mark.few(1)
+@pytest.mark.few(1, 3)
 @pytest.mark.parametrize("seeds", [range(20), *HUNDREDS])
 def test_no_press_at_any_places_gives_energy_back(seeds: range) -> None:
     assert min(map(min_work_of, seeds)) > -1e-5

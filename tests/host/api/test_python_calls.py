@@ -2,10 +2,15 @@
 
 import json
 import logging
+import subprocess
+import sys
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 import pytest
+from matplotlib import pyplot
+from matplotlib.axes import Axes
 from support.in_process import spring
 from support.small import (
     DT_S,
@@ -19,7 +24,7 @@ from support.small import (
 )
 
 import springpot
-from springpot.codegen.errors import DataError
+from springpot.codegen.errors import DataError, UsageError
 from springpot.host.files import write_scene
 from springpot.trainer.models.predict import predict_n
 
@@ -125,3 +130,36 @@ def test_lists_and_single_ones_are_taken(tmp_path, folder):
         force_n = springpot.predict(given, one.position_m)
         np.testing.assert_array_equal(force_n, springpot.predict(fit.model, one.position_m))
     assert springpot.validate(folder, one, paced_s=0.01).mismatches == 0
+
+
+@pytest.fixture(autouse=True)
+def no_figure_stays() -> Iterator[None]:
+    yield
+    pyplot.close("all")
+
+
+def test_a_recording_is_force_against_position(monkeypatch: pytest.MonkeyPatch) -> None:
+    one = training()[0]
+    axes = pyplot.figure().subplots()
+    assert one.plot(axes) is axes
+    np.testing.assert_array_equal(axes.lines[0].get_xydata().T, [1e3 * one.position_m, one.force_n])
+    assert isinstance(one.plot(), Axes)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    with pytest.raises(UsageError, match=r"pip install 'springpot\[report\]'"):
+        one.plot()
+
+
+def modules_after(statement: str) -> set[str]:
+    """Top-level modules of a fresh interpreter, and springpot's own."""
+    script = (
+        f"import sys\nbefore = set(sys.modules)\n{statement}\nprint(*set(sys.modules) - before)"
+    )
+    result = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True,
+                            check=True)  # fmt: skip
+    return set(result.stdout.split())
+
+
+def test_import_alone_loads_nothing() -> None:
+    loaded = modules_after("import springpot; dir(springpot)")
+    assert {name for name in loaded if name.startswith("springpot")} == {"springpot"}
+    assert not loaded & {"numpy", "click", "rich", "h5py", "pydantic", "cffi", "importlib.metadata"}

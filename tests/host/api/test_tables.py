@@ -1,4 +1,4 @@
-"""Tables as people have them: with time zones, text, an index, and one name twice."""
+"""Tables as people have them, and calls that a person tries first: taken, or one line says how."""
 
 from datetime import UTC, datetime, timedelta, timezone
 from types import SimpleNamespace
@@ -12,6 +12,7 @@ from support.small import DT_S, press, recording
 import springpot
 from springpot import Recording
 from springpot.codegen.errors import DataError, UsageError
+from springpot.host.ensemble import ensemble_data
 from springpot.trainer.recordings.conditioning import Conditioning
 from springpot.trainer.recordings.formats.importing import ImportOptions
 
@@ -24,11 +25,14 @@ COLUMNS = {
 
 
 class Table(dict):
-    """Columns of a table of pandas, its columns' names and the name of its index."""
+    """A table as pandas has it: its items are columns, its repr has lines; the index has a name."""
 
     def __init__(self, columns, names, index=None):
         super().__init__(columns)
         self.columns, self.index = names, SimpleNamespace(name=index)
+
+    def __repr__(self):
+        return "\n".join(self.columns)
 
 
 @pytest.mark.parametrize(
@@ -88,3 +92,29 @@ def test_columns_of_a_place_are_its(unit, per_m):
         moving = table[label] + np.arange(len(ITEM.force_n)) * 1e-5 * per_m
         with refusing(DataError, "one file a place"):
             Recording.from_frame(table | {label: moving})
+
+
+PANDAS = Table({name: its[:2] for name, its in COLUMNS.items()}, [*COLUMNS])
+NO_RECORDINGS = {
+    "a table": (PANDAS, "Recording.from_frame"),
+    "a list of tables": ([PANDAS], "Recording.from_frame"),
+    "a dict of recordings": ({"a": ITEM}, "list(recordings.values())"),
+    "a dict of columns": (dict(PANDAS), "Recording.from_frame"),
+    "an array": (np.zeros((3, 9)), "Recording(name, position_m, force_n, dt_s)"),
+    "a list of arrays": ([np.zeros(9)], "Recording(name, position_m, force_n, dt_s)"),
+    "nothing": (None, "read_recordings"),
+    "a namespace": (SimpleNamespace(), "read_recordings"),
+}
+TAKING = {
+    "train": springpot.train,
+    "check": springpot.check_recordings,
+    "ensemble_data": ensemble_data,
+    "validate": lambda given: springpot.validate("none", given),
+}
+
+
+@pytest.mark.parametrize("call", TAKING.values(), ids=TAKING)
+@pytest.mark.parametrize(("given", "says"), NO_RECORDINGS.values(), ids=NO_RECORDINGS)
+def test_what_is_no_list_of_recordings_is_told_how_to_become_one(given, says, call):
+    with refusing(UsageError, says):
+        call(given)

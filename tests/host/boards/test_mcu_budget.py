@@ -1,17 +1,17 @@
-"""Before flashing: the bound holds, and what does not fit is refused, or fitted."""
+"""One C on every board, bit for bit what this machine gives; its bound holds before flashing."""
 
 import dataclasses
 import json
 import re
-from functools import cache
+from itertools import product
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
-from support.c.mcu import long_motion, need, target_scene
+from support.c.mcu import TICKS, long_motion, need, target_scene
 from support.in_process import spring
-from support.small import damage, flow, model_file, press, recording, training
+from support.small import damage, fitted, flow, model_file, passive_model, press, recording
 
 from springpot.codegen.emit.files import emit_files
 from springpot.codegen.emit.golden import backward_velocity
@@ -22,30 +22,21 @@ from springpot.codegen.model.regressors import Linear
 from springpot.codegen.notes import HELD, RESYNC
 from springpot.codegen.plan import instruction_bound
 from springpot.codegen.scene import Guard, Scene
-from springpot.host.emission.boards import BOARDS, run_batch, steps
+from springpot.host.emission.boards import BOARDS, CALL_IDLE, CALL_RESET, Batch, run_batch, steps
 from springpot.host.emission.emission import emit
-from springpot.trainer.kinds import fit_model
-from springpot.trainer.models.fit import FitOptions
+from springpot.host.native.replay import Replay
+from springpot.host.native.scene_library import SceneLibrary
 from springpot.trainer.recordings.recording_file import write_recording
 
 pytestmark = [pytest.mark.board, pytest.mark.slow]
 
 BOUND_ON = ("mps2-an386", "mps2-an500", "virt")
-FOREST = {"trees": 5, "leaf": 20}
-VARIANTS = {
-    "rf-fd": ("rf-fd", FOREST),
+PLAIN = ("rf-fd", "rf-fd-fast-quantised", "rf-fd-long", "rf-history", "rbf-fd", "rbf-fd-fast",
+         "rbf-pv", "rbf-pv-averaged", "hammerstein", "springpot")  # fmt: skip
+CHANGED = {
     "rf-fd deep": ("rf-fd", {"trees": 8, "leaf": 1}),
-    "rf-fd rounded": ("rf-fd", {"trees": 20, "leaf": 5, "round_features": True}),
-    "rf-fd fast": ("rf-fd", {**FOREST, "engine": "fir-fast", "round_features": True}),
-    "rf-fd few orders": ("rf-fd", {**FOREST, "engine": "fir-fast", "orders": (0.1, 0.2)}),
-    "rf-fd long": ("rf-fd", {**FOREST, "window_s": 2.0}),
-    "rbf-fd": ("rbf-fd", {}),
-    "rbf-fd fast": ("rbf-fd", {"engine": "fir-fast"}),
-    "rbf-pv": ("rbf-pv", {}),
-    "rbf-pv averaged": ("rbf-pv", {"velocity_weight": 0.7}),
-    "rf-fd past positions": ("rf-fd", {**FOREST, "past_positions": True}),
-    "hammerstein": ("hammerstein", {}),
-    "springpot": ("springpot", {}),
+    "rf-fd rounded": ("rf-fd-quantised", {"trees": 20, "leaf": 5}),
+    "rf-fd few orders": ("rf-fd-fast", {"orders": (0.1, 0.2)}),
 }
 # What no fit of these recordings chooses.
 OF_DEPTH = {
@@ -63,25 +54,25 @@ SHAPES = {
 
 # A coupling costs the same with every model.
 CASES = [
-    *((variant, "off") for variant in (*VARIANTS, *OF_DEPTH, "linear")),
-    *((variant, shape) for variant in ("rf-fd fast", "hammerstein") for shape in ("tool", "proxy")),
+    *((variant, "off") for variant in (*PLAIN, *CHANGED, *OF_DEPTH, "linear")),
+    *product(("rf-fd-fast-quantised", "hammerstein"), ("tool", "proxy")),
 ]
+CASES = [*CASES[::2], *CASES[::-2]]
 
 
-@cache
-def fitted(variant: str) -> Model:
+def bounded_model(variant: str) -> Model:
     if variant in OF_DEPTH:
         return passive_of(branches=8, stops=2, **OF_DEPTH[variant])
     if variant == "linear":
         return dataclasses.replace(fitted("rf-fd"), regressor=Linear(0.5, np.linspace(-1, 2, 10)))
-    kind, options = VARIANTS[variant]
-    return fit_model(kind, "x", training(), FitOptions(seed=1, **options)).model
+    like, options = CHANGED.get(variant, (variant, {}))
+    return fitted(like, seed=1, **options)
 
 
 def passive_of(branches: int, stops: int, **of_depth: Any) -> Model:
     """A passive model of so many branches and stops."""
     rng = np.random.default_rng(1)
-    whole = fitted("hammerstein")
+    whole = passive_model()
     passive = dataclasses.replace(
         whole.hammerstein,
         elastic_n=rng.random(9),
@@ -111,11 +102,12 @@ def after_silence(notes: np.ndarray) -> np.ndarray:
     return ((notes & RESYNC) == 0) & ~held & np.concatenate([[False], held[:-1]])
 
 
+@pytest.mark.few(0, 12)
 @pytest.mark.parametrize(("variant", "shape"), CASES)
 def test_the_bound_is_above_what_is_counted(tmp_path: Path, variant: str, shape: str) -> None:
     """All boards run one emission: their C is the same but for the hash in it."""
     need(*BOUND_ON)
-    model = fitted(variant)
+    model = bounded_model(variant)
     file = model_file(tmp_path, model)
     emission = emit(scene_of("cortex-m4f", shape), file, tmp_path / "c", accept_unsafe=True)
     told = dataclasses.asdict(instruction_bound(emission.plan))
@@ -140,7 +132,9 @@ def test_the_bound_is_above_what_is_counted(tmp_path: Path, variant: str, shape:
 @pytest.mark.parametrize(("variant", "number"), [("rf-fd", "float32"), ("rbf-pv", "float64")])
 def test_the_boards_have_one_c(variant: str, number: str) -> None:
     def parts(target: str) -> dict[str, str]:
-        plan = make_plan(fitted(variant), target_scene(target, number=number, mode="proxy"), True)
+        plan = make_plan(
+            bounded_model(variant), target_scene(target, number=number, mode="proxy"), True
+        )
         files = emit_files(plan)
         files.pop("manifest.json")
         return {name: re.sub("[0-9a-f]{64}", "", text) for name, text in files.items()}
@@ -167,7 +161,7 @@ def test_ten_branches_and_three_stops_take_640_instructions_and_4400_bytes(tmp_p
 
 def test_fit_makes_it_fit(tmp_path: Path) -> None:
     need("mps2-an386")
-    model_file(tmp_path, fitted("rf-fd deep"))
+    model_file(tmp_path, bounded_model("rf-fd deep"))
     recorded, folder = tmp_path / "val.h5", tmp_path / "c"
     write_recording(recorded, recording("val", press(1.5, 0.011, cycles=3)))
     (tmp_path / "scene.toml").write_text(
@@ -186,3 +180,54 @@ def test_fit_makes_it_fit(tmp_path: Path) -> None:
     assert float(told.split("RMSE ")[1].split()[0]) == pytest.approx(measured["rmse_n"], rel=1e-3)
     assert measured["mismatches"] == 0
     assert json.loads((folder / "manifest.json").read_text())["provenance"]["left_out"]
+
+
+def assert_same(batch: Batch, force_n: np.ndarray, notes: np.ndarray) -> None:
+    bits = f"u{force_n.dtype.itemsize}"
+    assert np.sum(batch.force_n.view(bits) != force_n.view(bits)) == 0
+    assert np.sum(batch.notes != notes) == 0
+
+
+@pytest.mark.few(0, 6)
+@pytest.mark.parametrize("mode", ["off", "tool", "proxy"])
+@pytest.mark.parametrize("kind", ["rf-fd", "hammerstein", "rbf-fd", "rbf-pv"])
+def test_same_bits_on_every_board(tmp_path: Path, kind: str, mode: str) -> None:
+    need(*BOARDS)
+    chosen = target_scene("cortex-m4f", mode=mode)
+    emit(chosen, model_file(tmp_path, fitted(kind)), tmp_path / "c", accept_unsafe=True)
+    position = long_motion().astype(np.float32)
+    velocity = backward_velocity(position, 1e-3)
+    force_n, notes = Replay(SceneLibrary(tmp_path / "c")).run(position, velocity)
+    assert np.ptp(force_n) > 1.0
+    assert np.bitwise_or.reduce(notes) & 4, "the fallback outside was not visited"
+    for board in BOARDS.values():
+        batch = run_batch(tmp_path / "c", board, steps(position, velocity))
+        assert len(batch.force_n) == TICKS
+        assert_same(batch, force_n, notes)
+
+
+@pytest.mark.parametrize("number", ["float32", "float64"])
+@pytest.mark.parametrize("board", list(BOARDS))
+def test_idle_reset_and_doubles_are_the_same_too(tmp_path: Path, board: str, number: str) -> None:
+    need(board)
+    chosen = target_scene(BOARDS[board].target, number=number, mode="tool", prefix="eco")
+    emit(chosen, model_file(tmp_path, fitted("rf-fd")), tmp_path / "c", accept_unsafe=True)
+    real = np.float32 if number == "float32" else np.float64
+    position = long_motion()[:1500].astype(real)
+    rows = steps(position, backward_velocity(position, 1e-3))
+    rows["dt_s"], call = 1e-3, rows["call"]
+    call[400:450] = CALL_IDLE  # longer than the watchdog waits
+    call[600] = CALL_RESET
+    if (board, number) != ("netduinoplus2", "float64"):  # its counter holds one tick of those
+        call[700:705] = CALL_IDLE
+    batch = run_batch(tmp_path / "c", BOARDS[board], rows)
+    state, expected = SceneLibrary(tmp_path / "c").new_state(), []
+    for i in range(1500):
+        if call[i] & CALL_RESET:
+            state.reset()
+        made = state.idle(real(1e-3)) if call[i] & CALL_IDLE else state.step(position[i])
+        expected.append(made)
+    force_n = np.array([force for force, _ in expected], dtype=real)
+    assert_same(batch, force_n, np.array([notes for _, notes in expected]))
+    assert force_n[449] == 0 and force_n[599] == 0, "the watchdog did not latch"
+    assert np.any(force_n[610:] > 0)

@@ -1,17 +1,23 @@
-"""The commands as a user runs them: exit statuses, one-line refusals, JSON keys."""
+"""The commands as a user runs them: exit statuses, one-line refusals, JSON keys, files."""
 
 import json
 import os
 import re
+import resource
+import shutil
 import subprocess
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
+import click
 import pytest
 from support.in_process import spring
-from support.peer import CLI
+from support.peer import cli
 from support.small import model_file, training
 
+from springpot.host.cli import springpot as command_line
 from springpot.trainer.recordings.recording_file import write_recording
 
 
@@ -19,8 +25,7 @@ def run(*arguments: object, env: dict[str, str] | None = None) -> subprocess.Com
     """In a process of its own where it gets another environment."""
     if env is None:
         return spring(*arguments)
-    return subprocess.run([*CLI, *map(str, arguments)], capture_output=True, text=True,
-                          check=False, env={**os.environ, **env})  # fmt: skip
+    return cli(*arguments, errors="replace", timeout=100, env={**os.environ, **env})
 
 
 def refusal(status: int, *arguments: object, env: dict[str, str] | None = None) -> str:
@@ -95,3 +100,130 @@ def test_validation_is_at_the_rate_of_the_scene(job: Path, tmp_path: Path) -> No
     assert "sampled at 1000 Hz, the scene at 500 Hz" in told
     found = run("validate", tmp_path / "c", "--recording", tmp_path / "half.h5", "--json")
     assert json.loads(found.stdout)["rmse_percent_of_peak"] < 5
+
+
+def words_of(group: click.Group, above: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+    for name in group.list_commands(click.Context(group)):
+        command = group.get_command(click.Context(group), name)
+        if isinstance(command, click.Group):
+            yield from words_of(command, (*above, name))
+            continue
+        for one in command.params if command else ():
+            if isinstance(one, click.Argument):
+                yield (*above, name, "")
+            elif isinstance(one, click.Option) and not one.is_flag:
+                yield (*above, name, one.opts[0], "")
+                yield (*above, name, f"{one.opts[0]}=")
+
+
+def test_no_command_takes_an_empty_word(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    given = list(words_of(command_line))
+    assert ("import", "") in given
+    assert ("study", "plan", "--out=") in given
+    for words in given:
+        done = spring(*words)
+        assert done.returncode == 2, words
+        assert "is empty" in done.stderr, done.stderr
+        assert done.stderr.count("\n") == 1
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_log_is_compared_with_the_c_and_leaves_the_validation_alone(job: Path) -> None:
+    press_file, log = job / "press.h5", job / "felt.h5"
+    validated = spring("validate", job / "c", "--recording", press_file)
+    assert "mean error" in validated.stdout
+    noted = " ".join(validated.stdout.split())
+    assert "ticks with notes resync 1 (history begins anew here)" in noted
+    before = (job / "c" / "validation" / "result.json").read_text()
+    device = f"replay://{press_file}"
+    spring("run", "--scene", job / "c", "--device", device, "--log", log)
+    felt = spring("validate", job / "c", "--recording", log)
+    assert felt.returncode == 0, felt.stderr
+    words = " ".join(felt.stdout.split())
+    assert "what was felt is what the model says" in words
+    assert "not with a measured object" in words
+    assert "RMSE" not in words
+    assert (job / "c" / "validation" / "result.json").read_text() == before
+    other = spring("run", "--scene", job / "c", "--device", "sim://ecoflex-00-30?variant=b")
+    assert other.returncode == 2 and "leave them out where a scene is rendered" in other.stderr
+
+
+ASCII = {"LC_ALL": "C", "PYTHONUTF8": "0", "PYTHONCOERCECLOCALE": "0"}
+ROWS = "".join(f"{k / 100},{k % 7},{k % 7}\n" for k in range(400))
+TABLE = f"time_s,position_mm,force_N\n{ROWS}"
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("locale", [{}, ASCII])
+@pytest.mark.parametrize("name", [b"gel\xff\xfe.csv", "gelä→.csv".encode()])
+def test_any_file_name_is_imported(name: bytes, locale: dict[str, str], tmp_path: Path) -> None:
+    file = tmp_path / os.fsdecode(name)
+    file.write_text(TABLE)
+    done = run("import", file, "--out", tmp_path / "out", env=locale)
+    assert "Traceback" not in done.stderr
+    assert done.returncode == 0, done.stderr
+    missing = run("check", f"{file}x", env=locale)
+    assert (missing.returncode, "Traceback" in missing.stderr) == (3, False), missing.stderr
+
+
+@pytest.mark.few(1)
+@pytest.mark.parametrize("command", ["import", "check"])
+def test_a_pipe_or_device_is_refused_at_once(command: str, tmp_path: Path) -> None:
+    pipe = tmp_path / "pipe"
+    os.mkfifo(pipe)
+    out = ["--out", str(tmp_path / "out")] if command == "import" else []
+    for file in (str(pipe), "/dev/zero"):
+        done = run(command, file, *out, env={})
+        assert done.returncode == 3
+        assert "a pipe or device, not a file" in done.stderr
+
+
+@contextmanager
+def files_of_at_most(n_bytes: int) -> Iterator[None]:
+    """A write beyond that fails, as on a full disk: the system says so to whoever writes."""
+    usual = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (n_bytes, usual[1]))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, usual)
+
+
+def content(folder: Path) -> dict[str, bytes]:
+    return {
+        str(file.relative_to(folder)): file.read_bytes()
+        for file in folder.rglob("*")
+        if file.is_file()
+    }
+
+
+@pytest.fixture(scope="module")
+def validated(job: Path) -> Path:
+    done = spring("validate", job / "c", "--recording", job / "rec")
+    assert done.returncode == 0, done.stderr
+    return job
+
+
+@pytest.mark.few(1)
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["train", "rec", "--model", "hammerstein", "--out", "model.spm"],
+        ["emit", "--scene", "scene.toml", "--out", "c"],
+        ["validate", "c", "--recording", "rec"],
+        ["report", "c"],
+    ],
+    ids=lambda arguments: arguments[0],
+)
+def test_nothing_is_left_and_what_was_there_stands(
+    arguments: list[str], validated: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shutil.copytree(validated, tmp_path, dirs_exist_ok=True)
+    monkeypatch.chdir(tmp_path)
+    before = content(tmp_path)
+    with files_of_at_most(1000):
+        done = spring(*arguments)
+    assert done.returncode == 2, done.stderr
+    assert "choose another " in done.stderr.splitlines()[-1]
+    assert content(tmp_path) == before

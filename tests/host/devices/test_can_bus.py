@@ -1,21 +1,31 @@
-"""Frames through a bus of python-can in a process of its own, and through a raw CAN socket."""
+"""Serial ports, a bus of python-can in a process of its own, a raw CAN socket: opened and used."""
 
 import os
 import signal
 import socket
 import struct
+import subprocess
+import sys
 import threading
 import time
+from pathlib import Path
 
 import can
 import pytest
+import serial
 from support.peer import peer
 
 from springpot.codegen.errors import DeviceError
-from springpot.host.devices import can_bus
+from springpot.host.devices import can_bus, serial_port
 from springpot.host.devices.can_bus import CanBus
 from springpot.host.devices.drivers import parse_device
 from springpot.host.devices.odrive import identifier
+from springpot.host.devices.serial_port import (
+    latency_timer,
+    open_port,
+    require_fast_adapter,
+    used_by,
+)
 
 TRAIN = "m_per_turn=0.1&max_torque_nm=1&nm_per_a=0.1"
 GROUP, PORT = "239.74.163.3", 43300 + os.getpid() % 1000  # of this process alone
@@ -125,3 +135,74 @@ def test_a_raw_can_socket_carries_the_same_frames(monkeypatch):
     assert struct.unpack("=IB3x8s", far.recv(16))[0] == 0x40000020
     far.close()
     bus.close()
+
+
+def refused(place: object) -> str:
+    with pytest.raises(DeviceError) as error:
+        open_port(str(place), 9600)
+    return str(error.value).removeprefix(f"{place}: ")
+
+
+@pytest.mark.parametrize("wrong", [OSError, serial.SerialException, ValueError])
+def test_a_port_that_cannot_be_opened_is_told_with_who_has_it(tmp_path, monkeypatch, wrong) -> None:
+    port = tmp_path / "port"
+    port.touch()
+    users = iter(["", "", "", "cat (process 7)", "dog (process 8)"])
+    monkeypatch.setattr(serial_port, "used_by", lambda place: next(users))
+
+    def fails(*_, **__):
+        raise wrong("busy")
+
+    monkeypatch.setattr(serial_port.serial, "Serial", fails)
+    assert refused(port) == "cannot be opened: busy"
+    assert refused(port) == "cannot be opened: in use by cat (process 7): end that program first"
+    assert refused(port) == "in use by dog (process 8): end that program first"
+
+
+def test_who_has_a_port_is_found_behind_links(tmp_path: Path) -> None:
+    port, link = tmp_path / "port", tmp_path / "link"
+    port.touch()
+    link.symlink_to(port)
+    with port.open():
+        assert used_by(str(link)) == ""  # oneself does not count
+        other = subprocess.Popen(
+            [sys.executable, "-c", "import sys; print(flush=True); sys.stdin.read()"],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, pass_fds=[], text=True,
+        )  # fmt: skip
+        other.stdout.readline()
+        assert used_by(str(link)) == ""
+        other.communicate()
+    code = "import sys; f = open(sys.argv[1]); print(flush=True); sys.stdin.read()"
+    other = subprocess.Popen(
+        [sys.executable, "-c", code, str(port)],
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    other.stdout.readline()
+    name = Path(f"/proc/{other.pid}/comm").read_text().strip()
+    assert used_by(str(link)) == f"{name} (process {other.pid})"
+    other.communicate()
+    assert used_by(str(link)) == ""
+
+
+def test_a_latency_timer_is_looked_up_by_the_real_name(tmp_path, monkeypatch) -> None:
+    assert Path("/sys/bus/usb-serial/devices") == serial_port.USB_SERIAL
+    monkeypatch.setattr(serial_port, "USB_SERIAL", tmp_path)
+    place = tmp_path / "by-name"
+    place.symlink_to(tmp_path / "ttyUSB3")
+    assert latency_timer(str(place)) is None
+    require_fast_adapter(str(place), 8000)
+    file = tmp_path / "ttyUSB3" / "latency_timer"
+    file.parent.mkdir()
+    borders = ((16, 62, True), (16, 63, False), (1, 8000, True), (2, 500, True), (2, 501, False))
+    for timer_ms, rate_hz, fits in borders:
+        file.write_text(f"{timer_ms}\n")
+        assert latency_timer(str(place)) == (file, timer_ms)
+        if fits:
+            require_fast_adapter(str(place), rate_hz)
+            continue
+        with pytest.raises(DeviceError) as error:
+            require_fast_adapter(str(place), rate_hz)
+        assert str(error.value) == (
+            f"{place}: the adapter's latency timer is {timer_ms} ms, {1000 // timer_ms} exchanges "
+            f"a second: `echo 1 | sudo tee {file}`"
+        )

@@ -1,17 +1,23 @@
-"""Devices that cannot be used: one line each, that says what, where and what to do."""
+"""Devices as processes: sessions, watchdogs, limits, rates; one line for what cannot be used."""
 
+import re
 import time
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 from support.peer import peer, wait_until
+from support.sessions import ended, faithful
 
 from springpot.codegen.errors import DeviceError, SpringpotError, UsageError
-from springpot.host.devices.device import DeviceRequirements
+from springpot.host.cli import exit_status
+from springpot.host.devices import device as device_module
+from springpot.host.devices.device import DeviceRequirements, require_sample_rate
 from springpot.host.devices.drivers import parse_device
+from springpot.host.devices.odrive_device import OdriveDevice
 from springpot.host.devices.serial_device import SerialDevice
 from springpot.host.devices.wire import Receiver, Sender
+from springpot.host.native.c_library import Stop
 from springpot.host.recording import indentation
 from springpot.host.recording.indentation import Limits
 from springpot.host.recording.session import open_press_device
@@ -99,3 +105,115 @@ def test_a_device_that_tripped_takes_forces_after_a_reset(folder):
         assert len(device.named("reset")) == 1
         device.wait_for("stop")
         assert any(event["was_n"] > 0 for event in device.named("zero"))
+
+
+NODE = 3
+
+
+@pytest.mark.realtime
+@pytest.mark.parametrize(("firmware", "sign"), [("0.5", 1), ("0.6", -1)])
+def test_a_drive_over_slcan(tmp_path, folder, firmware, sign):
+    log = tmp_path / "a.h5"
+    options = ("--firmware", firmware, "--sign", sign, "--node", NODE)
+    with peer("slcan_odrive", *options) as drive:
+        session = ended(folder, drive.url, log, seconds=1.5)
+        time.sleep(0.05)
+    result = session.result()
+    assert session.scheduler().startswith("C thread")
+    assert abs(result["ticks"] - 1500) <= 2
+    assert result["ring_dropped"] == result["crc_errors"] == 0
+    assert result["samples"] > 1400
+    read = faithful(folder, log)
+    assert read.position_m.max() > 3e-3
+    assert [event["state"] for event in drive.named("state")] == [8, 8, 1]
+    assert len(drive.named("tripped")) >= 1  # the proof of its watchdog
+
+
+@pytest.mark.realtime
+def test_a_drive_over_udp_multicast(tmp_path, folder):
+    """Any interface of python-can: the same loop, and the log is as faithful."""
+    log = tmp_path / "a.h5"
+    with peer("udp_odrive", "--port", 43219) as drive:
+        session = ended(folder, drive.url, log, seconds=1.0)
+    assert session.scheduler().startswith("C thread")
+    assert session.result()["samples"] > 800
+    faithful(folder, log)
+
+
+def test_the_limit_that_a_refusal_names_is_taken():
+    rng = np.random.default_rng(7)
+    for _ in range(300):
+        url = f"odrive://slcan//dev/none?nm_per_a=0.1&m_per_turn={rng.uniform(0.01, 1):.4f}"
+        url += f"&max_torque_nm={rng.uniform(0.01, 1):.4f}"
+        with pytest.raises(DeviceError, match="max_force_n") as caught:
+            OdriveDevice(parse_device(url), DeviceRequirements(1000, 0.02, 1e4))
+        named_n = float(re.search(r"max_force_n = ([\d.e+-]+),", str(caught.value))[1])
+        with pytest.raises(DeviceError, match="no such port"):  # it got further
+            OdriveDevice(parse_device(url), DeviceRequirements(1000, 0.02, named_n))
+
+
+@pytest.mark.realtime
+def test_recording_needs_the_torques_of_firmware_0_6():
+    command_n = 2 * np.sin(np.linspace(0, np.pi, 300)) ** 2
+    with peer("slcan_odrive", "--on-object", "--object", "dragon-skin-fx") as drive:
+        position_m, force_n = open_press_device(drive.url).press(command_n)
+    assert np.sqrt(np.mean((force_n - command_n) ** 2)) < 0.2
+    assert position_m.max() > 5e-4
+    with peer("udp_odrive", "--port", 43221, "--on-object") as drive:
+        position_m, force_n = open_press_device(drive.url).press(command_n)
+    assert np.sqrt(np.mean((force_n - command_n) ** 2)) < 0.2
+    with (
+        peer("slcan_odrive", "--on-object", "--firmware", "0.5") as drive,
+        pytest.raises(DeviceError, match="measures no force"),
+    ):
+        open_press_device(drive.url).press(command_n)
+
+
+@pytest.fixture
+def count_of(monkeypatch):
+    """Make a count that waits on a clock of its own: samples of each window, given as rates."""
+    clock = [0.0]
+    monkeypatch.setattr(device_module.time, "monotonic", lambda: clock[0])
+
+    def make(*rates_hz):
+        rates, windows_s = iter(rates_hz), []
+
+        def count(until_s):
+            windows_s.append(until_s - clock[0])
+            clock[0] = until_s
+            return round(windows_s[-1] * next(rates))
+
+        return count, windows_s
+
+    return make
+
+
+@pytest.mark.parametrize("rates_hz", [(1000,), (900,), (3000,), (500, 1000), (0, 0, 990)])
+def test_enough_samples(count_of, rates_hz):
+    count, windows_s = count_of(*rates_hz)
+    require_sample_rate("x", 1000, count, "do this")
+    assert windows_s == pytest.approx([0.1] * len(rates_hz))
+
+
+@pytest.mark.parametrize("rates_hz", [(100, 100, 100), (880, 880, 880), (0, 10, 0)])
+def test_too_few_samples(count_of, rates_hz):
+    count, _ = count_of(*rates_hz)
+    told = f"x: sends {max(rates_hz)} samples a second, the scene runs at 1000 Hz: do this"
+    with pytest.raises(DeviceError, match=told):
+        require_sample_rate("x", 1000, count, "do this")
+
+
+def test_a_silent_device_is_the_sessions_matter(count_of):
+    count, _ = count_of(0, 0, 0)
+    require_sample_rate("x", 1000, count, "do this")
+
+
+@pytest.mark.realtime
+def test_a_rate_that_falls_in_a_session(folder):
+    with peer("serial_device", "--thin-after", 0.4) as device:
+        session = ended(folder, device.url)
+        assert device.wait_for("stop")["force_n"] == 0
+    assert session.state.reason == Stop.RATE
+    assert "for a fifth of the last 100 periods of 1 ms no sample came" in session.line
+    assert "set its firmware to 1000 Hz" in session.line
+    assert exit_status(session.error) == 5

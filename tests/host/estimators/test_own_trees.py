@@ -94,7 +94,7 @@ def test_an_ensemble_on_other_features_is_refused_with_its_error(regressor, othe
         check(regressor, other(VALUES))
 
 
-@pytest.mark.few(3)
+@pytest.mark.few(3, 18)
 @pytest.mark.parametrize("regressor", [*LINEAR, *ADDED], ids=str)
 @pytest.mark.parametrize("kind", OBJECTS)
 def test_the_c_of_a_regressor_gives_its_predictions(regressor, kind, monkeypatch):

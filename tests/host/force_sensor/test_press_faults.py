@@ -41,12 +41,12 @@ def test_no_press_of_the_paper_is_refused(name: str, control: dict[str, Any]) ->
     require_no_fault(PressedTool(name=name, **control), [one.command_n for one in training()])
 
 
-@pytest.mark.slow
+@pytest.mark.few(0, 10)
+@pytest.mark.parametrize("name", ALL_OBJECTS)
 @pytest.mark.parametrize(
     ("sensor_s", "viscous_nspm", "coulomb_n"),
     [(0.0, 4.0, 0.3), (0.005, 2.0, 0.1), (0.02, 2.0, 0.1)],
 )
-@pytest.mark.parametrize("name", ALL_OBJECTS)
 def test_no_press_of_a_protocol_is_refused(
     name: str, sensor_s: float, viscous_nspm: float, coulomb_n: float
 ) -> None:
@@ -77,7 +77,7 @@ def test_a_tool_that_loses_its_object_meets_the_table_at_the_limit_at_most(
             assert pressed.force_n[lost_tick:].max() == 0.0
 
 
-@pytest.mark.few(20)
+@pytest.mark.few(20, 50)
 @pytest.mark.parametrize("control", [PD, LATE], ids=["pd", "late"])
 @pytest.mark.parametrize("wrong", WRONG)
 @pytest.mark.parametrize("name", ALL_OBJECTS)

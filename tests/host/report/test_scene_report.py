@@ -5,7 +5,7 @@ import re
 from pathlib import Path
 
 import pytest
-from support.small import model_file, press, recording, scene, small_model
+from support.small import model_file, press, recording, scene
 
 from springpot.codegen.errors import DataError
 from springpot.host.emission.emission import emit
@@ -19,7 +19,7 @@ FOREIGN = r'(?:src|href)="(?!#)|url\((?!#)|@import|<script'
 @pytest.fixture(scope="module")
 def emitted(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("emitted")
-    emit(scene(), model_file(folder, small_model()), folder / "c")
+    emit(scene(), model_file(folder), folder / "c")
     return folder / "c"
 
 
@@ -57,6 +57,6 @@ def test_the_page_needs_no_other_file(page: str) -> None:
 
 
 def test_an_emission_that_was_not_validated_is_one_line(tmp_path: Path) -> None:
-    emit(scene(), model_file(tmp_path, small_model()), tmp_path / "c")
+    emit(scene(), model_file(tmp_path), tmp_path / "c")
     with pytest.raises(DataError, match="no validation to report: run `springpot validate"):
         write_report(tmp_path / "c")

@@ -1,18 +1,24 @@
-"""Real-time sessions on simulated hands, recordings and a serial device of its own process."""
+"""Real-time sessions on simulated hands, recordings and lossy devices, and what they warn of."""
 
 import ctypes
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from support.peer import peer, wait_until
 from support.sessions import ended, faithful
-from support.small import model_file, press, recording, scene
+from support.small import DEPTH_M, model_file, passive_model, press, recording, scene
 
 from springpot import Session, SpringpotError
 from springpot.codegen.errors import DataError
+from springpot.codegen.make_plan import make_plan
+from springpot.codegen.notes import CLAMPED, HELD, LATCHED, OUTSIDE, RAMPED, RESYNC
+from springpot.codegen.scene import Guard
 from springpot.host.cli import exit_status
 from springpot.host.emission.emission import emit
-from springpot.host.native.c_library import NONE, RESET, SILENT
+from springpot.host.native.c_library import COLUMN, IDLE, NONE, RESET, SILENT, empty_rows
+from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.session.live_warnings import LiveWarnings
 from springpot.host.validation.validation import validate
 from springpot.trainer.recordings.recording_file import read_recording, write_recording
 
@@ -177,3 +183,144 @@ def test_damage_on_the_line_is_never_a_force(tmp_path, folder):
     read = faithful(folder, log)
     assert read.position_m.min() + 1e-3 >= 0
     assert read.position_m.max() < 0.03
+
+
+WATCHDOG_MS = 200  # longer than a busy machine holds everything up
+LOSSES = ("--drop", 0.01, "--late", 0.02, "--presses-hz", 2)
+
+
+@pytest.mark.realtime
+@pytest.mark.parametrize(
+    ("device", "mode"),
+    [("serial_device", "proxy"), ("slcan_odrive", "off")],
+)
+def test_losses_are_not_felt(tmp_path, device, mode):
+    folder, log = tmp_path / "c", tmp_path / "a.h5"
+    waits = replace(scene(mode=mode), guard=Guard(watchdog_ms=WATCHDOG_MS))
+    emit(waits, model_file(tmp_path), folder, accept_unsafe=True)
+    with peer(device, *LOSSES) as lossy:
+        session = ended(folder, lossy.url, log, seconds=4.0)
+    assert session.line == "ran for 4 s"
+    result, read = session.result(), faithful(folder, log)
+    assert result["watchdog_trips"] == 0
+    call, notes = (read.channels[name].astype(int) for name in ("call", "notes"))
+    assert not np.any(notes & LATCHED)
+    assert len(call) == result["ticks"] == pytest.approx(4000, abs=2)
+    idle = np.count_nonzero(call & IDLE)
+    assert idle >= 10
+    # Each sample that came was stepped once, apart from those of periods settled without one
+    # while the machine held the peer up.
+    if result["lateness_us"]["max"] <= 3000:
+        assert result["unused_samples"] <= 40
+        assert idle <= 80
+        if device == "serial_device":  # it numbers its frames: only what was lost is missing
+            assert abs(idle - result["sequence_gaps"]) <= 4 + result["unused_samples"]
+    clean_n = loss_free_n(folder, read)
+    known = ((call & (IDLE | NONE)) == 0) & ((notes & RAMPED) == 0) & (read.position_m > 0)
+    known[1:] &= known[:-1]
+    pressed = known & (clean_n > 0.05 * clean_n.max())
+    assert np.count_nonzero(pressed) > 1000
+    returned_n = read.channels["returned_n"]
+    assert not np.any(pressed & ((returned_n <= 0) | (read.force_n <= 0)))
+    steps_n, clean_steps_n = (np.abs(np.diff(n, prepend=n[0])) for n in (returned_n, clean_n))
+    assert steps_n[known].max() <= 1.5 * clean_steps_n[known].max() + 0.1
+
+
+def loss_free_n(folder, read):
+    """The scene's force, N, had every sample come: what was lost lies between its neighbours."""
+    come = (read.channels["call"].astype(int) & (IDLE | NONE)) == 0
+    ticks = np.arange(len(come))
+    position_m = np.interp(ticks, ticks[come], read.position_m[come])
+    force_n, _ = SceneLibrary(folder).new_state().run(position_m)
+    return force_n.astype(float)
+
+
+DEEP = "deeper than was recorded"
+
+
+def rows_of(ticks, begin=0, position_m=0.005, notes=0):
+    """Rows of a quiet hold, one a millisecond, from tick `begin` on."""
+    rows = empty_rows(ticks)
+    rows[:, COLUMN["time_s"]] = 1e-3 * np.arange(begin, begin + ticks)
+    rows[:, COLUMN["position_m"]] = position_m
+    rows[:, COLUMN["returned_n"]] = rows[:, COLUMN["sent_n"]] = 2.0
+    rows[:, COLUMN["notes"]] = notes
+    return rows
+
+
+def watched(rows, drain=20):
+    """What is said of rows that come so many at a time: lines with their tick, events."""
+    said = []
+    plan = make_plan(passive_model(), scene())
+    warnings = LiveWarnings(plan, lambda line: said.append((at + drain, line)))
+    for at in range(0, len(rows), drain):
+        warnings.append(rows[at : at + drain])
+    return said, warnings.finish()
+
+
+def test_what_lasts_is_told_once():
+    rows = rows_of(6000)
+    rows[1000:4000, COLUMN["notes"]] = OUTSIDE
+    rows[1000:4000, COLUMN["position_m"]] = np.linspace(0.0121, 0.0134, 3000)
+    rows[4000:, COLUMN["position_m"]] = np.linspace(0.0134, 0.005, 2000)
+    said, events = watched(rows)
+    ((at, first),) = said
+    assert 1000 < at <= 1100
+    assert first.endswith("s: warning: deeper than was recorded, 12.12 of 12 mm")
+    assert events == [{"time_s": 1.0, "what": "deeper than was recorded", "count": 3000}]
+
+
+def test_what_belongs_to_a_session_is_no_warning():
+    rows = rows_of(2000)
+    rows[0, COLUMN["notes"]] = RESYNC | RAMPED
+    rows[100:150, COLUMN["notes"]] = RAMPED
+    rows[::100, COLUMN["notes"]] = HELD  # one lost sample in a hundred
+    rows[500:600, COLUMN["notes"]] = CLAMPED  # at the lower limit: it does not pull
+    rows[500:600, COLUMN["returned_n"]] = 0.0
+    rows[700:900, COLUMN["notes"]] = OUTSIDE  # paused: there was no call
+    rows[700:900, COLUMN["call"]] = NONE
+    rows[1000, COLUMN["notes"]] = -1  # an error, no notes
+    assert watched(rows) == ([], [])
+
+
+def test_a_fast_press_is_told_and_a_glitch_or_free_air_is_not():
+    trained_mps = passive_model().trained.max_mps
+    fast = 5.0 * trained_mps * 1e-3 * np.arange(60)
+    rows = rows_of(3000)
+    rows[1000:1060, COLUMN["position_m"]] = 0.001 + fast
+    rows[1060:, COLUMN["position_m"]] = 0.001 + fast[-1]
+    said, events = watched(rows)
+    assert [event["what"] for event in events] == ["faster than four times the recorded speed"]
+    assert 40 <= events[0]["count"] <= 80
+    assert f"{5 * trained_mps:.4g} of {4 * trained_mps:.4g} m/s" in said[0][1]
+    rows[:, COLUMN["position_m"]] -= 1.0  # the same in free air
+    assert watched(rows) == ([], [])
+    slower = rows_of(3000)
+    slower[1000:1060, COLUMN["position_m"]] = 0.001 + 0.7 * fast
+    slower[1060:, COLUMN["position_m"]] = 0.001 + 0.7 * fast[-1]
+    assert watched(slower) == ([], [])
+    glitch = rows_of(3000)
+    glitch[500, COLUMN["position_m"]] = 0.5
+    glitch[500, COLUMN["notes"]] = HELD
+    assert watched(glitch) == ([], [])
+
+
+def test_a_session_deeper_than_trained_warns_and_its_log_keeps_it(folder, tmp_path):
+    """A recording a third deeper than the training, through the whole session."""
+    deep = np.concatenate([np.zeros(200), press(1.0, 1.33 * DEPTH_M), np.zeros(800)])
+    write_recording(tmp_path / "deep.h5", recording("deep", deep))
+    said = []
+    log = tmp_path / "log.h5"
+    session = ended(folder, f"replay://{tmp_path}/deep.h5", log, alarm=said.append)
+    warnings = session.result()["warnings"]
+    deeper = [item for item in warnings if item["what"] == DEEP]
+    read = read_recording(log)
+    outside = (read.channels["notes"].astype(int) & OUTSIDE) > 0
+    outside &= (read.channels["call"].astype(int) & NONE) == 0
+    assert len(deeper) == 1
+    assert deeper[0]["count"] == outside.sum() > 200
+    assert deeper[0]["time_s"] == pytest.approx(
+        read.channels["time_s"][np.argmax(outside)], abs=1e-3
+    )
+    assert any(DEEP in line for line in said)
+    assert read.details["end"]["warnings"] == warnings

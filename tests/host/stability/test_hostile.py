@@ -6,7 +6,7 @@ import os
 import numpy as np
 import pytest
 from support.paths import TESTS
-from support.small import DEPTH_M, DT_S, press, scene, training
+from support.small import DEPTH_M, DT_S, fitted, press, scene
 
 from springpot import Model
 from springpot.codegen.make_plan import make_plan
@@ -19,8 +19,6 @@ from springpot.host.native.scene_library import SceneLibrary, built
 from springpot.host.simulation.hand_loop import HAND_SUBSTEPS, Operator, held_tool
 from springpot.host.simulation.objects import HAND_NAMES
 from springpot.runtime_c.paths import PORT_TESTBENCH, SIM
-from springpot.trainer.kinds import fit_model
-from springpot.trainer.models.fit import FitOptions
 
 # `make soak` asks for 24 simulated hours and 1e7 samples.
 SOAK = bool(os.environ.get("SPRINGPOT_SOAK"))
@@ -31,11 +29,6 @@ KINDS = ("rf-fd", "rbf-fd", "rbf-pv", "hammerstein")
 FLOAT32_SHARES = {
     "rf-fd": 1e-6, "hammerstein": 3e-6, "springpot": 1e-4, "rbf-pv": 2e-3, "rbf-fd": 5e-3,
 }  # fmt: skip
-
-
-def model_of(kind: str, contact: str = "surface") -> Model:
-    found = fit_model(kind, "x", training(), FitOptions(trees=5, leaf=20)).model
-    return dataclasses.replace(found, contact=contact)
 
 
 def pressed(
@@ -59,7 +52,7 @@ def pressed(
 @pytest.mark.parametrize("mode", ["off", "proxy"])
 def test_the_force_is_right_again_within_the_stated_ticks(kind: str, mode: str) -> None:
     """A burst of everything, then a clean motion: as a run that never saw the burst."""
-    plan = make_plan(model_of(kind), scene(mode=mode))
+    plan = make_plan(fitted(kind), scene(mode=mode))
     rng = np.random.default_rng(1)
     clean = np.concatenate([press(2.0), press(1.0), press(2.0, 0.5 * DEPTH_M, 4)])
     dirty = clean.copy()
@@ -82,7 +75,7 @@ def test_float32_stays_beside_float64(kind: str, share: float) -> None:
     Where a tie decides, at one tick in twenty at most, the forces may be those of neighbouring
     leaves or windows.
     """
-    model = model_of(kind)
+    model = fitted(kind)
     # The motion stays inside, where a surface that recovers changes nothing.
     model = dataclasses.replace(
         model, hammerstein=dataclasses.replace(model.hammerstein, recovers=False)
@@ -145,7 +138,7 @@ def test_hours_of_pressing_give_no_energy_and_do_not_drift(hand: str, mode: str)
     2 x 1/2 K (v dt) x depth of energy, with K the stiffness felt; twice that with the sensors.
     """
 
-    model = model_of("hammerstein")
+    model = fitted("hammerstein")
     chosen = scene()
     if mode == "auto-stiff":
         model = model.stiffened(10.0)

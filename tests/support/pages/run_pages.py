@@ -9,8 +9,7 @@ from pathlib import Path
 
 from support.pages.documents import Block, page_blocks
 from support.paths import ROOT, TESTS
-
-MAIN = [sys.executable, "-c", "from springpot.host.cli import main; main()"]
+from support.peer import CLI
 
 
 def run_page(name: str, folder: Path, *needs: str) -> str:
@@ -77,7 +76,7 @@ def print_urls(block: Block, folder: Path) -> list[str]:
 
 def _run(words: list[str], folder: Path, where: str) -> str:
     if words[0] == "springpot":
-        words = [*MAIN, *words[1:]]
+        words = [*CLI, *words[1:]]
     elif words[0] == "python":
         words[0] = sys.executable
     elif words[0] == "make" and words[1] != "-C":  # the checkout's own: that it is there must do

@@ -1,4 +1,4 @@
-"""The fit of a map: places between sites, and what recordings it refuses."""
+"""The fit of a map: places between sites, a grid with twice as many nodes, what it refuses."""
 
 from dataclasses import replace
 from functools import cache
@@ -13,12 +13,14 @@ from support.small import DT_S, passive_model, press, scene
 from springpot import Model, Recording
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.model_file import write_model
+from springpot.codegen.model.passive import amounts_at
 from springpot.host.emission.emission import emit
 from springpot.host.recording.protocols import load_protocol
 from springpot.host.recording.session import open_press_device, record_session
 from springpot.host.validation.validation import validate
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.models.passive.map_problem import grid_of
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.recordings.recording_file import read_recordings
 
@@ -100,3 +102,51 @@ def test_a_recorded_lump_is_felt_between_its_sites(tmp_path: Path) -> None:
     assert found.mismatches == 0 and len(percents) == 20
     assert np.exp(np.mean(np.log(percents))) < 2.4
     assert percents.max() < 7.0
+
+
+WIDE_M, ROUGH = 0.03, 1e-3
+DENSE_M = np.array([(x, y) for x in np.linspace(0, WIDE_M, 31) for y in np.linspace(0, WIDE_M, 31)])
+
+
+def even(wide: int, high: int) -> list[tuple[float, float]]:
+    return [(x, y) for x in np.linspace(0, WIDE_M, wide) for y in np.linspace(0, WIDE_M, high)]
+
+
+def scattered(rng: np.random.Generator, count: int) -> list[tuple[float, float]]:
+    """Corners, and the others anywhere."""
+    return [*even(2, 2), *map(tuple, rng.uniform(0.0, WIDE_M, (count - 4, 2)).tolist())]
+
+
+def smooth_lump(at_m: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    middle_m, radius_m = rng.uniform(0.2, 0.8, 2) * WIDE_M, rng.uniform(0.2, 0.5) * WIDE_M
+    return 1.0 + np.exp(-np.sum((at_m - middle_m) ** 2, axis=1) / radius_m**2)
+
+
+def error(sites: list[tuple[float, float]], seed: int, finer: int) -> float:
+    """How far a map of least squares and least bend is off between the sites, RMS."""
+    grid = grid_of(sites, finer)
+    seen = smooth_lump(np.array(sites), np.random.default_rng(seed))
+    true = smooth_lump(DENSE_M, np.random.default_rng(seed))
+    rough = ROUGH * finer**2 * grid.roughness
+    nodes = np.linalg.solve(grid.weights.T @ grid.weights + rough, grid.weights.T @ seen)
+    of_nodes = nodes.reshape(*grid.nodes, 1)
+    found = [amounts_at(of_nodes, grid.first_m, 1.0 / grid.step_m, at)[0] for at in DENSE_M]
+    return float(np.sqrt(np.mean((np.array(found) - true) ** 2)))
+
+
+# Sites of 30 lumps of a fifth of the width or more, and the error that twice the nodes leave.
+LEFT = {("even", 2): 1.001, ("even", 4): 0.8, ("even", 5): 0.6, ("even", 7): 0.3}
+LEFT |= {("anywhere", count): 0.75 for count in (20, 25, 40)}
+
+
+@pytest.mark.few(1)
+@pytest.mark.parametrize(("way", "count"), LEFT)
+def test_twice_the_nodes_make_less_error(way: str, count: int) -> None:
+    def errors(finer: int) -> np.ndarray:
+        drawn = (scattered(np.random.default_rng(seed), count) for seed in range(30))
+        sites = drawn if way == "anywhere" else [even(count, count)] * 30
+        return np.array([error(each, seed, finer) for seed, each in enumerate(sites)])
+
+    finer, coarse = errors(2), errors(1)
+    assert np.mean(finer) < LEFT[way, count] * np.mean(coarse)
+    assert way == "anywhere" or finer.max() < 1.001 * coarse.max()

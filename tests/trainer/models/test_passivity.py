@@ -150,10 +150,10 @@ def test_the_c_is_the_reference(seed: int, surface: bool) -> None:
     assert np.ptp(force_n) > 0.0
 
 
-HUNDREDS = [pytest.param(range(k, k + 100), marks=pytest.mark.slow) for k in range(1000, 2000, 100)]
+HUNDREDS = [range(k, k + 100) for k in range(1000, 2000, 100)]
 
 
-@pytest.mark.few(1)
+@pytest.mark.few(1, 12)
 @pytest.mark.parametrize("seeds", [*([seed] for seed in range(8)), *HUNDREDS])
 def test_no_press_of_a_random_non_negative_model_gives_energy_back(seeds: Sequence[int]) -> None:
     few = {"presses": 12, "starts": 1, "steps": 40} if len(seeds) > 1 else {}

@@ -1,6 +1,7 @@
-"""What a fit takes from its recordings: rows, range, contact, scale, smoothing, memory."""
+"""What a fit takes from its recordings: rows, range, contact, scale, smoothing, memory, folds."""
 
 import dataclasses
+from collections import Counter
 from dataclasses import replace
 
 import numpy as np
@@ -9,7 +10,7 @@ from scipy.special import binom
 from sklearn.ensemble import RandomForestRegressor
 from support.derivatives import fir_derivatives
 from support.silicones import paper_presses, validation_signals
-from support.small import DEPTH_M, DT_S, small_fit, training
+from support.small import DEPTH_M, DT_S, press, recording, small_fit, training
 
 from springpot import Recording
 from springpot.codegen.arrays import rms
@@ -19,9 +20,10 @@ from springpot.codegen.model.model_file import model_hash
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.depths import pulls
 from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.models.folds import fold_families, held_out_whole, pieces, repeats_apart
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.models.rf_fd import depth_scale
-from springpot.trainer.models.training_set import choose_rows, training_set
+from springpot.trainer.models.training_set import TrainingSet, choose_rows, training_set
 from springpot.trainer.recordings.signals import smoothed
 
 
@@ -78,7 +80,7 @@ def test_the_fit_predicts_what_scikit_learn_predicts() -> None:
     np.testing.assert_allclose(predict_n(model, item), expected, rtol=0, atol=rounding_n)
 
 
-@pytest.mark.slow
+@pytest.mark.few(0, 1)
 @pytest.mark.parametrize("name", ["ecoflex-00-30", "dragon-skin-10"])
 def test_the_papers_forest_is_that_of_its_text(name: str) -> None:
     """Written again: equation (15), 25 samples averaged, 100 trees; on the same fifth of rows."""
@@ -181,3 +183,62 @@ def test_same_seed_and_recordings_give_the_same_hash() -> None:
         for k in (3, 3, 4)
     )
     assert first == again != other
+
+
+SHARES = (0.3, 0.7, 1.0)
+SPEEDS_HZ = (0.5, 1.0, 3.0, 5.0)
+
+
+def with_repeats() -> TrainingSet:
+    """Every press twice: the repeat a little slower and shallower, as by a hand or a valve."""
+    return training_set(
+        [
+            recording(f"{share}-{hz}-{slower}", press(hz * slower, share * DEPTH_M * deeper))
+            for share in SHARES
+            for hz in SPEEDS_HZ
+            for slower, deeper in ((1.0, 1.0), (0.97, 0.99))
+        ],
+        smooth_s=0.0,
+    )
+
+
+def test_repeats_of_one_press_go_to_different_folds() -> None:
+    data = with_repeats()
+    for seed in range(20):
+        number = repeats_apart(data.depths_m, data.dt_s, 5, seed).number
+        assert np.all(number[::2] != number[1::2])
+        assert max(Counter(number.tolist()).values()) == 5  # 24 recordings in 5 folds
+
+
+def test_each_depth_and_each_speed_is_held_out_whole() -> None:
+    data = with_repeats()
+    rows = data.bounds[:-1] + 1
+    depth, speed = held_out_whole(data, rows)
+    assert depth.number.tolist() == [group for group in (0, 1, 2) for _ in range(8)]
+    assert np.all(speed.number[::2] == speed.number[1::2])
+    assert speed.tested == (0, 1, 2, 3, 4)
+
+
+def test_what_is_as_deep_as_nothing_else_is_not_held_out() -> None:
+    data = with_repeats()
+    _, depth, speed = fold_families(data, np.arange(data.rows_total), seed=0)
+    assert depth.tested == (0, 1)  # without the deepest, only extrapolation is measured
+    assert speed.tested == (0, 1, 2, 3, 4)
+
+
+def test_noise_on_repeats_makes_no_further_conditions() -> None:
+    noise, item = np.random.default_rng(1), training()[5]
+    noisy_m = [item.position_m + noise.normal(0.0, 2e-6, 1000) for _ in range(6)]
+    same = [dataclasses.replace(item, position_m=position_m) for position_m in noisy_m]
+    data = training_set(same, smooth_s=0.0)
+    assert held_out_whole(data, np.arange(data.rows_total)) == []
+
+
+def test_a_piece_is_in_one_fold_of_each_family() -> None:
+    data = training_set(training(), smooth_s=0.0)
+    families = fold_families(data, np.arange(data.rows_total), seed=3)
+    assert len(families) == 3
+    piece = pieces(families)
+    for folds in families:
+        pairs = set(zip(piece.tolist(), folds.number.tolist(), strict=True))
+        assert len(pairs) == piece.max() + 1

@@ -120,10 +120,9 @@ def test_a_cable_that_comes_off_is_named_and_no_object_that_flows() -> None:
         off_s = DT_S * int(np.flatnonzero(press(number)[1] > 0.3 * PEAK_N)[200 + 40 * number])
         at_s = float(found.what.split(" s")[0].split()[-1])
         assert found.kind == "tear" or (found.kind == "gone" and off_s <= at_s < off_s + 2.0)
-    position_m = np.maximum(press(1)[0], 0.0)
-    position_m[len(position_m) // 2 :] = position_m[: len(position_m) - len(position_m) // 2]
-    slow = np.interp(np.arange(8 * len(position_m)) / 8, np.arange(len(position_m)), position_m)
-    both = np.append(position_m, slow)
+    time_s = np.arange(0.0, 40.0, DT_S)
+    turns = np.where(time_s < 8.0, time_s / 4.0, 1.75 + time_s / 32.0)  # then eight times slower
+    both = 0.5 * DEPTH_M * (1.0 - np.cos(2.0 * np.pi * turns))
     pushed_n = np.maximum(np.diff(both, prepend=0.0), 0.0)
     flows = Recording("putty", both, PEAK_N * pushed_n / pushed_n.max(), DT_S)
     assert "gone" not in kinds([flows])

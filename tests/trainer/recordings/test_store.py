@@ -1,7 +1,8 @@
 """Files of recordings: bits come back, damage is never silent, and a killed writer loses nothing.
 
 What was committed to a journal survives SIGKILL; of a flipped bit or a cut, either all samples come
-back as they were, or one line says that the file is damaged.
+back as they were, or one line says that the file is damaged. Names out of recordings become file
+names: none leads out of the folder that was asked for.
 """
 
 import os
@@ -13,10 +14,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.small import press, recording
 
 from springpot.codegen.errors import DataError, DeviceError, UsageError
+from springpot.trainer.recordings.formats.importing import import_file
 from springpot.trainer.recordings.journal import JournalWriter
-from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.recording import MAX_NAME_BYTES, Recording, safe_recording_name
 from springpot.trainer.recordings.recording_file import (
     journal_of,
     read_journal,
@@ -46,7 +49,8 @@ def assert_same(found: Recording, wanted: Recording = ITEM) -> None:
 def journal_of_item(folder: Path) -> Path:
     """A journal that its writer left behind."""
     with pytest.raises(ZeroDivisionError), JournalWriter(
-        folder / "press.h5", "press", 1e-3, "device", dict(ITEM.details), channels=("notes",)
+        folder / "press.h5", "press", 1e-3, "device", dict(ITEM.details), channels=("notes",),
+        place_m=ITEM.place_m,
     ) as writer:  # fmt: skip
         for begin in range(0, 900, 50):
             rows = slice(begin, begin + 50)
@@ -69,6 +73,7 @@ def test_a_finished_journal_is_a_recording_and_leaves_nothing(tmp_path: Path) ->
     found = read_recording(tmp_path / "press.h5")
     np.testing.assert_array_equal(found.force_n, ITEM.force_n)
     assert dict(found.details) == {"a": 1, "b": 2} and found.start_s == 1.0
+    assert found.place_m is None
     assert sorted(path.name for path in tmp_path.iterdir()) == ["press.h5"]
 
 
@@ -79,6 +84,7 @@ def test_an_interrupted_journal_is_read_as_its_recording(tmp_path: Path) -> None
         np.testing.assert_array_equal(found.position_m, ITEM.position_m)
         np.testing.assert_array_equal(found.channels["notes"], ITEM.channels["notes"])
         assert "recovered 0.900 s" in found.details["recovered"]
+        assert found.place_m == ITEM.place_m
     with pytest.raises(UsageError, match="keeps a recording that was interrupted"):
         JournalWriter(tmp_path / "press.h5", "press", 1e-3, "device", {})
 
@@ -221,3 +227,42 @@ def test_files_that_are_no_recording_are_one_line(tmp_path: Path) -> None:
 def test_a_name_that_is_no_files_is_refused(tmp_path: Path) -> None:
     with pytest.raises(DataError):
         replace(ITEM, name="../press")
+
+
+HOSTILE = ["", ".", "..", "/tmp/x", "../x", "a/b", "a\\b", ".hidden", "a\nb", "\x1b[31m", "a\0b",
+           "\ud800", "x" * 300, "\u202etxt"]  # fmt: skip
+
+
+def _recording_named(name: str, path: Path) -> None:
+    """A recording as a stranger can make it: past every check of this program."""
+    whole = recording("whole", press(2.0))
+    object.__setattr__(whole, "name", name)
+    write_recording(path, whole)
+
+
+@pytest.mark.parametrize("name", [n for n in HOSTILE if "\0" not in n and n != "\ud800"])
+def test_a_stored_name_that_is_no_file_name_is_refused(name: str, tmp_path: Path) -> None:
+    file = tmp_path / "sent.h5"
+    _recording_named(name, file)
+    with pytest.raises(DataError, match=r"sent\.h5: a recording named .*: name it") as why:
+        read_recording(file)
+    assert str(why.value).isprintable()
+    with pytest.raises(DataError, match=r"sent\.h5: a recording named"):
+        import_file(file)
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_no_recording_is_made_or_journalled_under_it(name: str, tmp_path: Path) -> None:
+    with pytest.raises(DataError, match="a recording named"):
+        replace(recording("whole", press(2.0)), name=name)
+    with pytest.raises(DataError, match="a recording named"):
+        JournalWriter(tmp_path / "a.h5", name, 1e-3, "", {})
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("text", [*HOSTILE, "Probe 3 (left)", "Gelprobe ü"])
+def test_a_safe_name_is_taken_and_stays_in_its_folder(text: str, tmp_path: Path) -> None:
+    named = replace(recording("whole", press(2.0)), name=safe_recording_name(text))
+    write_recording(tmp_path / f"{named.name}.h5", named)
+    assert [file.parent for file in tmp_path.rglob("*.h5")] == [tmp_path]
+    assert len(named.name.encode()) <= MAX_NAME_BYTES

@@ -1,6 +1,6 @@
 """CSV files -> recordings: what is understood, and what is refused with file and row.
 
-Layouts of public recordings: tests/host/commands/test_real_layouts.py.
+Layouts of public recordings: tests/host/commands/test_mistakes.py.
 """
 
 import re
@@ -11,10 +11,15 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from support.files.imported import GOOD, load, refusal
+from support.small import press, soft_force
 
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.formats.column_map import parse_map
-from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
+from springpot.trainer.recordings.formats.importing import (
+    ImportOptions,
+    import_file,
+    place_or_columns,
+)
 
 COMMA, HEAD = GOOD.replace(",", ";").replace(".", ","), "time_s;position_m;force_N\n"
 ROWS = GOOD.partition("\n")[2]
@@ -164,3 +169,61 @@ def test_stamps_that_lost_a_digit_need_a_stated_rate(shared_data: Path) -> None:
     assert "differs in 298 rows from row 426 on: there it says 39.8 s" in guess
     with pytest.raises(DataError, match=r"row 426: time goes back .*--map time=RATEHz"):
         import_file(files[3], parse_map(strain))
+
+
+POSITION_M = press(1.0)
+FORCE_N = soft_force(POSITION_M)
+
+
+def table(header: str, scales: tuple[float, ...], order: str = "txf", end: str = "") -> str:
+    """A header, and rows of time, position and force, each divided by the scale of its unit."""
+    time_s = np.arange(len(FORCE_N)) / 1000.0
+    of = dict(zip("txf", (time_s, POSITION_M, FORCE_N), strict=True))
+    columns = [of[name] / scale for name, scale in zip(order, scales, strict=True)]
+    rows = [",".join(f"{value:.9g}" for value in row) + end for row in zip(*columns, strict=True)]
+    return "\n".join([header, *rows]) + "\n"
+
+
+def german(text: str) -> str:
+    return text.replace(",", ";").replace(".", ",")
+
+
+EXPORTS = {
+    "a logger": german(table("Zeit (s),Weg (mm),Kraft (mN)", (1.0, 1e-3, 1e-3))),
+    "a comma at the header's end": table("time_s,position_mm,force_N,", (1.0, 1e-3, 1.0)),
+    "a comma at every line's end": table("time_s,position_mm,force_N,", (1.0, 1e-3, 1.0), end=","),
+    "JSON above the table": '{"rig": "4"}\n' + table("time_s,position_mm,force_N", (1, 1e-3, 1)),
+    "a sentence above": "time against position and force\nrun 3 of 5, 0.1 mm a s\n"
+    + table("time_s,position_mm,force_N", (1.0, 1e-3, 1.0)),
+}
+
+
+@pytest.mark.parametrize("machine", EXPORTS)
+def test_exports_come_in_without_a_map(tmp_path: Path, machine: str) -> None:
+    """Layouts of public recordings: tests/host/commands/test_mistakes.py."""
+    (tmp_path / "press.csv").write_text(EXPORTS[machine], encoding="utf-8")
+    found, _ = import_file(tmp_path / "press.csv")
+    np.testing.assert_allclose(found.position_m, POSITION_M, atol=1e-9)
+    np.testing.assert_allclose(found.force_n, FORCE_N, rtol=1e-6, atol=1e-6)
+
+
+@pytest.mark.parametrize("delimiter", [",", ";", "\t", " "])
+@pytest.mark.parametrize("names", ["x_mm,y_mm", "Stage X (mm),Stage Y (mm)", "across,y_mm"])
+def test_columns_of_other_names_are_a_place_if_they_are_named(
+    tmp_path: Path, names: str, delimiter: str
+) -> None:
+    """x and y, in mm, beside z: without them, which column is the position is not known."""
+    rows = [[f"{k / 100}", "5", "-10", f"{k % 5}", f"{k % 7}"] for k in range(50)]
+    header = ["t_s", *names.split(","), "z_mm", "fz_N"]
+    if delimiter == " " and "(" in names:
+        header = [f'"{name}"' for name in header]
+    (tmp_path / "a.csv").write_text("\n".join(map(delimiter.join, [header, *rows])) + "\n")
+    options = ImportOptions(place_m=place_or_columns(names))
+    if "across" in names:
+        with pytest.raises(DataError, match="no unit of position"):
+            import_file(tmp_path / "a.csv", options=options)
+        return
+    read, _ = import_file(tmp_path / "a.csv", options=options)
+    assert read.place_m == pytest.approx((0.005, -0.01))
+    with pytest.raises(DataError, match="--place"):
+        import_file(tmp_path / "a.csv", options=ImportOptions(place_m=("a", "b")))
