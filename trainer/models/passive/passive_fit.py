@@ -1,9 +1,9 @@
 """The passive part of a model, chosen by cross-validated error: curves, rates, flow and damage."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
-from functools import cache, cached_property, reduce
-from math import hypot
+from dataclasses import dataclass, field, replace
+from functools import cached_property, lru_cache, partial, reduce
+from math import hypot, inf, sqrt
 from operator import add
 
 import numpy as np
@@ -15,7 +15,12 @@ from springpot.trainer.models.folds import geometric_mean
 from springpot.trainer.models.passive.growth import growing
 from springpot.trainer.models.passive.nonnegative import Normal, sparse_solve
 from springpot.trainer.models.passive.passive_force import with_memory
-from springpot.trainer.models.passive.passive_rows import NEGLIGIBLE, PassiveRows, passive_rows
+from springpot.trainer.models.passive.passive_rows import (
+    NEGLIGIBLE,
+    PassiveRows,
+    let_go,
+    passive_rows,
+)
 from springpot.trainer.models.passive.passive_terms import (
     DEPTH_POLES,
     Terms,
@@ -33,6 +38,7 @@ NODES = (9, 13, 25)  # of each curve; the last where a layer is pressed flat wit
 PENALTIES = (1e-3, 1e-4, 1e-5)  # on the roughness of curves; forces in shares of the peak
 _ROUGHER = 1.01  # times less error is what a penalty ten times lower has to bring,
 _UNCOVERED = 13  # nodes, between which rows may be missing
+_FORCE = "force"  # beside the names of laws
 _FINER = (1.0, 1.01, 1.1)  # and more nodes: 25 cost flash
 BETTER, NO_WORSE = 0.9, 1.02  # times the error, in all and in each family, of a richer law
 RATE_RATIOS = (16.0, 1.0 / 16.0)  # relaxing faster at the surface, or deep inside
@@ -42,16 +48,17 @@ RATE_RATIOS = (16.0, 1.0 / 16.0)  # relaxing faster at the surface, or deep insi
 class PassiveChoice:
     """Terms and a penalty on their roughness; law: the names of what they have beside plain ones.
 
-    errors_n: RMSE over held-out folds, N, of each family. parts: normal equations of the pieces of
-    the rows, in shares of the peak.
+    errors_n: RMSE over held-out folds, N, of each family; folds_n: of each fold. normals: normal
+    equations of all rows, then without each fold of `rows.held`, in shares of the peak.
     """
 
     law: tuple[str, ...]
     terms: Terms
     penalty: float
     errors_n: Sequence[float]
-    parts: Sequence[Normal]
+    normals: Sequence[Normal]
     rows: PassiveRows
+    folds_n: Samples = field(default_factory=lambda: np.empty(0))
 
     @property
     def error_n(self) -> float:
@@ -59,12 +66,17 @@ class PassiveChoice:
         return geometric_mean(list(self.errors_n)) if self.errors_n else 0.0
 
     @cached_property
-    def _all_weights(self) -> Samples:
-        return _penalised(self.parts, self.penalty, self.terms).solve()
+    def _penalty(self) -> Samples:
+        return self.penalty * self.terms.roughness()
+
+    @cached_property
+    def weights_of_all(self) -> Samples:
+        """Fitted to all rows, (terms,), N."""
+        return self.rows.peak_n * self.normals[0].penalised(self._penalty).solve()
 
     def weights(self) -> Samples:
         """Fitted to all rows, with as few branches, stops and curves as serve, (terms,), N."""
-        normal = _penalised(self.parts, self.penalty, self.terms)
+        normal = self.normals[0].penalised(self._penalty)
         return self.rows.peak_n * sparse_solve(normal, self.terms.blocks, SPARSE_LOSS)
 
     def model(self, data: TrainingSet) -> Hammerstein:
@@ -74,19 +86,15 @@ class PassiveChoice:
         model = growing(model, self.terms, weights, self.penalty, self.rows, data)
         return with_memory(model, data)
 
-    def weights_without(self, family: int, fold: int) -> Samples | None:
-        """Fitted without a fold of a family, (terms,), N; None if that leaves no rows."""
-        _, first = np.unique(self.rows.piece, return_index=True)
-        numbers = self.rows.families[family].number[first]
-        others = [part for part, its in zip(self.parts, numbers, strict=True) if its != fold]
-        if sum(part.rows for part in others) == 0:
-            return None
-        normal = _penalised(others, self.penalty, self.terms)
-        return self.rows.peak_n * normal.solve(near=self._all_weights)
-
-    def judged(self, values: Samples) -> "PassiveChoice":
-        """The same with its errors; values of its terms at all rows, (rows, terms)."""
-        return replace(self, errors_n=self.rows.fold_errors_n(values, self.weights_without))
+    @cached_property
+    def weights_without(self) -> Samples:
+        """Fitted without each fold of `rows.held`, (terms, folds), N; NaN: that leaves no rows."""
+        none = np.full(self.terms.count, np.nan)
+        found = [
+            each.penalised(self._penalty).solve(near=self.weights_of_all) if each.rows else none
+            for each in self.normals[1:]
+        ]
+        return self.rows.peak_n * np.stack(found, axis=1)
 
 
 def fit_passive(data: TrainingSet, options: FitOptions) -> tuple[Hammerstein, int, float]:
@@ -104,7 +112,7 @@ def timed_passive(
     """`fit_passive` and its seconds, once for the options that decide it."""
     choice, chosen_s = passive_choice(data, options)
 
-    key = ("passive model", options.fraction, options.seed, options.poles)
+    key = ("passive model", data.continues, options.fraction, options.seed, options.poles)
     model, model_s = data.once(key, lambda: choice.model(data))
     return (model, len(choice.rows.rows), choice.error_n), chosen_s + model_s
 
@@ -114,7 +122,7 @@ def passive_choice(data: TrainingSet, options: FitOptions) -> tuple[PassiveChoic
 
     Done once for the options that decide it.
     """
-    key = ("passive", options.fraction, options.seed, options.poles)
+    key = ("passive", data.continues, options.fraction, options.seed, options.poles)
     return data.once(key, lambda: _chosen(data, options))
 
 
@@ -124,18 +132,13 @@ def _chosen(data: TrainingSet, options: FitOptions) -> PassiveChoice:
     By steps and not the lowest of all: with few recordings hundredths are chance, and a simpler law
     extrapolates better.
     """
-    every = passive_rows(data, options)
-
-    @cache
-    def of_nodes(nodes: int) -> Laws:
-        return Laws(plain_terms(data, nodes, options.poles), every, data)
-
+    of_nodes = partial(laws_of, data, options)
     laws, plain = _smoothest(of_nodes, ())
-    if not every.varied or options.poles < DEPTH_POLES:
+    if not plain.rows.varied or options.poles < DEPTH_POLES:
         return plain
 
     def tried(*names: str) -> PassiveChoice:
-        return laws.choices(names, (plain.penalty,))[0]
+        return laws.choices(names, (plain.penalty,), needed_n(plain))[0]
 
     rates = [tried(name) for name in laws.rates]
     (rate,) = min(rates, key=lambda choice: choice.error_n).law
@@ -146,16 +149,29 @@ def _chosen(data: TrainingSet, options: FitOptions) -> PassiveChoice:
     return _smoothest(of_nodes, best.law)[1]
 
 
+@lru_cache(maxsize=3)
+def laws_of(data: TrainingSet, options: FitOptions, nodes: int) -> "Laws":
+    """Laws of curves with so many nodes; the last ones are kept."""
+    return Laws(plain_terms(data, nodes, options.poles), passive_rows(data, options), data)
+
+
 class Laws:
-    """Plain terms and what may be added to them, on the same rows: each column is made once."""
+    """Plain terms and what may be added to them, on the same rows: each column is made once.
+
+    So are the products of any two columns, summed over rows and without each fold.
+    """
 
     rates = ("faster at the surface", "faster inside")
 
     def __init__(self, plain: Terms, rows: PassiveRows, data: TrainingSet) -> None:
         self._plain, self._data = plain, data
         values = term_columns(plain, data, rows.rows)
-        self._rows = rows.released(values, PENALTIES[1] * plain.roughness())
-        self._columns = {"": values}
+        if rows.surface:
+            penalty = PENALTIES[1] * plain.roughness()
+            rows = replace(rows, let_go=let_go(values, rows.force_n, rows.peak_n, penalty))
+        self._rows, share = rows, rows.force_n[:, None] / rows.peak_n
+        self._columns = {"": values[self._rows.order], _FORCE: share[self._rows.order]}
+        self._products: dict[tuple[str, str], Samples] = {}
 
     @cached_property
     def covered(self) -> bool:
@@ -166,30 +182,76 @@ class Laws:
         return len(np.unique(np.minimum(at, pieces - 1))) >= pieces  # the deepest is in the last
 
     def choices(
-        self, law: tuple[str, ...], penalties: Sequence[float] = PENALTIES
+        self, law: tuple[str, ...], penalties: Sequence[float] = PENALTIES, most_n: float = inf
     ) -> list[PassiveChoice]:
-        """Plain terms with those of a law, in the order of `Terms`: rates, damage, flow."""
+        """Plain terms with those of a law, in the order of `Terms`: rates, damage, flow.
+
+        Where even a fit to all rows errs by more than most_n, that is its error: without folds.
+        """
         terms = reduce(self._added, law, self._plain)
         for name in law:
             if name not in self._columns:
-                self._columns[name] = self._values(self._added(self._plain, name))
-        values = np.concatenate([self._columns[name] for name in ("", *law)], axis=1)
-        parts = self._rows.parts(values)
+                self._columns[name] = self._values(name)[self._rows.order]
+        normals = self._normals(("", *law))
+        found = [PassiveChoice(law, terms, each, (), normals, self._rows) for each in penalties]
+        return [self._judged(its, most_n) for its in found]
+
+    def _judged(self, choice: PassiveChoice, most_n: float) -> PassiveChoice:
+        """The same with its errors, as `choices` says."""
+        values = [self._columns[name] for name in ("", *choice.law)]
+        cuts = np.cumsum([its.shape[1] for its in values])[:-1]
+
+        def judged(weights: Samples) -> PassiveChoice:
+            parts = zip(values, np.split(weights, cuts), strict=True)
+            force_n = reduce(add, (its @ part for its, part in parts))
+            folds_n = self._rows.fold_errors_n(force_n)
+            errors_n = self._rows.family_errors_n(folds_n)
+            return replace(choice, errors_n=errors_n, folds_n=folds_n)
+
+        # A fit without a fold errs there by as much as one with it, or more.
+        if most_n < inf and (its := judged(choice.weights_of_all[:, None])).error_n > most_n:
+            return its
+        return judged(choice.weights_without)
+
+    def _normals(self, names: Sequence[str]) -> list[Normal]:
+        """Normal equations of all rows, and without each fold."""
+        every = (*names, _FORCE)
+        products = np.block([[self._summed(one, other) for other in every] for one in every])
+        rows = self._shown @ [its.stop - its.start for its in self._rows.spans]
         return [
-            PassiveChoice(law, terms, penalty, (), parts, self._rows).judged(values)
-            for penalty in penalties
+            Normal(its[:-1, :-1], its[:-1, -1], float(its[-1, -1]), int(count))
+            for its, count in zip(products, rows, strict=True)
         ]
+
+    @cached_property
+    def _shown(self) -> Samples:
+        """1 for each piece that is in all rows, and in what is left without each fold, else 0."""
+        shown = ~self._rows.out[[its.start for its in self._rows.spans]].T
+        return np.vstack([np.ones(len(shown.T)), shown])
+
+    def _summed(self, one: str, other: str) -> Samples:
+        """Products of columns, summed over all rows and without each fold: (1 + folds, k, l)."""
+        if (other, one) in self._products:
+            return self._products[other, one].swapaxes(1, 2)
+        a, b = self._columns[one], self._columns[other]
+        products = np.stack([a[its].T @ b[its] for its in self._rows.spans])
+        return self._products.setdefault((one, other), np.tensordot(self._shown, products, 1))
 
     def _added(self, terms: Terms, name: str) -> Terms:
         if name in self.rates:
             return with_rates(terms, self._data, RATE_RATIOS[self.rates.index(name)])
         return with_damage(terms) if name == "damage" else with_flow(terms, self._data)
 
-    def _values(self, terms: Terms) -> Samples:
-        dt_s = self._data.dt_s
-        return self._data.along_motions(
-            self._rows.rows, lambda motion, at: added_columns(terms, motion, dt_s, at)
-        )
+    def _values(self, name: str) -> Samples:
+        """Columns that a law adds; those of flow, which takes longest, for any nodes once."""
+        data, rows, terms = self._data, self._rows.rows, self._added(self._plain, name)
+
+        def found() -> Samples:
+            its = added_columns(terms, data.motions, data.dt_s, data.motion_rows(rows))
+            return data.in_order(rows, its)
+
+        key = ("flow", data.continues, rows.tobytes())
+        return data.once(key, found)[0] if name == "flow" else found()
 
 
 def _smoothest(of_nodes: Callable[[int], Laws], law: tuple[str, ...]) -> tuple[Laws, PassiveChoice]:
@@ -217,13 +279,15 @@ def _smooth_error_n(choice: PassiveChoice) -> float:
     return choice.error_n * _ROUGHER**rougher * _FINER[NODES.index(choice.terms.nodes)]
 
 
+def needed_n(best: PassiveChoice) -> float:
+    """Error that a richer law has to have to be better, N."""
+    negligible_n = NEGLIGIBLE * best.rows.peak_n
+    error_n = BETTER * hypot(best.error_n, negligible_n)
+    return sqrt(max(error_n**2 - negligible_n**2, 0.0))
+
+
 def better(best: PassiveChoice, other: PassiveChoice) -> PassiveChoice:
     """The richer law if it has less error in all, and no more in any family of folds."""
     pairs = zip(other.errors_n, best.errors_n, strict=True)
-    negligible_n = NEGLIGIBLE * best.rows.peak_n
-    gains = hypot(other.error_n, negligible_n) < BETTER * hypot(best.error_n, negligible_n)
+    gains = other.error_n < needed_n(best)
     return other if gains and all(its <= NO_WORSE * bests for its, bests in pairs) else best
-
-
-def _penalised(parts: Sequence[Normal], penalty: float, terms: Terms) -> Normal:
-    return reduce(add, parts).penalised(penalty * terms.roughness())

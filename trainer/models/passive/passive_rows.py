@@ -1,11 +1,12 @@
 """Rows that a passive model is fitted on: their folds, and those in which the object has let go."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from springpot.codegen.arrays import Flags, Indices, Samples, rms
+from springpot.codegen.arrays import Flags, Indices, Samples
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.folds import (
     Folds,
@@ -14,7 +15,7 @@ from springpot.trainer.models.folds import (
     held_out_whole,
     pieces,
 )
-from springpot.trainer.models.passive.nonnegative import Normal, normal_equations
+from springpot.trainer.models.passive.nonnegative import normal_equations
 from springpot.trainer.models.training_set import TrainingSet
 
 # Of the peak: what errors gain far below it no hand can tell, and a richer law pays for it where
@@ -47,48 +48,62 @@ class PassiveRows:
         """Force that the C gives, (rows,), N: an object does not pull at its surface."""
         return np.maximum(force_n, 0.0) if self.surface else force_n
 
-    def released(self, values: Samples, penalty: Samples) -> "PassiveRows":
-        """The same with what has let go: where there is no force and a model would pull.
+    @cached_property
+    def held(self) -> tuple[tuple[int, int], ...]:
+        """Every fold that is held out: numbers of its family, and of itself."""
+        families = enumerate(self.families)
+        return tuple((number, fold) for number, folds in families for fold in folds.tested)
 
-        Their force says nothing of how the object would pull: those rows are left out, and the
-        others fitted again (censored regression: Tobin, Econometrica 26, 1958).
+    @cached_property
+    def order(self) -> Indices:
+        """Rows by their pieces, (rows,), in each of them those that have let go last."""
+        return np.lexsort((self.let_go, self.piece))
+
+    @cached_property
+    def spans(self) -> list[slice]:
+        """What is kept of each piece, in that order."""
+        begins = np.searchsorted(self.piece[self.order], np.arange(self.piece.max() + 1))
+        kept = np.bincount(self.piece, ~self.let_go).astype(np.intp)
+        return list(map(slice, begins, begins + kept))
+
+    @cached_property
+    def out(self) -> Flags:
+        """Whether each row, in that order, is in each fold of `held`, (rows, folds)."""
+        numbers = [self.families[k].number[self.order] == fold for k, fold in self.held]
+        return np.stack(numbers, axis=1)
+
+    def fold_errors_n(self, force_n: Samples) -> Samples:
+        """RMSE on each fold of `held`, (folds,), N; NaN if there is none.
+
+        force_n: fitted without each of them, (rows, folds), in `order`; NaN: nothing was left.
         """
-        let_go = np.zeros(len(self.rows), dtype=bool)
-        none = np.abs(self.force_n) < _LET_GO * self.peak_n
-        for _ in range(_ROUNDS if self.surface else 0):
-            normal = normal_equations(values[~let_go], self.force_n[~let_go] / self.peak_n)
-            before = let_go
-            let_go = none & (values @ normal.penalised(penalty).solve() < 0.0)
-            if np.array_equal(let_go, before):
-                break
-        return replace(self, let_go=let_go)
+        errors_n = np.where(self.out, self.given_n(force_n) - self.force_n[self.order, None], 0.0)
+        with np.errstate(invalid="ignore"):
+            found: Samples = np.sqrt(np.sum(errors_n**2, axis=0) / np.sum(self.out, axis=0))
+        return found
 
-    def parts(self, values: Samples) -> list[Normal]:
-        """Normal equations of each piece, in shares of the peak, without what has let go."""
-        share = self.force_n / self.peak_n
-        pieces_held = ((self.piece == k) & ~self.let_go for k in range(int(self.piece.max()) + 1))
-        return [normal_equations(values[its], share[its]) for its in pieces_held]
+    def family_errors_n(self, folds_n: Samples) -> tuple[float, ...]:
+        """Geometric mean of the errors on the folds of each family, (families,), N."""
+        family = np.where(np.isnan(folds_n), -1, [number for number, _ in self.held])
+        return tuple(geometric_mean(folds_n[family == k]) for k in np.unique(family) if k >= 0)
 
-    def fold_errors_n(
-        self, values: Samples, weights_without: Callable[[int, int], Samples | None]
-    ) -> tuple[float, ...]:
-        """Geometric mean of the RMSEs on each family's held-out folds, (families,), N.
 
-        weights_without: weights, N, fitted without a fold of a family; None if nothing is left.
-        """
-        means = []
-        for number, folds in enumerate(self.families):
-            without = {fold: weights_without(number, fold) for fold in folds.tested}
-            known = {fold: its for fold, its in without.items() if its is not None}
-            given_n = self.given_n(values @ np.stack(list(known.values()), axis=1))
-            errors = []
-            for k, fold in enumerate(known):
-                out = folds.number == fold
-                if out.any():
-                    errors.append(rms(given_n[out, k] - self.force_n[out]))
-            if errors:
-                means.append(geometric_mean(errors))
-        return tuple(means)
+def let_go(values: Samples, force_n: Samples, peak_n: float, penalty: Samples) -> Flags:
+    """Rows, (rows,), in which the object has let go: there is no force, and a model would pull.
+
+    Their force says nothing of how the object would pull: those rows are left out, and the
+    others fitted again (censored regression: Tobin, Econometrica 26, 1958).
+    """
+    none = np.abs(force_n) < _LET_GO * peak_n
+    others = normal_equations(values[~none], force_n[~none] / peak_n)
+    found = np.zeros(len(none), dtype=bool)
+    for _ in range(_ROUNDS):
+        held, before = none & ~found, found
+        normal = others + normal_equations(values[held], force_n[held] / peak_n)
+        found = none & (values @ normal.penalised(penalty).solve() < 0.0)
+        if np.array_equal(found, before):
+            break
+    return found
 
 
 def passive_rows(data: TrainingSet, options: FitOptions) -> PassiveRows:

@@ -70,9 +70,7 @@ class _Way:
 
     def fitted(self, terms: Terms, penalty: float, sparse: bool) -> tuple[Hammerstein, Terms]:
         """Fitted again, along this way, to the rows in which the tool was not away; its terms."""
-        dt_s = self._data.dt_s
-        pairs = zip(self._motions, self._at, strict=True)
-        found = [columns(terms, motion, dt_s, at) for motion, at in pairs]
+        found = columns(terms, self._motions, self._data.dt_s, self._at)
         values = self._data.in_order(self._rows.rows, found)[~self.away]
         share = self._rows.force_n[~self.away] / self._rows.peak_n
         normal = normal_equations(values, share).penalised(penalty * terms.roughness())
