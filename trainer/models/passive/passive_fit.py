@@ -152,7 +152,9 @@ def _chosen(data: TrainingSet, options: FitOptions) -> PassiveChoice:
 @lru_cache(maxsize=3)
 def laws_of(data: TrainingSet, options: FitOptions, nodes: int) -> "Laws":
     """Laws of curves with so many nodes; the last ones are kept."""
-    return Laws(plain_terms(data, nodes, options.poles), passive_rows(data, options), data)
+    key = ("rows", options.fraction, options.seed)
+    rows, _ = data.once(key, lambda: passive_rows(data, options))
+    return Laws(plain_terms(data, nodes, options.poles), rows, data)
 
 
 class Laws:
