@@ -31,7 +31,7 @@ from springpot.trainer.models.passive.passive_terms import (
     with_rates,
 )
 from springpot.trainer.models.passive.recovery import SPARSE_LOSS, recovering
-from springpot.trainer.models.passive.term_values import added_columns, term_columns
+from springpot.trainer.models.passive.term_values import added_hats, flowing, plain_hats
 from springpot.trainer.models.training_set import TrainingSet
 
 NODES = (9, 13, 25)  # of each curve; the last where a layer is pressed flat within a few hundredths
@@ -167,10 +167,15 @@ class Laws:
 
     def __init__(self, plain: Terms, rows: PassiveRows, data: TrainingSet) -> None:
         self._plain, self._data = plain, data
-        values = term_columns(plain, data, rows.rows)
+        hats = partial(plain_hats, plain, dt_s=data.dt_s)
+        values = data.along_motions(rows.rows, lambda motion, at: hats(motion, rows=at))
+        values = np.hstack([values, np.tile([1.0, -1.0], (len(values), int(plain.bias)))])
         if rows.surface:
-            penalty = PENALTIES[1] * plain.roughness()
-            rows = replace(rows, let_go=let_go(values, rows.force_n, rows.peak_n, penalty))
+            penalty, sums = (
+                PENALTIES[1] * plain.roughness(),
+                self._summed("", np.eye(len(values.T))),
+            )
+            rows = replace(rows, let_go=let_go(values, sums, rows.force_n, rows.peak_n, penalty))
         self._rows, share = rows, rows.force_n[:, None] / rows.peak_n
         self._columns = {"": values[self._rows.order], _FORCE: share[self._rows.order]}
         self._products: dict[tuple[str, str], Samples] = {}
@@ -201,11 +206,13 @@ class Laws:
     def _judged(self, choice: PassiveChoice, most_n: float) -> PassiveChoice:
         """The same with its errors, as `choices` says."""
         values = [self._columns[name] for name in ("", *choice.law)]
-        cuts = np.cumsum([its.shape[1] for its in values])[:-1]
+        names = ("", *choice.law)
+        sums = [self._summed(n, np.eye(v.shape[1])) for n, v in zip(names, values, strict=True)]
+        cuts = np.cumsum([its.shape[1] for its in sums])[:-1]
 
         def judged(weights: Samples) -> PassiveChoice:
-            parts = zip(values, np.split(weights, cuts), strict=True)
-            force_n = reduce(add, (its @ part for its, part in parts))
+            parts = zip(values, sums, np.split(weights, cuts), strict=True)
+            force_n = reduce(add, (its @ (of_hats @ part) for its, of_hats, part in parts))
             folds_n = self._rows.fold_errors_n(force_n)
             errors_n = self._rows.family_errors_n(folds_n)
             return replace(choice, errors_n=errors_n, folds_n=folds_n)
@@ -218,7 +225,7 @@ class Laws:
     def _normals(self, names: Sequence[str]) -> list[Normal]:
         """Normal equations of all rows, and without each fold."""
         every = (*names, _FORCE)
-        products = np.block([[self._summed(one, other) for other in every] for one in every])
+        products = np.block([[self._products_of(one, other) for other in every] for one in every])
         rows = self._shown @ [its.stop - its.start for its in self._rows.spans]
         return [
             Normal(its[:-1, :-1], its[:-1, -1], float(its[-1, -1]), int(count))
@@ -231,13 +238,23 @@ class Laws:
         shown = ~self._rows.out[[its.start for its in self._rows.spans]].T
         return np.vstack([np.ones(len(shown.T)), shown])
 
-    def _summed(self, one: str, other: str) -> Samples:
-        """Products of columns, summed over all rows and without each fold: (1 + folds, k, l)."""
+    def _products_of(self, one: str, other: str) -> Samples:
+        """Products of terms, summed over all rows and without each fold: (1 + folds, k, l)."""
         if (other, one) in self._products:
             return self._products[other, one].swapaxes(1, 2)
         a, b = self._columns[one], self._columns[other]
         products = np.stack([a[its].T @ b[its] for its in self._rows.spans])
-        return self._products.setdefault((one, other), np.tensordot(self._shown, products, 1))
+        of_hats = np.tensordot(self._shown, products, 1)
+        found = self._summed(one, self._summed(other, of_hats).swapaxes(1, 2)).swapaxes(1, 2)
+        return self._products.setdefault((one, other), found)
+
+    def _summed(self, name: str, hats: Samples) -> Samples:
+        """Terms in the place of their hats, along the last axis; what is no curve stays."""
+        if name in ("flow", _FORCE):
+            return hats
+        curves = hats.shape[-1] // self._plain.nodes * self._plain.nodes
+        of_curves, bias = np.split(hats, [curves], axis=-1)
+        return np.concatenate([self._plain.with_exponentials(of_curves), bias], axis=-1)
 
     def _added(self, terms: Terms, name: str) -> Terms:
         if name in self.rates:
@@ -248,12 +265,13 @@ class Laws:
         """Columns that a law adds; those of flow, which takes longest, for any nodes once."""
         data, rows, terms = self._data, self._rows.rows, self._added(self._plain, name)
 
-        def found() -> Samples:
-            its = added_columns(terms, data.motions, data.dt_s, data.motion_rows(rows))
-            return data.in_order(rows, its)
-
+        if name != "flow":
+            return data.along_motions(
+                rows, lambda motion, at: added_hats(terms, motion, data.dt_s, at)
+            )
+        every = (data.motions, data.dt_s, data.motion_rows(rows))
         key = ("flow", data.continues, rows.tobytes())
-        return data.once(key, found)[0] if name == "flow" else found()
+        return data.once(key, lambda: data.in_order(rows, flowing(terms, *every)))[0]
 
 
 def _smoothest(of_nodes: Callable[[int], Laws], law: tuple[str, ...]) -> tuple[Laws, PassiveChoice]:

@@ -88,8 +88,12 @@ class PassiveRows:
         return tuple(geometric_mean(folds_n[family == k]) for k in np.unique(family) if k >= 0)
 
 
-def let_go(values: Samples, force_n: Samples, peak_n: float, penalty: Samples) -> Flags:
+def let_go(
+    values: Samples, sums: Samples, force_n: Samples, peak_n: float, penalty: Samples
+) -> Flags:
     """Rows, (rows,), in which the object has let go: there is no force, and a model would pull.
+
+    values: (rows, k); terms are sums of these, (k, terms).
 
     Their force says nothing of how the object would pull: those rows are left out, and the
     others fitted again (censored regression: Tobin, Econometrica 26, 1958).
@@ -100,7 +104,8 @@ def let_go(values: Samples, force_n: Samples, peak_n: float, penalty: Samples) -
     for _ in range(_ROUNDS):
         held, before = none & ~found, found
         normal = others + normal_equations(values[held], force_n[held] / peak_n)
-        found = none & (values @ normal.penalised(penalty).solve() < 0.0)
+        weights = normal.summed(sums).penalised(penalty).solve()
+        found = none & (values @ (sums @ weights) < 0.0)
         if np.array_equal(found, before):
             break
     return found

@@ -6,7 +6,6 @@ from itertools import compress
 import numpy as np
 
 from springpot.codegen.arrays import Indices, Samples
-from springpot.codegen.model.formulas import curve_nodes
 from springpot.codegen.model.passive import FLOW_SHARE, Damage, Flow, Hammerstein
 from springpot.codegen.stages.passive.beside import FUNCTIONS
 from springpot.trainer.models.training_set import TrainingSet
@@ -48,10 +47,11 @@ class Terms:
         """Columns of a curve: a hat of slope at each node, and the exponentials."""
         return self.nodes + len(EXPONENTS)
 
-    @property
-    def functions(self) -> Samples:
-        """`curve_nodes` of the columns of a curve, (nodes + 1, 2, width)."""
-        return curve_nodes(column_slopes(self.nodes))
+    def with_exponentials(self, hats: Samples) -> Samples:
+        """Columns of curves, (..., curves x width), from those of their hats, which they sum up."""
+        of_curves = hats.reshape(*hats.shape[:-1], -1, self.nodes)
+        steep = of_curves @ column_slopes(self.nodes)[self.nodes :].T / (self.nodes - 1.0)
+        return np.concatenate([of_curves, steep], axis=-1).reshape(*hats.shape[:-1], -1)
 
     @property
     def curves(self) -> tuple[int, int]:

@@ -7,6 +7,7 @@ import numpy as np
 from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.model.formulas import (
     Place,
+    curve_nodes,
     curve_place,
     curve_values,
     flow_functions,
@@ -37,14 +38,18 @@ def columns(
     terms: Terms, motions: Sequence[DepthMotion], dt_s: float, rows_of: Sequence[Indices]
 ) -> list[Samples]:
     """Values of all terms along motions from rest, at rows of each: (its rows, terms)."""
-    pairs = zip(motions, rows_of, added_columns(terms, motions, dt_s, rows_of), strict=True)
-    return [
-        np.concatenate([_plain(terms, motion, dt_s, rows), added], axis=1)
-        for motion, rows, added in pairs
-    ]
+    found = []
+    flow = flowing(terms, motions, dt_s, rows_of)
+    for motion, rows, its_flow in zip(motions, rows_of, flow, strict=True):
+        plain = terms.with_exponentials(plain_hats(terms, motion, dt_s, rows))
+        richer = terms.with_exponentials(added_hats(terms, motion, dt_s, rows))
+        bias = np.tile([1.0, -1.0], (len(rows), int(terms.bias)))
+        found.append(np.concatenate([plain, bias, richer, its_flow], axis=1))
+    return found
 
 
-def _plain(terms: Terms, motion: DepthMotion, dt_s: float, rows: Indices) -> Samples:
+def plain_hats(terms: Terms, motion: DepthMotion, dt_s: float, rows: Indices) -> Samples:
+    """Values of the hats of plain curves at rows of a motion, (rows, curves x nodes)."""
     u = terms.shares(motion.depth_m)
     radii = np.array(terms.radius_m) / terms.span_m
     played = [np.array(play(u, float(u[0]), radius))[rows] for radius in radii]
@@ -58,24 +63,11 @@ def _plain(terms: Terms, motion: DepthMotion, dt_s: float, rows: Indices) -> Sam
             *(here - curve_values(some, played) for played in plays),
         ]
 
-    values = _by_function(terms, place, curves_of)
-    bias = np.tile([1.0, -1.0], (len(rows), 1)) if terms.bias else np.empty((len(rows), 0))
-    return np.concatenate([values, bias], axis=1)
+    return _by_hat(terms, place, curves_of)
 
 
-def added_columns(
-    terms: Terms, motions: Sequence[DepthMotion], dt_s: float, rows_of: Sequence[Indices]
-) -> list[Samples]:
-    """Those of `columns` that a richer law adds to the plain ones."""
-    pairs = zip(motions, rows_of, flowing(terms, motions, dt_s, rows_of), strict=True)
-    return [
-        np.concatenate([_by_depth(terms, motion, dt_s, rows), flow], axis=1)
-        for motion, rows, flow in pairs
-    ]
-
-
-def _by_depth(terms: Terms, motion: DepthMotion, dt_s: float, rows: Indices) -> Samples:
-    """Curves of branches with a rate by depth, and of damage."""
+def added_hats(terms: Terms, motion: DepthMotion, dt_s: float, rows: Indices) -> Samples:
+    """Those of what a richer law adds: branches with a rate by depth, and damage."""
     if not terms.curves[1]:
         return np.empty((len(rows), 0))
     u, steps_s = terms.shares(motion.depth_m), _steps_s(motion, dt_s)
@@ -83,25 +75,24 @@ def _by_depth(terms: Terms, motion: DepthMotion, dt_s: float, rows: Indices) -> 
     lost = _lost(terms, place, steps_s)
     worn = {heal_s: worn_share(u, heal_s, steps_s)[rows] for heal_s, _ in terms.damage}
     shares = [worn[heal_s][:, None] ** power for heal_s, power in terms.damage]
-    return _by_function(
+    return _by_hat(
         terms, place,
         lambda along, _: [*(highpass_by_depth(along, each)[rows] for each in lost),
                           *(along[rows] * share for share in shares)],
     )  # fmt: skip
 
 
-def _by_function(
+def _by_hat(
     terms: Terms, place: Place, curves_of: Callable[[Samples, Samples], list[Samples]]
 ) -> Samples:
-    """Columns of curves, (rows, curves x width): of each function of a curve, and its nodes.
+    """Columns of hats, (rows, curves x nodes).
 
     curves_of: from values of some functions along the motion, (n, k), and at their nodes, to those
     of each curve, (rows, k). Few functions at a time: a day's recording has 1e8 samples.
     """
-    functions = terms.functions
-    width, found = functions.shape[2], []
+    functions, found = curve_nodes((terms.nodes - 1.0) * np.eye(terms.nodes)), []
     at_once = max(1, _AT_ONCE // len(place[0]))
-    for j in range(0, width, at_once):
+    for j in range(0, terms.nodes, at_once):
         some = functions[:, :, j : j + at_once]
         found.append(np.stack(curves_of(curve_values(some, place), some), axis=1))
     values = np.concatenate(found, axis=2)
