@@ -64,10 +64,8 @@ def held_out_whole(data: TrainingSet, rows: Indices) -> list[Folds]:
     """Folds of rows by the depth and by the speed of their press, if there are three groups."""
     begins, depths_m, speeds_mps = data.once("presses", lambda: _presses(data))[0]
     press = np.searchsorted(begins, rows, side="right") - 1
-    found = []
-    for values, ratio in (
-        (depths_m - data.trained.min_m, _DEPTH_RANGE), (speeds_mps, _SAME_SPEED),
-    ):  # fmt: skip
+    deepest_m, found = depths_m - data.trained.min_m, []
+    for values, ratio in ((deepest_m, _DEPTH_RANGE), (speeds_mps, _SAME_SPEED)):
         number = _grouped(values, ratio)
         groups = int(number.max()) + 1
         if groups >= FEWEST:

@@ -67,17 +67,16 @@ def reason(passive: Score, forest: Score, gain: float, peak_n: float, cells: int
     """In words: what the winner has over the other; cells: small motions that a forest drives."""
     less = f"{100 * abs(forest.ratio - 1.0):.0f} % {'less' if forest.ratio < 1.0 else 'more'} error"
     its, passives = (f"{100 * score.mean_n / peak_n:.2g} %" for score in (forest, passive))
-    wins = forest_wins(passive, forest, gain, peak_n)
-    if wins and not cells:
-        return (
-            f"{less} than the passive model alone ({its} of peak for {passives}), in "
-            f"{forest.folds} folds"
-        )
-    but = f"; {FOREST} gives energy in {cells} of its small motions" if cells else ""
-    if not wins and forest.ratio <= 1.0 - gain:
+    shares = f"{its} of peak for {passives}"
+    if cells:
+        but = f"; {FOREST} gives energy in {cells} of its small motions"
+    elif forest_wins(passive, forest, gain, peak_n):
+        return f"{less} than the passive model alone ({shares}), in {forest.folds} folds"
+    elif forest.ratio > 1.0 - gain:
+        but = ""
+    else:
         felt = forest.mean_n < passive.mean_n - FORCE_TOLERANCE * peak_n
-        unfelt = f", {its} of peak for {passives}: nobody feels that"
-        but = ", most of it in one fold" if felt else unfelt
+        but = ", most of it in one fold" if felt else f", {shares}: nobody feels that"
     return (
         f"passive by itself; {FOREST} has {less}{but} (trees are taken for {100 * gain:.0f} % "
         "less, if a hand could feel it)"

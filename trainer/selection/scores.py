@@ -1,7 +1,4 @@
-"""Held-out errors of what `auto` compares: the passive model, and a forest beside it.
-
-The forest's features are made once for all folds.
-"""
+"""Held-out errors of what `auto` compares: the passive model, and a forest beside it."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -71,11 +68,8 @@ def find_scores(
         at_step(f"2 of 2: {FOREST}", done + len(errors_n), 2 * done)
         if _hopeless(np.array(errors_n) / passive_n[: len(errors_n)], families):
             break
-    forests_n = np.array(errors_n)
-    return (
-        _score(PASSIVE, passive_n, passive_n, families),
-        _score(FOREST, forests_n, passive_n, families),
-    )
+    forest = _score(FOREST, np.array(errors_n), passive_n, families)
+    return _score(PASSIVE, passive_n, passive_n, families), forest
 
 
 def _folds(passive: PassiveChoice, families: Sequence[Folds]) -> list[_Fold]:

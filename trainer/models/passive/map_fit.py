@@ -96,7 +96,6 @@ def _rows(data: TrainingSet, terms: Terms, penalty: float) -> Normal:
     rows = data.even_rows(_ROWS)
     force_n, values = data.force_n(rows), term_columns(terms, data, rows)
     peak_n = max(float(np.abs(force_n).max()), 1e-12)
-    penalty_form, one = penalty * terms.roughness(), np.eye(terms.count)
-    kept = ~let_go(values, one, force_n, peak_n, penalty_form)
+    kept = ~let_go(values, np.eye(terms.count), force_n, peak_n, penalty * terms.roughness())
     normal = normal_equations(values[kept], force_n[kept] / peak_n)
     return Normal(normal.matrix, peak_n * normal.vector, peak_n**2 * normal.square, normal.rows)

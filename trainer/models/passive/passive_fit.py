@@ -74,14 +74,13 @@ class PassiveChoice:
         """Fitted to all rows, (terms,), N."""
         return self.rows.peak_n * self.normals[0].penalised(self._penalty).solve()
 
-    def weights(self) -> Samples:
-        """Fitted to all rows, with as few branches, stops and curves as serve, (terms,), N."""
-        normal = self.normals[0].penalised(self._penalty)
-        return self.rows.peak_n * sparse_solve(normal, self.terms.blocks, SPARSE_LOSS)
-
     def model(self, data: TrainingSet) -> Hammerstein:
-        """Build the model; its surface recovers and its slopes grow, if the object's do."""
-        weights = self.weights()
+        """Build the model, of as few branches, stops and curves as serve.
+
+        Its surface recovers and its slopes grow, if the object's do.
+        """
+        normal = self.normals[0].penalised(self._penalty)
+        weights = self.rows.peak_n * sparse_solve(normal, self.terms.blocks, SPARSE_LOSS)
         model = recovering(to_model(self.terms, weights), self.terms, self.penalty, self.rows, data)
         model = growing(model, self.terms, weights, self.penalty, self.rows, data)
         return with_memory(model, data)
@@ -167,15 +166,13 @@ class Laws:
 
     def __init__(self, plain: Terms, rows: PassiveRows, data: TrainingSet) -> None:
         self._plain, self._data = plain, data
-        hats = partial(plain_hats, plain, dt_s=data.dt_s)
-        values = data.along_motions(rows.rows, lambda motion, at: hats(motion, rows=at))
+        values = data.along_motions(
+            rows.rows, lambda motion, at: plain_hats(plain, motion, data.dt_s, at)
+        )
         values = np.hstack([values, np.tile([1.0, -1.0], (len(values), int(plain.bias)))])
         if rows.surface:
-            penalty, sums = (
-                PENALTIES[1] * plain.roughness(),
-                self._summed("", np.eye(len(values.T))),
-            )
-            rows = replace(rows, let_go=let_go(values, sums, rows.force_n, rows.peak_n, penalty))
+            sums, form = self._summed("", np.eye(len(values.T))), PENALTIES[1] * plain.roughness()
+            rows = replace(rows, let_go=let_go(values, sums, rows.force_n, rows.peak_n, form))
         self._rows, share = rows, rows.force_n[:, None] / rows.peak_n
         self._columns = {"": values[self._rows.order], _FORCE: share[self._rows.order]}
         self._products: dict[tuple[str, str], Samples] = {}
@@ -205,14 +202,13 @@ class Laws:
 
     def _judged(self, choice: PassiveChoice, most_n: float) -> PassiveChoice:
         """The same with its errors, as `choices` says."""
-        values = [self._columns[name] for name in ("", *choice.law)]
         names = ("", *choice.law)
-        sums = [self._summed(n, np.eye(v.shape[1])) for n, v in zip(names, values, strict=True)]
+        sums = [self._summed(name, np.eye(self._columns[name].shape[1])) for name in names]
         cuts = np.cumsum([its.shape[1] for its in sums])[:-1]
 
         def judged(weights: Samples) -> PassiveChoice:
-            parts = zip(values, sums, np.split(weights, cuts), strict=True)
-            force_n = reduce(add, (its @ (of_hats @ part) for its, of_hats, part in parts))
+            parts = zip(names, sums, np.split(weights, cuts), strict=True)
+            force_n = reduce(add, (self._columns[name] @ (its @ part) for name, its, part in parts))
             folds_n = self._rows.fold_errors_n(force_n)
             errors_n = self._rows.family_errors_n(folds_n)
             return replace(choice, errors_n=errors_n, folds_n=folds_n)
@@ -240,13 +236,15 @@ class Laws:
 
     def _products_of(self, one: str, other: str) -> Samples:
         """Products of terms, summed over all rows and without each fold: (1 + folds, k, l)."""
-        if (other, one) in self._products:
-            return self._products[other, one].swapaxes(1, 2)
-        a, b = self._columns[one], self._columns[other]
-        products = np.stack([a[its].T @ b[its] for its in self._rows.spans])
-        of_hats = np.tensordot(self._shown, products, 1)
-        found = self._summed(one, self._summed(other, of_hats).swapaxes(1, 2)).swapaxes(1, 2)
-        return self._products.setdefault((one, other), found)
+        if one > other:
+            return self._products_of(other, one).swapaxes(1, 2)
+        if (one, other) not in self._products:
+            a, b = self._columns[one], self._columns[other]
+            products = np.stack([a[its].T @ b[its] for its in self._rows.spans])
+            of_hats = self._summed(other, np.tensordot(self._shown, products, 1))
+            found = self._summed(one, of_hats.swapaxes(1, 2)).swapaxes(1, 2)
+            self._products[one, other] = found
+        return self._products[one, other]
 
     def _summed(self, name: str, hats: Samples) -> Samples:
         """Terms in the place of their hats, along the last axis; what is no curve stays."""

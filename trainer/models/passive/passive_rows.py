@@ -44,10 +44,6 @@ class PassiveRows:
     varied: bool
     let_go: Flags
 
-    def given_n(self, force_n: Samples) -> Samples:
-        """Force that the C gives, (rows,), N: an object does not pull at its surface."""
-        return np.maximum(force_n, 0.0) if self.surface else force_n
-
     @cached_property
     def held(self) -> tuple[tuple[int, int], ...]:
         """Every fold that is held out: numbers of its family, and of itself."""
@@ -77,7 +73,9 @@ class PassiveRows:
 
         force_n: fitted without each of them, (rows, folds), in `order`; NaN: nothing was left.
         """
-        errors_n = np.where(self.out, self.given_n(force_n) - self.force_n[self.order, None], 0.0)
+        if self.surface:
+            force_n = np.maximum(force_n, 0.0)  # an object does not pull at its surface
+        errors_n = np.where(self.out, force_n - self.force_n[self.order, None], 0.0)
         with np.errstate(invalid="ignore"):
             found: Samples = np.sqrt(np.sum(errors_n**2, axis=0) / np.sum(self.out, axis=0))
         return found
@@ -116,9 +114,8 @@ def passive_rows(data: TrainingSet, options: FitOptions) -> PassiveRows:
 
     A fit is linear in its weights, so that a row costs little; neighbours say the same, smoothed.
     """
-    rows = data.even_rows(_ROWS)
-    if options.fraction is not None:
-        rows = data.rows(options.fraction, 0)
+    fraction = options.fraction
+    rows = data.even_rows(_ROWS) if fraction is None else data.rows(fraction, 0)
     force_n = data.force_n(rows)
     families = fold_families(data, rows, options.seed)
     peak_n = max(float(np.abs(force_n).max()), 1e-12)

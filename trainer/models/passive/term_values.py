@@ -107,21 +107,15 @@ def _steps_s(motion: DepthMotion, dt_s: float) -> Samples:
     return steps_s
 
 
-def _lost(terms: Terms, place: Place, steps_s: Samples) -> list[Samples]:
-    """Share that each branch with a rate by depth loses in each step, (n,)."""
-    tau_s, ratio = np.array(terms.depth_tau_s), terms.rate_ratio
-    dt_s = float(steps_s[0])
-    losses = loss_by_depth(tau_s, ratio, dt_s, terms.nodes)
-    rates = rates_by_depth(tau_s, ratio, terms.nodes)
+def _lost(terms: Terms, place: Place, steps_s: Samples) -> Samples:
+    """Share that each branch with a rate by depth loses in each step, (branches, n)."""
+    tau_s, ratio, dt_s = np.array(terms.depth_tau_s), terms.rate_ratio, float(steps_s[0])
+    lost: Samples = straight_values(loss_by_depth(tau_s, ratio, dt_s, terms.nodes), place)
     paused = np.flatnonzero(steps_s != dt_s)
-    there = (place[0][paused], place[1][paused])
-    found = []
-    for k in range(len(tau_s)):
-        lost = straight_values(losses[:, k, None], place)[:, 0]
-        rate = straight_values(rates[:, k, None], there)[:, 0]
-        lost[paused] = -np.expm1(-steps_s[paused] * rate)
-        found.append(lost)
-    return found
+    there = place[0][paused], place[1][paused]
+    rates_ps = straight_values(rates_by_depth(tau_s, ratio, terms.nodes), there)
+    lost[paused] = -np.expm1(-steps_s[paused, None] * rates_ps)
+    return lost.T
 
 
 def worn_share(u: Samples, heal_s: float, steps_s: Samples) -> Samples:
@@ -145,8 +139,7 @@ def flowing(
     found = [np.empty((len(rows), len(terms.flow))) for rows in rows_of]
     if not terms.flow:
         return found
-    order = np.argsort([power for _, power, _ in terms.flow], kind="stable")
-    tau_s, power, degree = (np.array(each)[order] for each in zip(*terms.flow, strict=True))
+    tau_s, power, degree = map(np.array, zip(*terms.flow, strict=True))
     rate_ps = 1.0 / (tau_s * FLOW_SHARE ** (power - 1.0))
     loss, n_cubic = flow_loss(rate_ps, power, 1.0), int(np.count_nonzero(power == 3))
     function = [FUNCTIONS.index(each) for each in degree.tolist()]
@@ -154,7 +147,7 @@ def flowing(
     along = [flow_functions(terms.shares(motion.depth_m)) for motion in motions]
     rises = [0.5 * np.diff(each, prepend=each[:1], axis=0) for each in along]
     steps_s = [_steps_s(motion, dt_s) for motion in motions]
-    h = np.zeros((len(order), len(motions)))
+    h = np.zeros((len(function), len(motions)))
     for begin in range(0, len(along[longest_first[0]]), _TICKS):
         its = slice(begin, begin + _TICKS)
         going = [k for k in longest_first if len(along[k]) > begin]
@@ -164,7 +157,7 @@ def flowing(
         h = states[-1]
         for k, of_motion in zip(going, np.moveaxis(states, 2, 0), strict=True):
             some = slice(*np.searchsorted(rows_of[k], (begin, begin + _TICKS)))
-            found[k][some, order] = of_motion[rows_of[k][some] - begin]
+            found[k][some] = of_motion[rows_of[k][some] - begin]
     return found
 
 
