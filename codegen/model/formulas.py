@@ -68,15 +68,13 @@ def curve_values(nodes: Reals, place: Place) -> Reals:
     Or all of them at one place, if the place is (n,).
     """
     real, (piece, way) = nodes.dtype.type, place
-    if way.ndim == 1:
-        begin, end, way = np.moveaxis(nodes[piece], 1, 0), nodes[piece + 1, 1], way[:, None]
-    else:
-        its = np.arange(nodes.shape[2])
-        begin, end = nodes[piece, :, its].transpose(2, 0, 1), nodes[piece + 1, 1, its]
+    own = () if way.ndim == 1 else (np.arange(nodes.shape[2]),)
+    way = way if own else way[:, None]
+    value, slope, end = nodes[piece, 0, *own], nodes[piece, 1, *own], nodes[piece + 1, 1, *own]
     bent, half = real(bent_pieces(len(nodes) - 1)), real(0.5) * way
     if (far := way > bent).any():
         half[far] = bent - real(0.5) * bent * bent / way[far]
-    values: Reals = begin[0] + way * (begin[1] + half * (end - begin[1]))
+    values: Reals = value + way * (slope + half * (end - slope))
     return values
 
 

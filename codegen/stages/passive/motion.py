@@ -69,6 +69,7 @@ class PassiveMotion:
 
     def _begin(self, stage: "HammersteinStage", u: Scalar) -> None:
         self._stage = stage
+        self._stops = np.moveaxis(stage.stops, 0, 2)
         self._curves = np.concatenate([stage.spring[:, :, None], stage.branches], axis=2)
         place = curve_place(np.array([u]), stage.config.n_pieces)
         self._before = curve_values(self._curves, place)[0, 1:]
@@ -148,9 +149,8 @@ class PassiveMotion:
     def _still(self, u: Reals, spring_n: Reals) -> Reals:
         """Force of spring, stops and bias, (n,), N; moves the plays."""
         still_n: Reals = spring_n + self._stage.config.bias_n
-        stops = np.moveaxis(self._stage.stops, 0, 2)
         place = curve_place(self._played(u), self._stage.config.n_pieces)
-        for stop_n in curve_values(stops, place).T:
+        for stop_n in curve_values(self._stops, place).T:
             # A stop is P(u) - P(play); its P(u) is part of the spring's curve already.
             still_n = still_n - stop_n
         return still_n
