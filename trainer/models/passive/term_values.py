@@ -175,9 +175,11 @@ def _flowed(h: Samples, rises: Samples, lost: Samples, n_cubic: int) -> Samples:
     h -> (h + rise)/grown + rise: of the first branches grown is (1 + lost h^2)^(1/2), of the others
     (1 + lost h^4)^(1/4).
     """
-    states, grown = np.empty_like(rises), np.empty_like(rises[0])
-    fifth = grown[n_cubic:]
-    for rise, its_lost, held in zip(rises, lost, states, strict=True):
+    flat, h = (len(rises), -1), h.ravel()
+    states, grown = np.empty(rises.shape), np.empty_like(h)
+    fifth = grown[n_cubic * rises.shape[2] :]
+    each = (its.reshape(flat) for its in (rises, lost, states))
+    for rise, its_lost, held in zip(*each, strict=True):
         np.add(h, rise, out=held)
         np.multiply(held, held, out=grown)
         np.multiply(fifth, fifth, out=fifth)
