@@ -48,15 +48,15 @@ RATE_RATIOS = (16.0, 1.0 / 16.0)  # relaxing faster at the surface, or deep insi
 class PassiveChoice:
     """Terms and a penalty on their roughness; law: the names of what they have beside plain ones.
 
-    errors_n: RMSE over held-out folds, N, of each family; folds_n: of each fold. normals: normal
-    equations of all rows, then without each fold of `rows.held`, in shares of the peak.
+    errors_n: RMSE over held-out folds, N, of each family; folds_n: of each fold. normal:
+    equations, in shares of the peak, of all rows for 0, then without each fold of `rows.held`.
     """
 
     law: tuple[str, ...]
     terms: Terms
     penalty: float
     errors_n: Sequence[float]
-    normals: Sequence[Normal]
+    normal: Callable[[int], Normal]
     rows: PassiveRows
     folds_n: Samples = field(default_factory=lambda: np.empty(0))
 
@@ -72,14 +72,14 @@ class PassiveChoice:
     @cached_property
     def weights_of_all(self) -> Samples:
         """Fitted to all rows, (terms,), N."""
-        return self.rows.peak_n * self.normals[0].penalised(self._penalty).solve()
+        return self.rows.peak_n * self.normal(0).penalised(self._penalty).solve()
 
     def model(self, data: TrainingSet) -> Hammerstein:
         """Build the model, of as few branches, stops and curves as serve.
 
         Its surface recovers and its slopes grow, if the object's do.
         """
-        normal = self.normals[0].penalised(self._penalty)
+        normal = self.normal(0).penalised(self._penalty)
         weights = self.rows.peak_n * sparse_solve(normal, self.terms.blocks, SPARSE_LOSS)
         model = recovering(to_model(self.terms, weights), self.terms, self.penalty, self.rows, data)
         model = growing(model, self.terms, weights, self.penalty, self.rows, data)
@@ -89,9 +89,10 @@ class PassiveChoice:
     def weights_without(self) -> Samples:
         """Fitted without each fold of `rows.held`, (terms, folds), N; NaN: that leaves no rows."""
         none = np.full(self.terms.count, np.nan)
+        normals = [self.normal(1 + k) for k in range(len(self.rows.held))]
         found = [
             each.penalised(self._penalty).solve(near=self.weights_of_all) if each.rows else none
-            for each in self.normals[1:]
+            for each in normals
         ]
         return self.rows.peak_n * np.stack(found, axis=1)
 
@@ -121,8 +122,15 @@ def passive_choice(data: TrainingSet, options: FitOptions) -> tuple[PassiveChoic
 
     Done once for the options that decide it.
     """
+
+    def found() -> PassiveChoice:
+        chosen = _chosen(data, options)
+        normals = [chosen.normal(k) for k in range(1 + len(chosen.rows.held))]
+        laws_of.cache_clear()  # they hold all columns
+        return replace(chosen, normal=normals.__getitem__)
+
     key = ("passive", data.continues, options.fraction, options.seed, options.poles)
-    return data.once(key, lambda: _chosen(data, options))
+    return data.once(key, found)
 
 
 def _chosen(data: TrainingSet, options: FitOptions) -> PassiveChoice:
@@ -143,9 +151,7 @@ def _chosen(data: TrainingSet, options: FitOptions) -> PassiveChoice:
     (rate,) = min(rates, key=lambda choice: choice.error_n).law
     best = reduce(better, [*rates, tried("damage"), tried("flow")], plain)
     best = better(best, tried(rate, "damage", "flow"))
-    if best is plain:
-        return plain
-    return _smoothest(of_nodes, best.law)[1]
+    return plain if best is plain else _smoothest(of_nodes, best.law)[1]
 
 
 @lru_cache(maxsize=3)
@@ -173,8 +179,9 @@ class Laws:
         if rows.surface:
             sums, form = self._summed("", np.eye(len(values.T))), PENALTIES[1] * plain.roughness()
             rows = replace(rows, let_go=let_go(values, sums, rows.force_n, rows.peak_n, form))
-        self._rows, share = rows, rows.force_n[:, None] / rows.peak_n
-        self._columns = {"": values[self._rows.order], _FORCE: share[self._rows.order]}
+        force = np.column_stack([rows.force_n / rows.peak_n, np.ones(len(values))])
+        self._rows = rows
+        self._columns = {"": values[rows.order], _FORCE: force[rows.order]}
         self._products: dict[tuple[str, str], Samples] = {}
 
     @cached_property
@@ -196,8 +203,8 @@ class Laws:
         for name in law:
             if name not in self._columns:
                 self._columns[name] = self._values(name)[self._rows.order]
-        normals = self._normals(("", *law))
-        found = [PassiveChoice(law, terms, each, (), normals, self._rows) for each in penalties]
+        normal = partial(self._normal, ("", *law, _FORCE))
+        found = [PassiveChoice(law, terms, each, (), normal, self._rows) for each in penalties]
         return [self._judged(its, most_n) for its in found]
 
     def _judged(self, choice: PassiveChoice, most_n: float) -> PassiveChoice:
@@ -209,8 +216,7 @@ class Laws:
         def judged(weights: Samples) -> PassiveChoice:
             parts = zip(names, sums, np.split(weights, cuts), strict=True)
             force_n = reduce(add, (self._columns[name] @ (its @ part) for name, its, part in parts))
-            folds_n = self._rows.fold_errors_n(force_n)
-            errors_n = self._rows.family_errors_n(folds_n)
+            errors_n, folds_n = self._rows.errors_n(force_n)
             return replace(choice, errors_n=errors_n, folds_n=folds_n)
 
         # A fit without a fold errs there by as much as one with it, or more.
@@ -218,32 +224,19 @@ class Laws:
             return its
         return judged(choice.weights_without)
 
-    def _normals(self, names: Sequence[str]) -> list[Normal]:
-        """Normal equations of all rows, and without each fold."""
-        every = (*names, _FORCE)
-        products = np.block([[self._products_of(one, other) for other in every] for one in every])
-        rows = self._shown @ [its.stop - its.start for its in self._rows.spans]
-        return [
-            Normal(its[:-1, :-1], its[:-1, -1], float(its[-1, -1]), int(count))
-            for its, count in zip(products, rows, strict=True)
-        ]
-
-    @cached_property
-    def _shown(self) -> Samples:
-        """1 for each piece that is in all rows, and in what is left without each fold, else 0."""
-        shown = ~self._rows.out[[its.start for its in self._rows.spans]].T
-        return np.vstack([np.ones(len(shown.T)), shown])
+    def _normal(self, names: Sequence[str], shown: int) -> Normal:
+        """Normal equations of the rows that are shown; the force, and 1, is the last of names."""
+        its = np.block([[self._products_of(a, b)[shown] for b in names] for a in names])
+        return Normal(its[:-2, :-2], its[:-2, -2], float(its[-2, -2]), round(its[-1, -1]))
 
     def _products_of(self, one: str, other: str) -> Samples:
         """Products of terms, summed over all rows and without each fold: (1 + folds, k, l)."""
         if one > other:
             return self._products_of(other, one).swapaxes(1, 2)
         if (one, other) not in self._products:
-            a, b = self._columns[one], self._columns[other]
-            products = np.stack([a[its].T @ b[its] for its in self._rows.spans])
-            of_hats = self._summed(other, np.tensordot(self._shown, products, 1))
-            found = self._summed(one, of_hats.swapaxes(1, 2)).swapaxes(1, 2)
-            self._products[one, other] = found
+            of_hats = self._rows.products(self._columns[one], self._columns[other])
+            summed = self._summed(other, of_hats).swapaxes(1, 2)
+            self._products[one, other] = self._summed(one, summed).swapaxes(1, 2)
         return self._products[one, other]
 
     def _summed(self, name: str, hats: Samples) -> Samples:

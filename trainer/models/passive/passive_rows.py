@@ -68,22 +68,47 @@ class PassiveRows:
         numbers = [self.families[k].number[self.order] == fold for k, fold in self.held]
         return np.stack(numbers, axis=1)
 
-    def fold_errors_n(self, force_n: Samples) -> Samples:
-        """RMSE on each fold of `held`, (folds,), N; NaN if there is none.
+    @cached_property
+    def _shown(self) -> Samples:
+        """1 for each piece that is in all rows, and in what is left without each fold, else 0."""
+        shown = ~self.out[[its.start for its in self.spans]].T
+        return np.vstack([np.ones(len(shown.T)), shown])
 
-        force_n: fitted without each of them, (rows, folds), in `order`; NaN: nothing was left.
+    def products(self, one: Samples, other: Samples) -> Samples:
+        """Products of columns, in that order, of all rows and without folds: (1 + folds, k, l)."""
+        of_pieces = np.stack([one[its].T @ other[its] for its in self.spans])
+        return np.tensordot(self._shown, of_pieces, 1)
+
+    def errors_n(self, force_n: Samples) -> tuple[tuple[float, ...], Samples]:
+        """Geometric mean of the RMSEs on the folds of each family, N, and each, (folds,), N.
+
+        NaN: there is none. force_n: fitted without each fold of `held`, (rows, folds), in `order`;
+        NaN: nothing was left.
         """
         if self.surface:
             force_n = np.maximum(force_n, 0.0)  # an object does not pull at its surface
         errors_n = np.where(self.out, force_n - self.force_n[self.order, None], 0.0)
         with np.errstate(invalid="ignore"):
-            found: Samples = np.sqrt(np.sum(errors_n**2, axis=0) / np.sum(self.out, axis=0))
-        return found
-
-    def family_errors_n(self, folds_n: Samples) -> tuple[float, ...]:
-        """Geometric mean of the errors on the folds of each family, (families,), N."""
+            folds_n = np.sqrt(np.sum(errors_n**2, axis=0) / np.sum(self.out, axis=0))
         family = np.where(np.isnan(folds_n), -1, [number for number, _ in self.held])
-        return tuple(geometric_mean(folds_n[family == k]) for k in np.unique(family) if k >= 0)
+        known = [k for k in np.unique(family).tolist() if k >= 0]
+        return tuple(geometric_mean(folds_n[family == k]) for k in known), folds_n
+
+
+def passive_rows(data: TrainingSet, options: FitOptions) -> PassiveRows:
+    """Evenly spaced rows, or the share of them that was asked for, in folds.
+
+    A fit is linear in its weights, so that a row costs little; neighbours say the same, smoothed.
+    """
+    fraction = options.fraction
+    rows = data.even_rows(_ROWS) if fraction is None else data.rows(fraction, 0)
+    force_n = data.force_n(rows)
+    families = fold_families(data, rows, options.seed)
+    peak_n = max(float(np.abs(force_n).max()), 1e-12)
+    surface = data.contact == "surface"
+    varied = bool(held_out_whole(data, rows))
+    let_go = np.zeros(len(rows), dtype=bool)
+    return PassiveRows(rows, force_n, pieces(families), families, surface, peak_n, varied, let_go)
 
 
 def let_go(
@@ -107,19 +132,3 @@ def let_go(
         if np.array_equal(found, before):
             break
     return found
-
-
-def passive_rows(data: TrainingSet, options: FitOptions) -> PassiveRows:
-    """Evenly spaced rows, or the share of them that was asked for, in folds.
-
-    A fit is linear in its weights, so that a row costs little; neighbours say the same, smoothed.
-    """
-    fraction = options.fraction
-    rows = data.even_rows(_ROWS) if fraction is None else data.rows(fraction, 0)
-    force_n = data.force_n(rows)
-    families = fold_families(data, rows, options.seed)
-    peak_n = max(float(np.abs(force_n).max()), 1e-12)
-    surface = data.contact == "surface"
-    varied = bool(held_out_whole(data, rows))
-    let_go = np.zeros(len(rows), dtype=bool)
-    return PassiveRows(rows, force_n, pieces(families), families, surface, peak_n, varied, let_go)
