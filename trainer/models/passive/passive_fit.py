@@ -172,9 +172,7 @@ class Laws:
 
     def __init__(self, plain: Terms, rows: PassiveRows, data: TrainingSet) -> None:
         self._plain, self._data = plain, data
-        values = data.along_motions(
-            rows.rows, lambda motion, at: plain_hats(plain, motion, data.dt_s, at)
-        )
+        values = data.along_motions(rows.rows, partial(plain_hats, plain, data.dt_s))
         values = np.hstack([values, np.tile([1.0, -1.0], (len(values), int(plain.bias)))])
         if rows.surface:
             sums, form = self._summed("", np.eye(len(values.T))), PENALTIES[1] * plain.roughness()
@@ -255,11 +253,8 @@ class Laws:
     def _values(self, name: str) -> Samples:
         """Columns that a law adds; those of flow, which takes longest, for any nodes once."""
         data, rows, terms = self._data, self._rows.rows, self._added(self._plain, name)
-
         if name != "flow":
-            return data.along_motions(
-                rows, lambda motion, at: added_hats(terms, motion, data.dt_s, at)
-            )
+            return data.along_motions(rows, partial(added_hats, terms, data.dt_s))
         every = (data.motions, data.dt_s, data.motion_rows(rows))
         key = ("flow", data.continues, rows.tobytes())
         return data.once(key, lambda: data.in_order(rows, flowing(terms, *every)))[0]

@@ -41,14 +41,14 @@ def columns(
     found = []
     flow = flowing(terms, motions, dt_s, rows_of)
     for motion, rows, its_flow in zip(motions, rows_of, flow, strict=True):
-        plain = terms.with_exponentials(plain_hats(terms, motion, dt_s, rows))
-        richer = terms.with_exponentials(added_hats(terms, motion, dt_s, rows))
+        plain = terms.with_exponentials(plain_hats(terms, dt_s, motion, rows))
+        richer = terms.with_exponentials(added_hats(terms, dt_s, motion, rows))
         bias = np.tile([1.0, -1.0], (len(rows), int(terms.bias)))
         found.append(np.concatenate([plain, bias, richer, its_flow], axis=1))
     return found
 
 
-def plain_hats(terms: Terms, motion: DepthMotion, dt_s: float, rows: Indices) -> Samples:
+def plain_hats(terms: Terms, dt_s: float, motion: DepthMotion, rows: Indices) -> Samples:
     """Values of the hats of plain curves at rows of a motion, (rows, curves x nodes)."""
     u = terms.shares(motion.depth_m)
     radii = np.array(terms.radius_m) / terms.span_m
@@ -66,7 +66,7 @@ def plain_hats(terms: Terms, motion: DepthMotion, dt_s: float, rows: Indices) ->
     return _by_hat(terms, place, curves_of)
 
 
-def added_hats(terms: Terms, motion: DepthMotion, dt_s: float, rows: Indices) -> Samples:
+def added_hats(terms: Terms, dt_s: float, motion: DepthMotion, rows: Indices) -> Samples:
     """Those of what a richer law adds: branches with a rate by depth, and damage."""
     if not terms.curves[1]:
         return np.empty((len(rows), 0))
