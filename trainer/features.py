@@ -198,12 +198,13 @@ def highpass_by_depth(values: Samples, lost: Samples) -> Samples:
     values: (n, k), as what is returned.
     """
     rises = np.diff(values, axis=0, prepend=values[:1])
-    return _decaying(1.0 - lost, (1.0 - 0.5 * lost)[:, None] * rises)
+    return decaying(1.0 - lost, (1.0 - 0.5 * lost)[:, None] * rises)
 
 
-def _decaying(left: Samples, added: Samples) -> Samples:
-    """h[i] = left[i] h[i-1] + added[i] from 0, (n, k); left, (n,), above 0.
+def decaying(left: Samples, added: Samples, least_0: bool = False) -> Samples:
+    """h[i] = left[i] h[i-1] + added[i] from 0, (n,), (n, k); left, (n,), above 0.
 
+    least_0: h is 0 where that is below.
     By sums of what is added over the product of what is left, in pieces in which that product
     stays a number.
     """
@@ -213,8 +214,11 @@ def _decaying(left: Samples, added: Samples) -> Samples:
     h, last = np.empty_like(added), np.zeros_like(added[0])
     for begin, end in pairwise(cuts):
         before = passed[begin] - logs[begin]
-        product = np.exp(passed[begin:end] - before)[:, None]
-        h[begin:end] = product * (last + np.cumsum(added[begin:end] / product, axis=0))
+        product = np.exp(passed[begin:end] - before).reshape(-1, *[1] * (added.ndim - 1))
+        sums = last + np.cumsum(added[begin:end] / product, axis=0)
+        if least_0:
+            sums -= np.minimum(np.minimum.accumulate(sums), 0.0)
+        h[begin:end] = product * sums
         last = h[end - 1] if end > begin else last
     return h
 

@@ -63,14 +63,18 @@ def curve_place(u: Reals, nodes: int) -> Place:
 
 
 def curve_values(nodes: Reals, place: Place) -> Reals:
-    """sp_curve: values (n, curves) of nodes (J + 1, 2, curves)."""
-    piece, way = place
-    real = nodes.dtype.type
-    begin, end = nodes[piece], nodes[piece + 1, 1]
-    bent, half = real(bent_pieces(len(nodes) - 1)), (real(0.5) * way)[:, None]
+    """sp_curve: values (n, curves) of nodes (J + 1, 2, curves), each curve at a place of its own.
+
+    Or all of them at one place, if the place is (n,).
+    """
+    real, (piece, way) = nodes.dtype.type, place
+    own = () if way.ndim == 1 else (np.arange(nodes.shape[2]),)
+    way = way if own else way[:, None]
+    value, slope, end = nodes[piece, 0, *own], nodes[piece, 1, *own], nodes[piece + 1, 1, *own]
+    bent, half = real(bent_pieces(len(nodes) - 1)), real(0.5) * way
     if (far := way > bent).any():
-        half[far, 0] = bent - real(0.5) * bent * bent / way[far]
-    values: Reals = begin[:, 0] + way[:, None] * (begin[:, 1] + half * (end - begin[:, 1]))
+        half[far] = bent - real(0.5) * bent * bent / way[far]
+    values: Reals = value + way * (slope + half * (end - slope))
     return values
 
 
@@ -108,14 +112,6 @@ def flow_functions(u: Reals) -> Reals:
 def flow_loss(rate_ps: Samples, power: NDArray[np.int64], dt_s: float) -> Samples:
     """(p - 1) rate dt of each flowing branch, (F,)."""
     return (power - 1.0) * rate_ps * dt_s
-
-
-def flow_grown(held: Reals, loss: Reals, n_cubic: int) -> Reals:
-    """sp_flow: by how much each branch's force is divided as it relaxes, (..., F)."""
-    square, real = held * held, held.dtype.type
-    cubic = np.sqrt(real(1) + loss[:n_cubic] * square[..., :n_cubic])
-    fifth = square[..., n_cubic:] * square[..., n_cubic:]
-    return np.concatenate([cubic, np.sqrt(np.sqrt(real(1) + loss[n_cubic:] * fifth))], axis=-1)
 
 
 def numbers(values: Reals) -> list[Scalar]:

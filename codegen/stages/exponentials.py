@@ -78,6 +78,9 @@ def in_lanes(weights: Reals, used: Indices, dtype: type) -> Reals:
 
 def pole_states(loss: Reals, rises: Reals, h: Reals) -> Reals:
     """sp_poles.h: states after each tick, (n, poles), from h, (poles,); rises (n,), (n, poles)."""
+    if rises.shape == (1, len(h)):  # all poles at once
+        states: Reals = h + (rises - loss * h)
+        return states * (np.abs(states) >= SMALLEST)
     states = np.empty((len(rises), len(h)), dtype=loss.dtype)
     for k, (its_loss, begin) in enumerate(zip(numbers(loss), numbers(h), strict=True)):
         states[:, k] = relaxing(its_loss, rises if rises.ndim == 1 else rises[:, k], begin)

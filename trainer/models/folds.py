@@ -5,7 +5,6 @@ What is held out is a press: from one turn at the top to the next, in whatever r
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 
 import numpy as np
 
@@ -45,43 +44,28 @@ def repeats_apart(depths_m: Sequence[Samples], dt_s: float, folds: int, seed: in
     return Folds(number, tuple(range(count)))
 
 
-@dataclass(frozen=True)
-class Press:
-    """Samples begin .. end of a recording, counted over all recordings."""
+def _presses(data: TrainingSet) -> tuple[Indices, Samples, Samples]:
+    """First row of every press, its depth, m, and its rms speed, m/s, (presses,) each.
 
-    begin: int
-    end: int
-    depth_m: float
-    force_n: float
-    rms_mps: float
-
-
-def presses(data: TrainingSet) -> list[Press]:
-    """Every press of a set: recordings, cut where the tool turns back into the object."""
-    min_m = _TURN * (data.trained.max_m - data.trained.min_m)
-    found = []
-    for first, depth_m, recording in zip(data.bounds, data.depths_m, data.recordings, strict=False):
+    Recordings are cut where the tool turns back into the object.
+    """
+    min_m, found = _TURN * (data.trained.max_m - data.trained.min_m), []
+    for first, depth_m in zip(data.bounds.tolist(), data.depths_m, strict=False):
         turns = turning_points(depth_m, min_m)[1:-1]
         # Turns alternate: those at which the tool goes in again begin a press.
         inward = turns[1::2] if turns and depth_m[turns[0]] > depth_m[0] else turns[0::2]
-        cuts = [0, *inward, len(depth_m)]
-        for begin, end in pairwise(cuts):
-            part = depth_m[begin:end]
-            found.append(Press(
-                int(first) + begin, int(first) + end, float(part.max()),
-                float(recording.force_n[begin:end].max()), rms(np.diff(part)) / data.dt_s,
-            ))  # fmt: skip
-    return found
+        for begin, part in zip([0, *inward], np.split(depth_m, inward), strict=True):
+            found.append((first + begin, part.max(), rms(np.diff(part)) / data.dt_s))
+    begins, depths_m, speeds_mps = map(np.array, zip(*found, strict=True))
+    return begins, depths_m, speeds_mps
 
 
 def held_out_whole(data: TrainingSet, rows: Indices) -> list[Folds]:
     """Folds of rows by the depth and by the speed of their press, if there are three groups."""
-    known = presses(data)
-    press = np.searchsorted([each.begin for each in known], rows, side="right") - 1
-    deepest_m = np.array([each.depth_m for each in known]) - data.trained.min_m
-    speed_mps = np.array([each.rms_mps for each in known])
-    found = []
-    for values, ratio in ((deepest_m, _DEPTH_RANGE), (speed_mps, _SAME_SPEED)):
+    begins, depths_m, speeds_mps = data.once("presses", lambda: _presses(data))[0]
+    press = np.searchsorted(begins, rows, side="right") - 1
+    deepest_m, found = depths_m - data.trained.min_m, []
+    for values, ratio in ((deepest_m, _DEPTH_RANGE), (speeds_mps, _SAME_SPEED)):
         number = _grouped(values, ratio)
         groups = int(number.max()) + 1
         if groups >= FEWEST:
@@ -121,7 +105,7 @@ def fold_families(data: TrainingSet, rows: Indices, seed: int) -> list[Folds]:
 
 def _same(one: Indices, other: Indices) -> bool:
     """Whether two numberings part the rows alike."""
-    pairs = len(np.unique(np.stack([one, other]), axis=1).T)
+    pairs = len(np.unique(one * (1 + other.max()) + other))
     return pairs == len(np.unique(one)) == len(np.unique(other))
 
 

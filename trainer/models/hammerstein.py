@@ -3,11 +3,12 @@
 import time
 from collections.abc import Sequence
 
+import numpy as np
+
 from springpot.codegen.types import JsonObject
 from springpot.trainer.models.fit import Fit, FitOptions, assemble
 from springpot.trainer.models.passive.map_fit import fit_map
 from springpot.trainer.models.passive.passive_fit import passive_choice, timed_passive
-from springpot.trainer.models.passive.passive_terms import parameter_count
 from springpot.trainer.models.passive.start import with_start
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.recording import Recording, sites_of
@@ -31,7 +32,8 @@ def fit_hammerstein(
         fit_s += start_s
         law = passive_choice(data, options)[0].law
     metadata = {
-        "n_parameters": parameter_count(passive),
+        # Numbers that the C keeps: slopes above 0, forces of flowing branches, and the bias.
+        "n_parameters": int(np.count_nonzero(passive.slopes_n)) + (passive.bias_n != 0.0),
         "cv_rmse_n": error_n,
         "law": " and ".join(law) or "plain",
         "nodes": passive.nodes,

@@ -4,7 +4,6 @@ And whether a recording and a model mean the same by a position and a tick.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import singledispatch
 
 import numpy as np
@@ -70,8 +69,7 @@ def _forest_force(forest: Forest, values: Samples) -> Samples:
 
 @regressor_force.register
 def _rbf_force(rbf: Rbf, values: Samples) -> Samples:
-    scaling = Standard(rbf.mean, rbf.scale, rbf.feature_min, rbf.feature_max)
-    system = kernel(scaling(values), rbf.centers)
+    system = kernel(standardised(rbf, values), rbf.centers)
     force_n: Samples = system @ np.concatenate([rbf.weights_n, rbf.tail_n])
     return force_n
 
@@ -81,19 +79,10 @@ def _linear_force(linear: Linear, values: Samples) -> Samples:
     return linear.intercept_n + values @ linear.weights_n
 
 
-@dataclass(frozen=True, eq=False)
-class Standard:
-    """Standardisation of features: mean, scale and extremes, each of shape (features,)."""
-
-    mean: Samples
-    scale: Samples
-    feature_min: Samples
-    feature_max: Samples
-
-    def __call__(self, features: Samples) -> Samples:
-        """Clip to the extremes, then to mean 0 and scale 1."""
-        inside = np.clip(features, self.feature_min, self.feature_max)
-        return (inside - self.mean) / self.scale
+def standardised(rbf: Rbf, features: Samples) -> Samples:
+    """Clip features, (n, features), to their extremes, then to mean 0 and scale 1."""
+    inside: Samples = np.clip(features, rbf.feature_min, rbf.feature_max)
+    return (inside - rbf.mean) / rbf.scale
 
 
 def kernel(z: Samples, centers: Samples) -> Samples:

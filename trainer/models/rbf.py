@@ -18,13 +18,12 @@ from springpot.trainer.models.fit import Fit, FitOptions, assemble
 from springpot.trainer.models.folds import Folds, fold_families
 from springpot.trainer.models.passive.nonnegative import normal_equations
 from springpot.trainer.models.passive.passive_fit import fit_passive
-from springpot.trainer.models.predict import Standard, kernel
+from springpot.trainer.models.predict import kernel, standardised
 from springpot.trainer.models.rf_fd import PAPER_ORDERS, fractional_features
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.recording import Recording
 
-FOAW_S = 0.024
-FOAW_BAND_M = 15e-6
+FOAW_S, FOAW_BAND_M = 0.024, 15e-6  # of a velocity (Janabi-Sharifi et al. 2000)
 SEARCH_CENTERS = 100
 SEARCH_ROWS = 10_000  # of the validation recordings
 _RIDGE = 1e-11  # of the mean diagonal, in the search only
@@ -71,7 +70,8 @@ def fit_rbf_pv(
     """Radial basis functions on position and velocity (equation 13, [13])."""
     begin = time.perf_counter()
     rows = data.rows(options.fraction, options.seed)
-    features = foaw_features(data.dt_s, options.velocity_weight)
+    steps = max(1, round(FOAW_S / data.dt_s))
+    features = PositionVelocity(steps, FOAW_BAND_M, options.velocity_weight)
     values, force_n = data.features(features, rows), data.force_n(rows)
     feature_s = time.perf_counter() - begin
     fit = _fitted("rbf-pv", name, data, options, features, values, force_n, {})
@@ -90,18 +90,18 @@ def _fitted(
 ) -> Fit:
     """The functions on features (rows, 2), and the passive fallback beside them."""
     begin = time.perf_counter()
-    rbf, condition = fit_rbf(values, force_n, options.n_centers)
+    scaling = standard(values)
+    z = standardised(scaling, values)
+    centers = z[farthest_points(z, options.n_centers)]
+    weights, condition = solve(kernel(z, centers), force_n)
+    weights_n, tail_n = np.split(weights, [len(centers)])
+    rbf = replace(scaling, centers=centers, weights_n=weights_n, tail_n=tail_n)
     fit_s = time.perf_counter() - begin
     passive, _, _ = fit_passive(data, options)
-    metadata = {"n_centers": len(rbf.centers), "condition": condition, **metadata}
+    metadata = {"n_centers": len(centers), "condition": condition, **metadata}
     parts, rows = (features, rbf), len(values)
     model = assemble(kind, name, data, options, rows, parts, passive, False, metadata)
     return Fit(model, rows, feature_s=0.0, fit_s=fit_s, metadata=metadata)
-
-
-def foaw_features(dt_s: float, weight: float) -> PositionVelocity:
-    """Velocity over at most 24 ms, in a band of 15 um (Janabi-Sharifi et al. 2000), averaged."""
-    return PositionVelocity(max(1, round(FOAW_S / dt_s)), FOAW_BAND_M, weight)
 
 
 def _pair_errors(values: Samples, force_n: Samples, families: Sequence[Folds]) -> dict[Pair, float]:
@@ -121,11 +121,11 @@ def _systems(values: Samples, others: Samples) -> Iterator[tuple[Pair, Samples, 
     """Every pair, and its functions at the rows of `values`, which place them, and of `others`."""
     for pair in combinations(range(values.shape[1]), 2):
         scaling = standard(values[:, pair])
-        z = scaling(values[:, pair])
+        z = standardised(scaling, values[:, pair])
         centers = z[farthest_points(z, SEARCH_CENTERS)]
         system = kernel(z, centers)
         size = np.sqrt(np.square(system).mean(axis=0))
-        yield pair, system / size, kernel(scaling(others[:, pair]), centers) / size
+        yield pair, system / size, kernel(standardised(scaling, others[:, pair]), centers) / size
 
 
 def _held_out_rmse(system: Samples, force_n: Samples, fold: np.ndarray) -> float:
@@ -164,15 +164,12 @@ def _paper_errors(
     return errors
 
 
-def standard(features: Samples) -> Standard:
-    """Mean, deviation and extremes of each column of features (n, features)."""
-    scale = features.std(axis=0)
-    return Standard(
-        mean=features.mean(axis=0),
-        scale=np.where(scale > 0.0, scale, 1.0),
-        feature_min=features.min(axis=0),
-        feature_max=features.max(axis=0),
-    )
+def standard(features: Samples) -> Rbf:
+    """Mean, deviation and extremes of each column of features (n, features); no functions yet."""
+    scale, none = features.std(axis=0), np.empty(0)
+    low, high = features.min(axis=0), features.max(axis=0)
+    scale = np.where(scale > 0.0, scale, 1.0)
+    return Rbf(features.mean(axis=0), scale, low, high, np.empty((0, len(scale))), none, none)
 
 
 def farthest_points(z: Samples, count: int) -> Indices:
@@ -197,22 +194,3 @@ def solve(system: Samples, force_n: Samples) -> tuple[Samples, float]:
     inverse = singular / (np.square(singular) + _DAMPING * singular[0] ** 2)
     weights: Samples = (right.T @ (inverse * (left.T @ force_n))) / size
     return weights, condition
-
-
-def fit_rbf(features: Samples, force_n: Samples, count: int) -> tuple[Rbf, float]:
-    """Fit on rows; returns the functions and the condition number of their system."""
-    scaling = standard(features)
-    z = scaling(features)
-    centers = z[farthest_points(z, count)]
-    weights, condition = solve(kernel(z, centers), force_n)
-    n = len(centers)
-    rbf = Rbf(
-        mean=scaling.mean,
-        scale=scaling.scale,
-        feature_min=scaling.feature_min,
-        feature_max=scaling.feature_max,
-        centers=centers,
-        weights_n=weights[:n],
-        tail_n=weights[n:],
-    )
-    return rbf, condition

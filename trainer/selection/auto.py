@@ -14,8 +14,7 @@ from springpot.trainer.models.passive.start import with_start
 from springpot.trainer.models.rf_fd import PAPER_ORDERS
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.selection.cross_validation import folded_rows
-from springpot.trainer.selection.scores import PASSIVE, AutoCandidate, Score, find_scores
+from springpot.trainer.selection.scores import FOREST, PASSIVE, Score, find_scores
 from springpot.trainer.selection.small_signal import active_cells
 
 GAIN, GAIN_OF_ONE = 0.05, 0.10  # of the error, that trees have to take off; with one recording
@@ -25,98 +24,60 @@ FORCE_TOLERANCE = 5e-4  # of the maximum force: below what a sensor or a hand re
 def fit_auto(
     name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
 ) -> Fit:
-    """Fit the best candidate on all training recordings.
+    """Fit the passive model, or the paper's forest with a memory as long as the recordings.
 
     Its metadata has the table of scores, and in words why it was chosen. A forest that gives energy
     in small motions is passed over.
     """
     begin = time.perf_counter()
     data = with_start(data, options)
-    known = candidates(data, options)
-    scores = find_scores(known, folded_rows(data, options))
+    long = replace(options, engine="recursive", window_s=data.longest_s)
+    features = recursive_bank(PAPER_ORDERS, data.dt_s, data.longest_s)
+    passive, forest = find_scores(data, options, long, features)
     gain = GAIN if len(data.recordings) > 1 else GAIN_OF_ONE
     peak_n = max(abs(data.trained.max_n), abs(data.trained.min_n))
-    active: dict[str, int] = {}
-    for chosen in ranked(scores, gain, peak_n):
-        candidate = next(some for some in known if some.name == chosen.name)
+    chosen, cells = passive, 0
+    search_s = time.perf_counter() - begin
+    if forest_wins(passive, forest, gain, peak_n):
+        fit = fit_kind("rf-fd", name, data, long)
+        cells = active_cells(fit.model)
+        chosen = passive if cells else forest
+    if chosen is passive:
         search_s = time.perf_counter() - begin
-        fit = fit_kind(candidate.kind, name, data, candidate.options)
-        cells = 0 if chosen.name == PASSIVE else active_cells(fit.model)
-        if cells == 0:
-            break
-        active[chosen.name] = cells
+        fit = fit_kind(PASSIVE, name, data, options)
     metadata = {
         **fit.metadata,
         "chosen": chosen.name,
-        "scores": [vars(score) for score in scores],
-        "why": reason(chosen, scores, gain, peak_n, active),
+        "scores": [vars(score) for score in (passive, forest)],
+        "why": reason(passive, forest, gain, peak_n, cells),
     }
     return replace(fit, search_s=search_s, metadata=metadata)
 
 
-def ranked(scores: Sequence[Score], gain: float, peak_n: float) -> list[Score]:
-    """Those that may be chosen, the best first; the passive model is the last of them.
+def forest_wins(passive: Score, forest: Score, gain: float, peak_n: float) -> bool:
+    """Whether the forest takes `gain` off the passive error, without its best fold too, and felt.
 
-    Trees may where they take `gain` off the passive error, more than is felt, and do so without
-    their best fold too. Of two whose difference is not felt the cheaper comes first.
+    Felt: by more than a hand resolves.
     """
-    passive = next(score for score in scores if score.name == PASSIVE)
-    felt_n = FORCE_TOLERANCE * peak_n
-    worth = [
-        score
-        for score in scores
-        if score is not passive
-        and max(score.ratio, score.ratio_without_best) <= 1.0 - gain
-        and score.mean_n < passive.mean_n - felt_n
-    ]
-    minimum_n = min((score.mean_n for score in worth), default=0.0)
-    worth.sort(key=lambda score: (score.mean_n > minimum_n + felt_n, score.cost, score.mean_n))
-    return [*worth, passive]
+    felt = forest.mean_n < passive.mean_n - FORCE_TOLERANCE * peak_n
+    return felt and max(forest.ratio, forest.ratio_without_best) <= 1.0 - gain
 
 
-def reason(
-    chosen: Score, scores: Sequence[Score], gain: float, peak_n: float, active: dict[str, int]
-) -> str:
-    """In words: what the winner has over the next one."""
-    others = [score for score in scores if score is not chosen]
-    nearest = min(others, key=lambda score: score.ratio)
-    passed = "".join(
-        f"; {name} gives energy in {cells} of its small motions" for name, cells in active.items()
-    )
-    if chosen.name != PASSIVE:
-        passive = next(score for score in scores if score.name == PASSIVE)
-        return (
-            f"{_percent(chosen.ratio)} than the passive model alone "
-            f"({_share(chosen, peak_n)} of peak for {_share(passive, peak_n)}), in {chosen.folds} "
-            f"folds; the next, {nearest.name}, has {_percent(nearest.ratio / chosen.ratio)}{passed}"
-        )
-    but = ""
-    if nearest.ratio <= 1.0 - gain and nearest.name not in active:
-        felt = nearest.mean_n < chosen.mean_n - FORCE_TOLERANCE * peak_n
-        but = ", most of it in one fold" if felt else (
-            f", {_share(nearest, peak_n)} of peak for {_share(chosen, peak_n)}: nobody feels that"
-        )  # fmt: skip
+def reason(passive: Score, forest: Score, gain: float, peak_n: float, cells: int) -> str:
+    """In words: what the winner has over the other; cells: small motions that a forest drives."""
+    less = f"{100 * abs(forest.ratio - 1.0):.0f} % {'less' if forest.ratio < 1.0 else 'more'} error"
+    its, passives = (f"{100 * score.mean_n / peak_n:.2g} %" for score in (forest, passive))
+    shares = f"{its} of peak for {passives}"
+    if cells:
+        but = f"; {FOREST} gives energy in {cells} of its small motions"
+    elif forest_wins(passive, forest, gain, peak_n):
+        return f"{less} than the passive model alone ({shares}), in {forest.folds} folds"
+    elif forest.ratio > 1.0 - gain:
+        but = ""
+    else:
+        felt = forest.mean_n < passive.mean_n - FORCE_TOLERANCE * peak_n
+        but = ", most of it in one fold" if felt else f", {shares}: nobody feels that"
     return (
-        f"passive by itself; the next, {nearest.name}, has {_percent(nearest.ratio)}{but} (trees "
-        f"are taken for {100 * gain:.0f} % less, if a hand could feel it){passed}"
+        f"passive by itself; {FOREST} has {less}{but} (trees are taken for {100 * gain:.0f} % "
+        "less, if a hand could feel it)"
     )
-
-
-def candidates(data: TrainingSet, options: FitOptions) -> list[AutoCandidate]:
-    """The passive model, and the paper's forest with a memory as long as the recordings."""
-    long = replace(options, engine="recursive", window_s=data.longest_s)
-    remembering = recursive_bank(PAPER_ORDERS, data.dt_s, data.longest_s)
-    return [
-        AutoCandidate(PASSIVE, 1, "hammerstein", options, None),
-        AutoCandidate("rf-fd long", 6, "rf-fd", long, remembering),
-    ]
-
-
-def _percent(ratio: float) -> str:
-    """An error's ratio to another's, in words."""
-    change = 100 * abs(ratio - 1.0)
-    return f"{change:.0f} % {'less' if ratio < 1.0 else 'more'} error"
-
-
-def _share(score: Score, peak_n: float) -> str:
-    return f"{100 * score.mean_n / peak_n:.2g} %"

@@ -1,40 +1,30 @@
-"""Held-out errors of the kinds that `auto` compares: every one beside the passive model's."""
+"""Held-out errors of what `auto` compares: the passive model, and a forest beside it."""
 
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 
-from springpot.codegen.arrays import Indices, Samples, rms
+from springpot.codegen.arrays import Flags, Indices, Samples, rms
 from springpot.codegen.messages import at_step
 from springpot.codegen.model.features import Features
 from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.folds import geometric_mean
-from springpot.trainer.selection.cross_validation import FoldedRows
+from springpot.trainer.models.folds import Folds, fold_families, geometric_mean
+from springpot.trainer.models.passive.passive_fit import PassiveChoice, passive_choice
+from springpot.trainer.models.rf_fd import depth_scale, fitted_forest
+from springpot.trainer.models.training_set import TrainingSet
 
-PASSIVE = "hammerstein"
+PASSIVE, FOREST = "hammerstein", "rf-fd long"
 _HOPELESS = 1.25  # times the passive error in the first family: the others are not tried
 _EARLY, _FAR = 2, 2.0  # folds after which as many times the passive error is given up
+_FEW_TREES, _FARTHER = 20, 4.0  # of a first look, and where nothing more is tried
 _NO_ERROR_N = 1e-12  # an exact model's: no ratio is taken to less
-
-
-@dataclass(frozen=True, eq=False)
-class AutoCandidate:
-    """One fit that a user could ask for; cost: rank of its time in C, the lower the cheaper.
-
-    features: of its trees; None for the passive model alone.
-    """
-
-    name: str
-    cost: int
-    kind: str
-    options: FitOptions
-    features: Features | None
 
 
 @dataclass(frozen=True)
 class Score:
-    """Geometric mean of a candidate's held-out RMSEs, N.
+    """Geometric mean of a model's held-out RMSEs, N.
 
     recordings_n: repeats apart; conditions_n: each depth, and each speed, held out whole, where
     there are three of it, else the same; mean_n: of every such way to fold alike. folds: held out;
@@ -43,7 +33,6 @@ class Score:
     """
 
     name: str
-    cost: int
     recordings_n: float
     conditions_n: float
     mean_n: float
@@ -52,27 +41,72 @@ class Score:
     ratio_without_best: float
 
 
-def find_scores(known: Sequence[AutoCandidate], rows: FoldedRows) -> list[Score]:
-    """Every candidate's, with progress in the log: steps done, and all steps."""
-    families = np.array([fold.family for fold in rows.folds])
-    total = len(known) * len(families)
-    passive_n = np.array([rms(fold.left_n[fold.held]) for fold in rows.folds])
-    passive_n = np.maximum(passive_n, _NO_ERROR_N)
-    scores = []
-    for number, candidate in enumerate(known):
-        text = f"{number + 1} of {len(known)}: {candidate.name}"
-        errors_n: list[float] = []
-        at_step(text, number * len(families), total)
-        trees = candidate.features
-        tried_n = passive_n if trees is None else rows.tree_errors_n(trees, candidate.options)
-        for error_n in tried_n:
-            errors_n.append(float(error_n))
-            tried = len(errors_n)
-            at_step(text, number * len(families) + tried, total)
-            if _hopeless(np.array(errors_n) / passive_n[:tried], families):
-                break
-        scores.append(_score(candidate, np.array(errors_n), passive_n, families))
-    return scores
+class _Fold(NamedTuple):
+    """Rows of a fit that are shown, those held out of the passive model's, and its RMSE there."""
+
+    family: int
+    shown: Flags
+    held: Flags
+    passive_n: float
+
+
+def find_scores(
+    data: TrainingSet, options: FitOptions, long: FitOptions, features: Features
+) -> tuple[Score, Score]:
+    """The passive model's, and a forest's, with progress in the log: steps done, and all steps.
+
+    long: options of the forest.
+    """
+    passive, rows = passive_choice(data, options)[0], data.rows(options.fraction, options.seed)
+    folds = _folds(passive, fold_families(data, rows, options.seed))
+    families = np.array([fold.family for fold in folds])
+    passive_n = np.maximum([fold.passive_n for fold in folds], _NO_ERROR_N)
+    done, errors_n = len(folds), list[float]()
+    at_step(f"1 of 2: {PASSIVE}", done, 2 * done)
+    for error_n in _forest_errors_n(data, rows, passive.rows.rows, folds, features, long):
+        errors_n.append(error_n)
+        at_step(f"2 of 2: {FOREST}", done + len(errors_n), 2 * done)
+        if _hopeless(np.array(errors_n) / passive_n[: len(errors_n)], families):
+            break
+    forest = _score(FOREST, np.array(errors_n), passive_n, families)
+    return _score(PASSIVE, passive_n, passive_n, families), forest
+
+
+def _folds(passive: PassiveChoice, families: Sequence[Folds]) -> list[_Fold]:
+    """Folds of rows in families; one without rows on either side is none."""
+    folds = []
+    for (family, number), error_n in zip(passive.rows.held, passive.folds_n.tolist(), strict=True):
+        shown = families[family].number != number
+        if shown.any() and not np.isnan(error_n):
+            held = passive.rows.families[family].number == number
+            folds.append(_Fold(family, shown, held, error_n))
+    return folds
+
+
+def _forest_errors_n(
+    data: TrainingSet, rows: Indices, tested: Indices, folds: Sequence[_Fold], features: Features,
+    options: FitOptions,
+) -> Iterator[float]:  # fmt: skip
+    """RMSE of a forest on each fold, N, one after another.
+
+    Few trees on the first fold come before: if they err far too much, theirs is all that is given.
+    """
+    scale = depth_scale(data.trained.max_m - min(data.trained.min_m, 0.0))
+    values, test_values = (
+        (scale * data.features(features, its)).astype(np.float32) for its in (rows, tested)
+    )
+    measured_n, test_n = data.force_n(rows), data.force_n(tested)
+
+    def error_n(fold: _Fold, trees: int) -> float:
+        some = replace(options, trees=trees)
+        forest = fitted_forest(some, values[fold.shown], measured_n[fold.shown])
+        return rms(forest.predict(test_values[fold.held]) - test_n[fold.held])
+
+    first_n = error_n(folds[0], min(options.trees, _FEW_TREES))
+    if first_n > _FARTHER * max(folds[0].passive_n, _NO_ERROR_N):
+        yield first_n
+    else:
+        yield from (error_n(fold, options.trees) for fold in folds)
 
 
 def _hopeless(ratios: Samples, families: Indices) -> bool:
@@ -83,17 +117,14 @@ def _hopeless(ratios: Samples, families: Indices) -> bool:
     return (first_done and mean > _HOPELESS) or (tried == _EARLY and mean > _FAR)
 
 
-def _score(
-    candidate: AutoCandidate, errors_n: Samples, passive_n: Samples, families: Indices
-) -> Score:
+def _score(name: str, errors_n: Samples, passive_n: Samples, families: Indices) -> Score:
     count = len(errors_n)
     its, ratios = families[:count], errors_n / passive_n[:count]
     whole = its > 0  # depths and speeds held out whole
     some = whole if whole.any() else ~whole  # where there are such folds
     without = np.arange(count) != np.argmin(ratios)
     return Score(
-        name=candidate.name,
-        cost=candidate.cost,
+        name=name,
         recordings_n=_mean(errors_n[~whole], its[~whole]),
         conditions_n=_mean(errors_n[some], its[some]),
         mean_n=_mean(errors_n, its),

@@ -226,9 +226,10 @@ class RecoveringSurface:
 
     def _back(self, before: Scalar, force_n: Scalar) -> Scalar:
         """sp_surface_back: how far the surface comes back in a tick."""
-        real = self.stiffest.dtype.type
-        pieces, ways = curve_place(np.array([before]), len(self.stiffest))
-        piece, way, left_n = int(pieces[0]), ways[0], force_n
+        real, last = self.stiffest.dtype.type, len(self.stiffest) - 1
+        passed = (before if before > 0 else real(0)) * real(pieces_of_one(last + 1))
+        piece, left_n = int(min(passed, last)), force_n
+        way = passed - real(piece)
         takes_n = self.stiffest[piece] * way
         while piece > 0 and left_n > takes_n:
             left_n = left_n - takes_n

@@ -7,7 +7,6 @@ import numpy as np
 
 from springpot.codegen.arrays import Reals
 from springpot.codegen.model.formulas import (
-    Place,
     curve_place,
     curve_values,
     flow_functions,
@@ -21,7 +20,7 @@ from springpot.codegen.types import Scalar
 if TYPE_CHECKING:
     from springpot.codegen.stages.passive.hammerstein import HammersteinStage
 
-_CHUNK, _MIN = 4096, 16  # ticks that are taken at once as long as the tool does not leave
+_CHUNK, _MIN = 512, 16  # ticks that are taken at once as long as the tool does not leave
 
 
 class PassiveMotion:
@@ -32,11 +31,8 @@ class PassiveMotion:
     """
 
     def __init__(self, stage: "HammersteinStage", u: Scalar) -> None:
-        self._stage = stage
-        config, real = stage.config, stage.spring.dtype.type
-        place = self._place(np.array([u]))
-        self._before = curve_values(stage.branches, place)[0]
-        start = stage.start
+        config, real, start = stage.config, stage.spring.dtype.type, stage.start
+        self._begin(stage, u)
         held_n = start.held_n if start else np.zeros(config.n_branches, dtype=real)
         self._held = [
             held_n[step.first : step.first + step.count].astype(np.float64 if step.double else real)
@@ -68,9 +64,15 @@ class PassiveMotion:
     def on(self, stage: "HammersteinStage") -> "PassiveMotion":
         """The same state in ticks of another length: the stage of the same model."""
         other = copy(self)
-        other._stage = stage
-        other._before = curve_values(stage.branches, other._place(np.array([self._u])))[0]
+        other._begin(stage, self._u)
         return other
+
+    def _begin(self, stage: "HammersteinStage", u: Scalar) -> None:
+        self._stage = stage
+        self._stops = np.moveaxis(stage.stops, 0, 2)
+        self._curves = np.concatenate([stage.spring[:, :, None], stage.branches], axis=2)
+        place = curve_place(np.array([u]), stage.config.n_pieces)
+        self._before = curve_values(self._curves, place)[0, 1:]
 
     def along(self, u: Reals) -> tuple[Reals, Reals]:
         """Force of ticks with the tool at u, (n,), N, and where the model is then, (n,)."""
@@ -117,16 +119,14 @@ class PassiveMotion:
                 return i + 1
         return len(u)
 
-    def _place(self, u: Reals) -> Place:
-        return curve_place(u, self._stage.config.n_pieces)
-
     def _on(self, u: Reals) -> Reals:
         """Force of ticks with the model at u, (n,), N."""
         stage = self._stage
         if not len(u):
             return u
-        place = self._place(u)
-        g = curve_values(stage.branches, place)
+        place = curve_place(u, stage.config.n_pieces)
+        curves = curve_values(self._curves, place)
+        g = curves[:, 1:]
         rises = g - np.concatenate([self._before[None], g[:-1]])
         self._before = g[-1]
         held, ends = np.empty_like(g), []
@@ -136,7 +136,7 @@ class PassiveMotion:
             held[:, its] = states
             ends.append(states[-1])
         self._held = ends
-        force_n = self._still(u, place) + _summed(held)
+        force_n = self._still(u, curves[:, 0]) + _summed(held)
         if stage.flow is not None:
             flow_n, self._functions, self._flow = stage.flow.advance(u, self._functions, self._flow)
             force_n = force_n + flow_n
@@ -146,14 +146,12 @@ class PassiveMotion:
         self._u, self._force_n = u[-1], force_n[-1]
         return force_n
 
-    def _still(self, u: Reals, place: Place) -> Reals:
+    def _still(self, u: Reals, spring_n: Reals) -> Reals:
         """Force of spring, stops and bias, (n,), N; moves the plays."""
-        stage = self._stage
-        still_n = curve_values(stage.spring[:, :, None], place)[:, 0] + stage.config.bias_n
-        play = self._played(u)
-        for k in range(stage.config.n_stops):
+        still_n: Reals = spring_n + self._stage.config.bias_n
+        place = curve_place(self._played(u), self._stage.config.n_pieces)
+        for stop_n in curve_values(self._stops, place).T:
             # A stop is P(u) - P(play); its P(u) is part of the spring's curve already.
-            stop_n = curve_values(stage.stops[k][:, :, None], self._place(play[:, k]))[:, 0]
             still_n = still_n - stop_n
         return still_n
 

@@ -11,7 +11,7 @@ from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.selection import auto
-from springpot.trainer.selection.auto import ranked, reason
+from springpot.trainer.selection.auto import forest_wins, reason
 from springpot.trainer.selection.scores import Score
 from springpot.trainer.selection.small_signal import active_cells
 
@@ -62,31 +62,29 @@ def test_what_it_chooses_beats_the_papers_kinds_and_trees_are_for_what_is_felt()
 
 def test_a_forest_that_gives_energy_is_passed_over(monkeypatch):
     monkeypatch.setattr(auto, "active_cells", lambda model: 3)
-    monkeypatch.setattr(auto, "ranked", lambda scores, gain, peak_n: [scores[1], scores[0]])
+    monkeypatch.setattr(auto, "forest_wins", lambda passive, forest, gain, peak_n: True)
     fit = fit_model("auto", "x", training(), OPTIONS)
     assert fit.metadata["chosen"] == "hammerstein"
     assert "rf-fd long gives energy in 3 of its small motions" in fit.metadata["why"]
 
 
-def score(name: str, cost: int, ratio: float, without: float | None = None) -> Score:
-    return Score(name, cost, ratio, ratio, ratio, 5, ratio, ratio if without is None else without)
+def score(name: str, ratio: float, without: float | None = None) -> Score:
+    return Score(name, ratio, ratio, ratio, 5, ratio, ratio if without is None else without)
 
 
 @pytest.mark.parametrize(
-    ("ratio", "without", "chosen"),
-    [(0.94, 0.945, "trees"), (0.96, 0.96, "hammerstein"), (0.5, 0.99, "hammerstein")],
+    ("ratio", "without", "wins"), [(0.94, 0.945, True), (0.96, 0.96, False), (0.5, 0.99, False)]
 )
-def test_trees_only_for_a_gain_that_does_not_rest_on_one_fold(ratio, without, chosen):
-    scores = [score("hammerstein", 1, 1.0), score("trees", 5, ratio, without)]
-    best = ranked(scores, gain=0.05, peak_n=1.0)[0]
-    assert best.name == chosen
-    words = reason(best, scores, 0.05, 1.0, {})
+def test_trees_only_for_a_gain_that_does_not_rest_on_one_fold(ratio, without, wins):
+    scores = score("hammerstein", 1.0), score("trees", ratio, without)
+    assert forest_wins(*scores, gain=0.05, peak_n=1.0) is wins
+    words = reason(*scores, 0.05, 1.0, 0)
     assert ("one fold" in words) == (ratio == 0.5)
     assert f"{round(100 * (1 - ratio))} % less error" in words
 
 
-def test_of_two_that_feel_alike_the_cheaper():
-    scores = [score("hammerstein", 1, 1.0), score("cheap", 3, 0.5), score("dear", 5, 0.499)]
-    assert ranked(scores, 0.05, peak_n=1.0)[0].name == "dear"
-    assert ranked(scores, 0.05, peak_n=10.0)[0].name == "cheap"
-    assert ranked(scores, 0.05, peak_n=2000.0)[0].name == "hammerstein"
+def test_trees_only_for_what_is_felt():
+    scores = score("hammerstein", 1.0), score("trees", 0.5)
+    assert forest_wins(*scores, 0.05, peak_n=10.0)
+    assert not forest_wins(*scores, 0.05, peak_n=2000.0)
+    assert "nobody feels that" in reason(*scores, 0.05, 2000.0, 0)

@@ -64,9 +64,10 @@ def _errors_n(
     beyond = (terms.shares(depth_m) > 1.0) & ~rows.let_go
     if min(np.count_nonzero(before), np.count_nonzero(beyond)) < _FEWEST:
         return []
-    values = term_columns(terms, data, rows.rows)[before]
-    normal = normal_equations(values, rows.force_n[before] / rows.peak_n)
-    law = to_model(terms, rows.peak_n * normal.penalised(penalty * terms.roughness()).solve())
+    values = term_columns(terms, data, rows.rows)
+    normal = normal_equations(values[before], rows.force_n[before] / rows.peak_n)
+    weights = rows.peak_n * normal.penalised(penalty * terms.roughness()).solve()
+    law = to_model(terms, weights)
 
     def error_n(growth: float) -> float:
         model = replace(law, growth=growth)
@@ -78,4 +79,5 @@ def _errors_n(
 
         return rms((data.along_motions(rows.rows, force_n) - rows.force_n)[beyond])
 
-    return [error_n(growth) for growth in (0.0, *GROWTHS)]
+    constant_n = rms((values @ weights - rows.force_n)[beyond])
+    return [constant_n, *map(error_n, GROWTHS)]

@@ -10,9 +10,9 @@ from springpot.codegen.errors import DataError
 from springpot.codegen.model.passive import Hammerstein
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.passive.map_problem import Grid, MapProblem, grid_of
-from springpot.trainer.models.passive.nonnegative import Normal
+from springpot.trainer.models.passive.nonnegative import Normal, normal_equations
 from springpot.trainer.models.passive.passive_fit import NODES, passive_choice
-from springpot.trainer.models.passive.passive_rows import PassiveRows
+from springpot.trainer.models.passive.passive_rows import let_go
 from springpot.trainer.models.passive.passive_terms import Terms, plain_terms
 from springpot.trainer.models.passive.term_values import term_columns
 from springpot.trainer.models.training_set import TrainingSet
@@ -95,8 +95,7 @@ def _rows(data: TrainingSet, terms: Terms, penalty: float) -> Normal:
     """Normal equations of a site, in N, without what has let go."""
     rows = data.even_rows(_ROWS)
     force_n, values = data.force_n(rows), term_columns(terms, data, rows)
-    piece, none = np.zeros(len(rows), dtype=np.intp), np.zeros(len(rows), dtype=bool)
     peak_n = max(float(np.abs(force_n).max()), 1e-12)
-    found = PassiveRows(rows, force_n, piece, (), True, peak_n, False, none)
-    normal = found.released(values, penalty * terms.roughness()).parts(values)[0]
+    kept = ~let_go(values, np.eye(terms.count), force_n, peak_n, penalty * terms.roughness())
+    normal = normal_equations(values[kept], force_n[kept] / peak_n)
     return Normal(normal.matrix, peak_n * normal.vector, peak_n**2 * normal.square, normal.rows)

@@ -32,6 +32,10 @@ class Normal:
             self.rows + other.rows,
         )
 
+    def summed(self, sums: Samples) -> "Normal":
+        """Those of columns that are sums of these, (terms, columns)."""
+        return Normal(sums.T @ self.matrix @ sums, sums.T @ self.vector, self.square, self.rows)
+
     def penalised(self, penalty: Samples) -> "Normal":
         """The same with w' penalty w, (terms, terms), added to the squared error of each row."""
         return Normal(self.matrix + self.rows * penalty, self.vector, self.square, self.rows)

@@ -1,11 +1,12 @@
 """Rows that a passive model is fitted on: their folds, and those in which the object has let go."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
-from springpot.codegen.arrays import Flags, Indices, Samples, rms
+from springpot.codegen.arrays import Flags, Indices, Samples
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.folds import (
     Folds,
@@ -14,7 +15,7 @@ from springpot.trainer.models.folds import (
     held_out_whole,
     pieces,
 )
-from springpot.trainer.models.passive.nonnegative import Normal, normal_equations
+from springpot.trainer.models.passive.nonnegative import normal_equations
 from springpot.trainer.models.training_set import TrainingSet
 
 # Of the peak: what errors gain far below it no hand can tell, and a richer law pays for it where
@@ -43,52 +44,55 @@ class PassiveRows:
     varied: bool
     let_go: Flags
 
-    def given_n(self, force_n: Samples) -> Samples:
-        """Force that the C gives, (rows,), N: an object does not pull at its surface."""
-        return np.maximum(force_n, 0.0) if self.surface else force_n
+    @cached_property
+    def held(self) -> tuple[tuple[int, int], ...]:
+        """Every fold that is held out: numbers of its family, and of itself."""
+        families = enumerate(self.families)
+        return tuple((number, fold) for number, folds in families for fold in folds.tested)
 
-    def released(self, values: Samples, penalty: Samples) -> "PassiveRows":
-        """The same with what has let go: where there is no force and a model would pull.
+    @cached_property
+    def order(self) -> Indices:
+        """Rows by their pieces, (rows,), in each of them those that have let go last."""
+        return np.lexsort((self.let_go, self.piece))
 
-        Their force says nothing of how the object would pull: those rows are left out, and the
-        others fitted again (censored regression: Tobin, Econometrica 26, 1958).
+    @cached_property
+    def spans(self) -> list[slice]:
+        """What is kept of each piece, in that order."""
+        begins = np.searchsorted(self.piece[self.order], np.arange(self.piece.max() + 1))
+        kept = np.bincount(self.piece, ~self.let_go).astype(np.intp)
+        return list(map(slice, begins, begins + kept))
+
+    @cached_property
+    def out(self) -> Flags:
+        """Whether each row, in that order, is in each fold of `held`, (rows, folds)."""
+        numbers = [self.families[k].number[self.order] == fold for k, fold in self.held]
+        return np.stack(numbers, axis=1)
+
+    @cached_property
+    def _shown(self) -> Samples:
+        """1 for each piece that is in all rows, and in what is left without each fold, else 0."""
+        shown = ~self.out[[its.start for its in self.spans]].T
+        return np.vstack([np.ones(len(shown.T)), shown])
+
+    def products(self, one: Samples, other: Samples) -> Samples:
+        """Products of columns, in that order, of all rows and without folds: (1 + folds, k, l)."""
+        of_pieces = np.stack([one[its].T @ other[its] for its in self.spans])
+        return np.tensordot(self._shown, of_pieces, 1)
+
+    def errors_n(self, force_n: Samples) -> tuple[tuple[float, ...], Samples]:
+        """Geometric mean of the RMSEs on the folds of each family, N, and each, (folds,), N.
+
+        NaN: there is none. force_n: fitted without each fold of `held`, (rows, folds), in `order`;
+        NaN: nothing was left.
         """
-        let_go = np.zeros(len(self.rows), dtype=bool)
-        none = np.abs(self.force_n) < _LET_GO * self.peak_n
-        for _ in range(_ROUNDS if self.surface else 0):
-            normal = normal_equations(values[~let_go], self.force_n[~let_go] / self.peak_n)
-            before = let_go
-            let_go = none & (values @ normal.penalised(penalty).solve() < 0.0)
-            if np.array_equal(let_go, before):
-                break
-        return replace(self, let_go=let_go)
-
-    def parts(self, values: Samples) -> list[Normal]:
-        """Normal equations of each piece, in shares of the peak, without what has let go."""
-        share = self.force_n / self.peak_n
-        pieces_held = ((self.piece == k) & ~self.let_go for k in range(int(self.piece.max()) + 1))
-        return [normal_equations(values[its], share[its]) for its in pieces_held]
-
-    def fold_errors_n(
-        self, values: Samples, weights_without: Callable[[int, int], Samples | None]
-    ) -> tuple[float, ...]:
-        """Geometric mean of the RMSEs on each family's held-out folds, (families,), N.
-
-        weights_without: weights, N, fitted without a fold of a family; None if nothing is left.
-        """
-        means = []
-        for number, folds in enumerate(self.families):
-            without = {fold: weights_without(number, fold) for fold in folds.tested}
-            known = {fold: its for fold, its in without.items() if its is not None}
-            given_n = self.given_n(values @ np.stack(list(known.values()), axis=1))
-            errors = []
-            for k, fold in enumerate(known):
-                out = folds.number == fold
-                if out.any():
-                    errors.append(rms(given_n[out, k] - self.force_n[out]))
-            if errors:
-                means.append(geometric_mean(errors))
-        return tuple(means)
+        if self.surface:
+            force_n = np.maximum(force_n, 0.0)  # an object does not pull at its surface
+        errors_n = np.where(self.out, force_n - self.force_n[self.order, None], 0.0)
+        with np.errstate(invalid="ignore"):
+            folds_n = np.sqrt(np.sum(errors_n**2, axis=0) / np.sum(self.out, axis=0))
+        family = np.where(np.isnan(folds_n), -1, [number for number, _ in self.held])
+        known = [k for k in np.unique(family).tolist() if k >= 0]
+        return tuple(geometric_mean(folds_n[family == k]) for k in known), folds_n
 
 
 def passive_rows(data: TrainingSet, options: FitOptions) -> PassiveRows:
@@ -96,9 +100,8 @@ def passive_rows(data: TrainingSet, options: FitOptions) -> PassiveRows:
 
     A fit is linear in its weights, so that a row costs little; neighbours say the same, smoothed.
     """
-    rows = data.even_rows(_ROWS)
-    if options.fraction is not None:
-        rows = data.rows(options.fraction, 0)
+    fraction = options.fraction
+    rows = data.even_rows(_ROWS) if fraction is None else data.rows(fraction, 0)
     force_n = data.force_n(rows)
     families = fold_families(data, rows, options.seed)
     peak_n = max(float(np.abs(force_n).max()), 1e-12)
@@ -106,3 +109,26 @@ def passive_rows(data: TrainingSet, options: FitOptions) -> PassiveRows:
     varied = bool(held_out_whole(data, rows))
     let_go = np.zeros(len(rows), dtype=bool)
     return PassiveRows(rows, force_n, pieces(families), families, surface, peak_n, varied, let_go)
+
+
+def let_go(
+    values: Samples, sums: Samples, force_n: Samples, peak_n: float, penalty: Samples
+) -> Flags:
+    """Rows, (rows,), in which the object has let go: there is no force, and a model would pull.
+
+    values: (rows, k); terms are sums of these, (k, terms).
+
+    Their force says nothing of how the object would pull: those rows are left out, and the
+    others fitted again (censored regression: Tobin, Econometrica 26, 1958).
+    """
+    none = np.abs(force_n) < _LET_GO * peak_n
+    others = normal_equations(values[~none], force_n[~none] / peak_n)
+    found = np.zeros(len(none), dtype=bool)
+    for _ in range(_ROUNDS):
+        held, before = none & ~found, found
+        normal = others + normal_equations(values[held], force_n[held] / peak_n)
+        weights = normal.summed(sums).penalised(penalty).solve()
+        found = none & (values @ (sums @ weights) < 0.0)
+        if np.array_equal(found, before):
+            break
+    return found

@@ -1,12 +1,11 @@
 """Terms that a passive model is fitted from, and the model that their weights make."""
 
 from dataclasses import dataclass, replace
-from itertools import compress
+from itertools import compress, product
 
 import numpy as np
 
 from springpot.codegen.arrays import Indices, Samples
-from springpot.codegen.model.formulas import curve_nodes
 from springpot.codegen.model.passive import FLOW_SHARE, Damage, Flow, Hammerstein
 from springpot.codegen.stages.passive.beside import FUNCTIONS
 from springpot.trainer.models.training_set import TrainingSet
@@ -29,7 +28,8 @@ class Terms:
     First the plain ones: the spring's curve, those of the branches (tau_s) and of the stops
     (radius_m), and where the bias is fitted +1 and -1. Then what a richer law adds: curves of
     branches with a rate by depth (depth_tau_s, rate_ratio: see `Hammerstein`), curves of damage
-    (time of healing, power), a column each for flowing branches (time constant, power, degree).
+    (time of healing, power), a column each for flowing branches (time constant, power, degree),
+    lower powers first.
     """
 
     origin_m: float
@@ -48,10 +48,11 @@ class Terms:
         """Columns of a curve: a hat of slope at each node, and the exponentials."""
         return self.nodes + len(EXPONENTS)
 
-    @property
-    def functions(self) -> Samples:
-        """`curve_nodes` of the columns of a curve, (nodes + 1, 2, width)."""
-        return curve_nodes(column_slopes(self.nodes))
+    def with_exponentials(self, hats: Samples) -> Samples:
+        """Columns of curves, (..., curves x width), from those of their hats, which they sum up."""
+        of_curves = hats.reshape(*hats.shape[:-1], -1, self.nodes)
+        steep = of_curves @ column_slopes(self.nodes)[self.nodes :].T / (self.nodes - 1.0)
+        return np.concatenate([of_curves, steep], axis=-1).reshape(*hats.shape[:-1], -1)
 
     @property
     def curves(self) -> tuple[int, int]:
@@ -149,14 +150,13 @@ def with_rates(terms: Terms, data: TrainingSet, rate_ratio: float) -> Terms:
 
 def with_damage(terms: Terms) -> Terms:
     """The terms, and curves that are softer below the largest depth so far."""
-    damage = [(heal_s, power) for heal_s in HEAL_S for power in DAMAGE_POWERS]
-    return replace(terms, damage=tuple(damage))
+    return replace(terms, damage=tuple(product(HEAL_S, DAMAGE_POWERS)))
 
 
 def with_flow(terms: Terms, data: TrainingSet) -> Terms:
     """The terms, and branches that flow."""
     times_s = _times_s(data, max(_SHORTEST_FLOW_S, 2.0 * data.dt_s), FLOW_TIMES)
-    flow = [(t, power, degree) for t in times_s for power in FLOW_POWERS for degree in FUNCTIONS]
+    flow = [(t, power, degree) for power in FLOW_POWERS for t in times_s for degree in FUNCTIONS]
     return replace(terms, flow=tuple(flow))
 
 
@@ -219,11 +219,3 @@ def _damage(terms: Terms, curve_n: Samples) -> Damage | None:
         return None
     heal_s, power = (np.array(each)[used] for each in zip(*terms.damage, strict=True))
     return Damage(heal_s, power, curve_n[used])
-
-
-def parameter_count(model: Hammerstein) -> int:
-    """Numbers that the C keeps: slopes above 0, forces of flowing branches, and the bias."""
-    slopes = [model.elastic_n, model.branch_n, model.stop_n]
-    slopes += [] if model.flow is None else [model.flow.force_n]
-    slopes += [] if model.damage is None else [model.damage.curve_n]
-    return sum(int(np.count_nonzero(each)) for each in slopes) + (model.bias_n != 0.0)

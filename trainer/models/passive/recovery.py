@@ -5,14 +5,14 @@ where the tool is while that is away, and what it remembers is another thing. So
 along the way that it took itself, a few times, and stays if it explains the recordings better.
 """
 
-from collections.abc import Sequence
 from dataclasses import replace
 from math import inf
 
 import numpy as np
 
-from springpot.codegen.arrays import Samples, rms
+from springpot.codegen.arrays import rms
 from springpot.codegen.model.passive import Hammerstein
+from springpot.trainer.models.depths import DepthMotion
 from springpot.trainer.models.passive.nonnegative import normal_equations, sparse_solve
 from springpot.trainer.models.passive.passive_force import model_along
 from springpot.trainer.models.passive.passive_rows import PassiveRows
@@ -54,31 +54,21 @@ class _Way:
     """A model along the training recordings: where it was, and its error there, N."""
 
     def __init__(self, model: Hammerstein, rows: PassiveRows, data: TrainingSet) -> None:
-        self._rows, self._data = rows, data
-        self._at = data.motion_rows(rows.rows)
-        found = [model_along(model, motion, data.dt_s, rows.surface) for motion in data.motions]
-        forces, depths = zip(*found, strict=True)
-        self._motions = [
-            replace(motion, depth_m=depth_m)
-            for motion, depth_m in zip(data.motions, depths, strict=True)
-        ]
-        beyond = [
-            its_m - motion.depth_m for its_m, motion in zip(depths, data.motions, strict=True)
-        ]
-        self.away = self._at_rows(beyond) > _ROUNDING * model.span_m
-        self.error_n = rms(self._at_rows(forces) - rows.force_n)
+        self._rows, self._data, self._at = rows, data, data.motion_rows(rows.rows)
+        self._motions, forces_n, beyond_m = list[DepthMotion](), [], []
+        for motion, at in zip(data.motions, self._at, strict=True):
+            force_n, depth_m, _ = model_along(model, motion, data.dt_s, rows.surface)
+            self._motions.append(replace(motion, depth_m=depth_m))
+            forces_n.append(force_n[at])
+            beyond_m.append((depth_m - motion.depth_m)[at])
+        self.away = data.in_order(rows.rows, beyond_m) > _ROUNDING * model.span_m
+        self.error_n = rms(data.in_order(rows.rows, forces_n) - rows.force_n)
 
     def fitted(self, terms: Terms, penalty: float, sparse: bool) -> tuple[Hammerstein, Terms]:
         """Fitted again, along this way, to the rows in which the tool was not away; its terms."""
-        dt_s = self._data.dt_s
-        pairs = zip(self._motions, self._at, strict=True)
-        found = [columns(terms, motion, dt_s, at) for motion, at in pairs]
+        found = columns(terms, self._motions, self._data.dt_s, self._at)
         values = self._data.in_order(self._rows.rows, found)[~self.away]
         share = self._rows.force_n[~self.away] / self._rows.peak_n
         normal = normal_equations(values, share).penalised(penalty * terms.roughness())
         weights = sparse_solve(normal, terms.blocks, SPARSE_LOSS) if sparse else normal.solve()
         return to_model(terms, self._rows.peak_n * weights), reduced(terms, weights)
-
-    def _at_rows(self, of_motions: Sequence[Samples]) -> Samples:
-        pairs = zip(of_motions, self._at, strict=True)
-        return self._data.in_order(self._rows.rows, [values[at] for values, at in pairs])

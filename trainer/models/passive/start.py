@@ -5,17 +5,18 @@ recording does not. Neither is right for all, so held-out errors decide.
 """
 
 from dataclasses import replace
+from math import inf
 
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.passive.passive_fit import (
     NODES,
     PENALTIES,
-    Laws,
     PassiveChoice,
     better,
+    laws_of,
+    needed_n,
 )
-from springpot.trainer.models.passive.passive_rows import passive_rows
-from springpot.trainer.models.passive.passive_terms import DEPTH_POLES, plain_terms
+from springpot.trainer.models.passive.passive_terms import DEPTH_POLES
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.recording import sites_of
 
@@ -29,19 +30,19 @@ def with_start(data: TrainingSet, options: FitOptions) -> TrainingSet:
     timed = any(recording.session for recording in data.recordings)
     if data.continues or timed or len(data.recordings) < 2 or len(sites_of(data.recordings)) > 1:
         return data
-    key = ("start", options.fraction, options.seed, options.poles)
-    return data.once(key, lambda: _with_less_error(data, options))[0]
+    going_on = replace(data, continues=True)
+
+    def found() -> TrainingSet:
+        rested = _quick_choice(data, options)
+        other = _quick_choice(going_on, options, needed_n(rested))
+        return going_on if better(rested, other) is other else data
+
+    return data.once(("start", options.fraction, options.seed, options.poles), found)[0]
 
 
-def _with_less_error(data: TrainingSet, options: FitOptions) -> TrainingSet:
-    continued = replace(data, continues=True, _found={})
-    rested, going_on = (_quick_choice(each, options) for each in (data, continued))
-    return continued if better(rested, going_on) is going_on else data
-
-
-def _quick_choice(data: TrainingSet, options: FitOptions) -> PassiveChoice:
+def _quick_choice(data: TrainingSet, options: FitOptions, most_n: float = inf) -> PassiveChoice:
     """The better of a plain law and one with damage and flow, of one penalty."""
-    laws = Laws(plain_terms(data, NODES[0], options.poles), passive_rows(data, options), data)
+    laws = laws_of(data, options, NODES[0])
     names = [(), ("damage", "flow")] if options.poles >= DEPTH_POLES else [()]
-    choices = [laws.choices(law, PENALTIES[1:2])[0] for law in names]
+    choices = [laws.choices(law, PENALTIES[1:2], most_n)[0] for law in names]
     return min(choices, key=lambda choice: choice.error_n)
