@@ -26,11 +26,11 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
 @pytest.mark.parametrize(
     ("what", "most"),
     [
-        ("codegen/*.py", 6680),
-        ("trainer/*.py", 8766),
+        ("codegen/*.py", 6678),
+        ("trainer/*.py", 8761),
         ("host/*.py", 12952),
         ("runtime_c/*.[ch] codegen/*.j2", 7721),
-        ("tests/*.py", 20024),
+        ("tests/*.py", 20023),
     ],
 )
 def test_lines(what: str, most: int) -> None:
