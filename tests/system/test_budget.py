@@ -30,7 +30,7 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
         ("trainer/*.py", 8761),
         ("host/*.py", 12952),
         ("runtime_c/*.[ch] codegen/*.j2", 7721),
-        ("tests/*.py", 20023),
+        ("tests/*.py", 20027),
     ],
 )
 def test_lines(what: str, most: int) -> None:

@@ -116,11 +116,15 @@ def test_a_sensor_that_stands_still_is_named_and_no_drift() -> None:
 
 
 def test_a_cable_that_comes_off_is_named_and_no_object_that_flows() -> None:
+    cut = []
     for number, recording in enumerate(presses(comes_off)):
         (found,) = springpot.check_recordings(recording).findings
         off_s = DT_S * int(np.flatnonzero(press(number)[1] > 0.3 * PEAK_N)[200 + 40 * number])
         at_s = float(found.what.split(" s")[0].split()[-1])
         assert found.kind == "tear" or (found.kind == "gone" and off_s <= at_s < off_s + 2.0)
+        x, f = (its[: int(at_s / DT_S)] for its in (recording.position_m, recording.force_n))
+        cut.append(Recording(recording.name, x, f, DT_S))
+    assert kinds(cut) == set() and error(cut) < 0.006
     time_s = np.arange(0.0, 250.0, DT_S)
     turns = np.where(time_s < 8.0, time_s / 4.0, 2.0 + (time_s - 8.0) / 256.0)
     both = 0.5 * DEPTH_M * (1.0 - np.cos(2.0 * np.pi * turns))
