@@ -146,7 +146,7 @@ def test_the_public_recording_runs(
 
 
 def shown(outputs: list[dict[str, Any]]) -> list[tuple[str, list[str]]]:
-    """Of each output its text, without the digits, and the forms that it has."""
+    """Return the text of each output without its digits, and the forms that it has."""
     found = []
     for one in outputs:
         data = one.get("data", {})

@@ -23,7 +23,7 @@ _MIN_SHARE_OF_PEAK = 0.002
 _COUNTS = 1.5  # of the sensor: noise of less than one makes one, some samples in a row
 _HIGHER = 3.0  # times the threshold: the slope below the surface is taken up to there
 _FEWEST_SWINGS, _ONE_TONE = 4, 0.5  # of a hum, in one visit to the air; of the power there
-_ABOVE = 0.25  # of its bound: a surface that is farther above all positions is none
+_ABOVE = 0.25  # of its bound: a surface that is farther above all positions was not seen
 _WITHOUT = "import without --contact-force and --tare if position 0 is the surface"
 _STEEPEST, _NEARLY_EXPONENTIAL = 1.5, 1.01  # ratio of ways: F ~ x^2.7, and no surface at all
 
@@ -142,9 +142,9 @@ def _never_leaves(base_n: float) -> str:
     if base_n < 0.0:
         other = "--tare=-PRELOAD_N, the force taken off, if it was zeroed under load"
     return (
-        f"never leaves the object (force is {base_n:.4g} N at its lowest position), so the "
-        "surface cannot be found: record from above the object, or leave --contact-force and "
-        f"--tare out: pass {other}"
+        f"never leaves the object, or by too little (force is {base_n:.4g} N at its lowest "
+        "position), so the surface cannot be found: record from farther above the object, or leave "
+        f"--contact-force and --tare out: pass {other}"
     )
 
 

@@ -141,7 +141,7 @@ def strokes(plan: Plan, ticks: int, low: float = 0.1, speed: float = 1.0) -> Sam
 
 
 def gaps(plan: Plan, ticks: int, seed: int) -> np.ndarray:
-    """Whether each tick, (ticks,), has no sample: gaps that are made up for before the next."""
+    """Draw ticks without a sample, (ticks,): gaps of at most the watchdog's time."""
     rng = np.random.default_rng(seed)
     longest = round(plan.watchdog_s / plan.dt_s)
     lost = np.zeros(ticks, dtype=bool)

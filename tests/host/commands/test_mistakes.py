@@ -184,7 +184,7 @@ def test_remedies_of_mistakes(mistake: str, name: str, tmp_path: Path) -> None:
 @pytest.mark.parametrize("options", ["", AUTO, TARE])
 @pytest.mark.parametrize("mistake", sorted(FAULTS_HERE.keys() - {"backlash", "compliance"}))
 def test_faults_beside_a_choice(mistake: str, options: str, tmp_path: Path) -> None:
-    """Of those that are not silent."""
+    """Follow the remedy of each mistake that is named."""
     press = Press(mistake, GEL, tmp_path)
     press.follow(press.columns, options)
 

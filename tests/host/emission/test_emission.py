@@ -1,4 +1,4 @@
-"""What an emitted folder is: the same bytes again, warning-clean, nothing unreachable, by hand.
+"""Emitted folders: the same bytes again, warning-clean, nothing unreachable, by hand.
 
 `emit --fit`: what does not fit a budget is made smaller, measured on recordings.
 """

@@ -249,7 +249,7 @@ def rows_of(ticks, begin=0, position_m=0.005, notes=0):
 
 
 def watched(rows, drain=20):
-    """What is said of rows that come so many at a time: lines with their tick, events."""
+    """Return warnings on rows, `drain` at a time: lines with their tick, and events."""
     said = []
     plan = make_plan(passive_model(), scene())
     warnings = LiveWarnings(plan, lambda line: said.append((at + drain, line)))

@@ -1,4 +1,4 @@
-"""What a URL of a simulated object says of its sensors, of rests between presses, of lumps."""
+"""Settings in the URL of a simulated object: sensors, rests between presses, lumps."""
 
 import numpy as np
 import pytest

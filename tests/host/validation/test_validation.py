@@ -57,7 +57,7 @@ def test_a_bare_scene_is_its_model(tmp_path: Path) -> None:
 
 
 def test_the_model_alone_is_judged_on_the_samples_of_the_scene(tmp_path: Path) -> None:
-    """Of the same samples, no error is more than the sum of the others."""
+    """Each error is at most the sum of the others, on the same samples."""
     begun = [recording(f"{k}", item.position_m[k:]) for k, item in enumerate(training()[:3], 60)]
     model = fit_model("hammerstein", "x", training()[4:8], FitOptions()).model
     write_model(tmp_path / "m.spm", model)

@@ -1,4 +1,4 @@
-"""What a fit takes from its recordings: rows, range, contact, scale, smoothing, memory, folds."""
+"""Inputs of a fit, from its recordings: rows, range, contact, scale, smoothing, memory, folds."""
 
 import dataclasses
 from collections import Counter

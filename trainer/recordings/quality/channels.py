@@ -161,9 +161,8 @@ def _gone(x: Samples, rise: Samples) -> Iterator[int]:
 
     def way_in(begin: int, end: int) -> int:
         """Samples from row `begin`, in the middle, to the first deep one; 0 if there is none."""
-        return (
-            int(np.argmax(x[begin:end] >= deep_m)) if begin > 0 and x[begin - 1] < middle_m else 0
-        )
+        comes_in = begin > 0 and x[begin - 1] < middle_m
+        return int(np.argmax(x[begin:end] >= deep_m)) if comes_in else 0
 
     ways = [(begin, way_in(begin, end)) for begin, end in runs(x >= middle_m)]
     longest = _SLOWER * max((way for begin, way in ways if rise[begin + way] > most_n), default=0)
