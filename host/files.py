@@ -12,7 +12,7 @@ from springpot.codegen.model import model_file
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
 from springpot.host.emission import scene_file
-from springpot.trainer.recordings import recording_file
+from springpot.trainer.recordings import hdf5_file, recording_file
 from springpot.trainer.recordings.formats.importing import ImportOptions
 from springpot.trainer.recordings.recording import Recording, Zero
 from springpot.trainer.recordings.recording_file import Recordings, given_recordings
@@ -60,7 +60,7 @@ def write_recordings(path: File, recordings: Recordings) -> list[Path]:
             raise UsageError(f"{out}: recordings of one name: give each a name of its own")
         out.mkdir(parents=True, exist_ok=True)
     for file, recording in zip(files, chosen, strict=True):
-        recording_file.write_recording(file, recording)
+        hdf5_file.write_recording(file, recording)
     return files
 
 

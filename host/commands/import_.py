@@ -164,8 +164,8 @@ def _show(rows: Sequence[dict[str, Any]]) -> None:
 
 def write_all(out: Path, recordings: list[Recording]) -> list[Path]:
     """Write all recordings, or none of them where one file exists already."""
+    from springpot.trainer.recordings.hdf5_file import write_recording
     from springpot.trainer.recordings.recording import RECORDING_SUFFIX
-    from springpot.trainer.recordings.recording_file import write_recording
 
     files: dict[Path, Recording] = {}
     for recording in recordings:

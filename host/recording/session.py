@@ -24,14 +24,13 @@ from springpot.host.recording.protocols import RATE_HZ, Profile
 from springpot.host.session.outcome import LoopSettings
 from springpot.host.session.runner import Progress, SessionRunner
 from springpot.host.simulation.bench import SimulatedBench
-from springpot.trainer.recordings.journal import JournalWriter
+from springpot.trainer.recordings.journal import JournalWriter, journal_of, require_no_journal
 from springpot.trainer.recordings.recording import (
     RECORDING_SUFFIX,
     Recording,
     require_recording_name,
     safe_recording_name,
 )
-from springpot.trainer.recordings.recording_file import journal_of, require_no_journal
 
 TOUCHES = 3
 _LONGEST_S, _MEAN_S = 600.0, 0.3

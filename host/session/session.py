@@ -30,9 +30,8 @@ from springpot.host.session.outcome import (
     steal_ms,
 )
 from springpot.host.session.runner import SessionRunner, TakeRows
-from springpot.trainer.recordings.journal import JournalWriter
+from springpot.trainer.recordings.journal import MIN_SAMPLES, JournalWriter
 from springpot.trainer.recordings.recording import Zero
-from springpot.trainer.recordings.recording_file import MIN_SAMPLES
 
 # Results of `run --json` that the loop and its links count.
 _OF_LOOP = ("ticks", "late", "ring_dropped", "watchdog_trips", "disconnects", "resets")

@@ -7,7 +7,7 @@ from support.small import model_file, press, recording, scene, training
 
 from springpot.host.emission.emission import emit
 from springpot.host.files import write_recordings
-from springpot.trainer.recordings.recording_file import write_recording
+from springpot.trainer.recordings.hdf5_file import write_recording
 
 
 @pytest.fixture(scope="module")

@@ -28,9 +28,9 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
     [
         ("codegen/*.py", 6678),
         ("trainer/*.py", 8760),
-        ("host/*.py", 12952),
+        ("host/*.py", 12950),
         ("runtime_c/*.[ch] codegen/*.j2", 7721),
-        ("tests/*.py", 20027),
+        ("tests/*.py", 20024),
     ],
 )
 def test_lines(what: str, most: int) -> None:

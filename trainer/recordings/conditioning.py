@@ -229,10 +229,8 @@ def on_one_surface(
 
 def _shared_surface(recordings: Sequence[Recording]) -> tuple[list[Recording], str]:
     """The recordings on the surface that all of their bounds allow, if there is one; a note."""
-    surfaces_m, doubts_m = (
-        np.array([recording.details[name] for recording in recordings])
-        for name in ("contact_position_m", "contact_uncertainty_m")
-    )
+    surfaces_m = np.array([each.details["contact_position_m"] for each in recordings])
+    doubts_m = np.array([each.details["contact_uncertainty_m"] for each in recordings])
     low_m, high_m = float((surfaces_m - doubts_m).max()), float((surfaces_m + doubts_m).min())
     if low_m > high_m:
         return list(recordings), (

@@ -170,10 +170,8 @@ def _deviation_n(levels_n: list[Samples]) -> float:
     sample where that is less by half, as most samples of a coarse sensor have one value.
     """
     off_n = np.abs(np.concatenate([each - np.median(each) for each in levels_n]))
-    deviation_n, white_n = (
-        1.4826 * float(np.median(off_n)),
-        sensor_noise_n(np.concatenate(levels_n)),
-    )
+    deviation_n = 1.4826 * float(np.median(off_n))
+    white_n = sensor_noise_n(np.concatenate(levels_n))
     return white_n if deviation_n < 0.5 * white_n else deviation_n
 
 

@@ -8,7 +8,7 @@ import json
 import sqlite3
 import zlib
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
+from contextlib import closing, suppress
 from dataclasses import replace
 from pathlib import Path
 from time import monotonic
@@ -18,23 +18,64 @@ from typing import Any, Self
 import numpy as np
 
 from springpot.codegen.arrays import Samples
-from springpot.codegen.errors import DeviceError, UsageError
+from springpot.codegen.errors import DataError, DeviceError, UsageError
 from springpot.codegen.messages import caution
-from springpot.trainer.recordings.recording import Zero, require_recording_name
-from springpot.trainer.recordings.recording_file import (
-    MIN_SAMPLES,
+from springpot.trainer.recordings.hdf5_file import (
+    GIVE,
     RECORDING_SCHEMA,
-    journal_of,
-    read_journal,
-    require_no_journal,
+    metadata_of_json,
+    recording_of,
     write_recording,
 )
+from springpot.trainer.recordings.recording import (
+    RECORDING_SUFFIX,
+    Recording,
+    Zero,
+    require_recording_name,
+)
 
+JOURNAL_SUFFIX = ".journal"
+MIN_SAMPLES = 2  # fewer are no recording
 _COMMIT_S = 0.5  # of wall clock between two commits: what a crash may take
 _SCHEMA = """
 PRAGMA locking_mode = EXCLUSIVE;
 CREATE TABLE part (id INTEGER PRIMARY KEY, checksum INTEGER NOT NULL, content BLOB NOT NULL);
 """  # part 0: metadata as JSON; from 1 on rows of float64: position, force, further channels
+
+
+def journal_of(file: Path) -> Path:
+    """Path of the journal of the recording `file`."""
+    stem = file.name.removesuffix(RECORDING_SUFFIX).removesuffix(JOURNAL_SUFFIX)
+    return file.with_name(stem + JOURNAL_SUFFIX)
+
+
+def _opened(journal: Path, timeout_s: float) -> closing[sqlite3.Connection]:
+    """Open a journal that is there, and close it at the end of a `with`."""
+    uri = f"{journal.absolute().as_uri()}?mode=rw"
+    return closing(sqlite3.connect(uri, uri=True, timeout=timeout_s))
+
+
+def is_being_recorded(journal: Path) -> bool:
+    """Return whether a living process still writes this journal."""
+    try:
+        with _opened(journal, timeout_s=0.0) as store:
+            store.execute("BEGIN IMMEDIATE")
+    except sqlite3.DatabaseError as error:
+        return "locked" in str(error)
+    return False
+
+
+def require_no_journal(journal: Path) -> None:
+    """Raise UsageError for a journal that is there: it is recorded now, or was interrupted."""
+    if not journal.exists():
+        return
+    remedy = "choose another name or folder"
+    if is_being_recorded(journal):
+        raise UsageError(f"{journal}: another springpot is recording it now: {remedy}")
+    raise UsageError(
+        f"{journal}: keeps a recording that was interrupted: {remedy}, or remove it; `springpot "
+        "import` makes a recording of it"
+    )
 
 
 class JournalWriter:
@@ -182,3 +223,47 @@ class JournalWriter:
         store, self._store = self._store, None
         if store is not None:
             store.close()
+
+
+def read_journal(path: Path) -> tuple[Recording, str]:
+    """Return the recording that a journal holds, and what is lost of it, in a line or "".
+
+    Raises DataError for one without samples, or one that is still being recorded.
+    """
+    if not path.exists():
+        raise DataError(f"{path}: no such file: {GIVE}")
+    if is_being_recorded(path):
+        raise DataError(f"{path}: still being recorded: wait until that ends")
+    parts, damaged = _whole_parts(path)
+    if not parts:
+        raise DataError(
+            f"{path}: damaged in its first bytes, or interrupted at the very start: without its "
+            "rate and name nothing can be read, remove it"
+        )
+    metadata = metadata_of_json(path, parts[0])
+    try:
+        names = ["position_m", "force_n", *map(str, metadata.get("channels", ()))]
+        rows = np.frombuffer(b"".join(parts[1:]), dtype="<f8").reshape(-1, len(names))
+    except (TypeError, ValueError):
+        raise DataError(f"{path}: its rows are not those of its channels: remove it") from None
+    if len(rows) < MIN_SAMPLES:
+        raise DataError(f"{path}: interrupted before its first samples: remove it")
+    columns = [np.ascontiguousarray(column, dtype=np.float64) for column in rows.T]
+    recording = recording_of(path, metadata, dict(zip(names, columns, strict=True)))
+    lost = f"; from {recording.duration_s:.3f} s on it is damaged, and lost" if damaged else ""
+    return recording, lost
+
+
+def _whole_parts(path: Path) -> tuple[list[bytes], bool]:
+    """Content of the parts up to the first that is damaged or missing, and whether one is."""
+    parts: list[bytes] = []
+    with suppress(sqlite3.DatabaseError, OverflowError), _opened(path, timeout_s=5.0) as store:
+        for number, checksum, content in store.execute(
+            "SELECT id, checksum, content FROM part ORDER BY id"
+        ):
+            whole = isinstance(content, bytes) and checksum == zlib.crc32(content, len(parts))
+            if number != len(parts) or not whole:
+                return parts, True
+            parts.append(content)
+        return parts, False
+    return parts, True

@@ -26,7 +26,7 @@ from springpot.host.emission.boards import BOARDS, CALL_IDLE, CALL_RESET, Batch,
 from springpot.host.emission.emission import emit
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary
-from springpot.trainer.recordings.recording_file import write_recording
+from springpot.trainer.recordings.hdf5_file import write_recording
 
 pytestmark = [pytest.mark.board, pytest.mark.slow]
 

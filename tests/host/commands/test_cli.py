@@ -18,7 +18,7 @@ from support.peer import cli
 from support.small import model_file, training
 
 from springpot.host.cli import springpot as command_line
-from springpot.trainer.recordings.recording_file import write_recording
+from springpot.trainer.recordings.hdf5_file import write_recording
 
 
 def run(*arguments: object, env: dict[str, str] | None = None) -> subprocess.CompletedProcess[str]:

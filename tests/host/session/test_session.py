@@ -20,7 +20,8 @@ from springpot.host.native.c_library import COLUMN, IDLE, NONE, RESET, SILENT, e
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.session.live_warnings import LiveWarnings
 from springpot.host.validation.validation import validate
-from springpot.trainer.recordings.recording_file import read_recording, write_recording
+from springpot.trainer.recordings.hdf5_file import write_recording
+from springpot.trainer.recordings.recording_file import read_recording
 
 
 @pytest.fixture(scope="module")

@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from springpot.trainer.recordings.recording_file import write_recording
+from springpot.trainer.recordings.hdf5_file import write_recording
 from support.small import model_file, press, recording, small_model, training
 
 SCENE = 'schema = 1\nname = "x"\nmodel = "model.spm"\n'

@@ -18,14 +18,10 @@ from support.small import press, recording
 
 from springpot.codegen.errors import DataError, DeviceError, UsageError
 from springpot.trainer.recordings.formats.importing import import_file
-from springpot.trainer.recordings.journal import JournalWriter
+from springpot.trainer.recordings.hdf5_file import write_recording
+from springpot.trainer.recordings.journal import JournalWriter, journal_of, read_journal
 from springpot.trainer.recordings.recording import MAX_NAME_BYTES, Recording, safe_recording_name
-from springpot.trainer.recordings.recording_file import (
-    journal_of,
-    read_journal,
-    read_recording,
-    write_recording,
-)
+from springpot.trainer.recordings.recording_file import read_recording
 
 RNG = np.random.default_rng(1)
 ITEM = Recording(

@@ -19,8 +19,10 @@ from springpot.trainer.recordings.formats.csv_file import read_csv
 from springpot.trainer.recordings.formats.csv_layout import NoRecordingError
 from springpot.trainer.recordings.formats.sampling import RawChannels, sampling_notes, to_recording
 from springpot.trainer.recordings.formats.units import factor_to_si, parts_of
+from springpot.trainer.recordings.hdf5_file import is_recording
+from springpot.trainer.recordings.journal import JOURNAL_SUFFIX
 from springpot.trainer.recordings.recording import Recording, Zero, safe_recording_name, zero_word
-from springpot.trainer.recordings.recording_file import JOURNAL_SUFFIX, is_recording, read_recording
+from springpot.trainer.recordings.recording_file import read_recording
 
 _BEGINS = "+-.0123456789"  # a number
 _START_BYTES = 520  # a user block of HDF5 is 512 of them

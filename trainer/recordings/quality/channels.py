@@ -111,11 +111,8 @@ def _free_n(recording: Recording) -> float:
 def _stuck_findings(recording: Recording) -> Iterator[Finding]:
     """Find a force that stands still in contact while the tool moves through the object."""
     position_m, force_n = recording.position_m, recording.force_n
-    travel_m, range_n, free_n = (
-        float(np.ptp(position_m)),
-        float(np.ptp(force_n)),
-        _free_n(recording),
-    )
+    travel_m, range_n = float(np.ptp(position_m)), float(np.ptp(force_n))
+    free_n = _free_n(recording)
     for begin, end in runs(np.diff(force_n) == 0.0):
         moved_m = float(np.ptp(position_m[begin : end + 1]))
         in_contact = abs(force_n[begin] - free_n) > _STUCK * range_n

@@ -89,10 +89,8 @@ def unit_findings(recording: Recording) -> Iterator[Finding]:
             make, to_do = warning, "check it against the rig, and state it on import (--map)"
             if not possible and origin.get("from", "device") not in ("map", "device"):
                 column, in_python = origin.get("column", "COL"), origin["from"] == FRAME_NAME
-                right, other = (
-                    map_option(channels, column, in_python, factor + origin["unit"])
-                    for factor in ("", "FACTOR")
-                )
+                right = map_option(channels, column, in_python, origin["unit"])
+                other = map_option(channels, column, in_python, f"FACTOR{origin['unit']}")
                 make = refusal
                 to_do = f"state it, {right} if the header is right, else {other}, such as 0.001"
             yield make("unit", recording.name, f"{value:.4g} {what}", doubt, to_do)
