@@ -27,7 +27,8 @@ from springpot.codegen.model.features import (
     RecursiveBank,
 )
 from springpot.codegen.model.model import Model, TrainedRange
-from springpot.codegen.model.passive import Damage, Flow, Hammerstein, Memory, Places
+from springpot.codegen.model.passive import Damage, Flow, Hammerstein, Memory
+from springpot.codegen.model.places import Places
 from springpot.codegen.model.regressors import Forest, Linear, Quantisation, Rbf
 
 MODEL_SCHEMA = 5

@@ -8,77 +8,20 @@ from numpy.typing import NDArray
 from springpot.codegen.arrays import (
     Flags,
     Indices,
-    Real,
-    Reals,
     Samples,
     require,
+    require_not_negative,
     require_positive,
     require_shape,
 )
 from springpot.codegen.messages import short_repr
+from springpot.codegen.model.places import Places
 
-_MAX_NODES = 100  # of a curve, and of an axis of a map
+_MAX_NODES = 100  # of a curve
 _MAX_GROWTH = 2.0
 _MAX_RATE_RATIO = 1e4  # of relaxation at the surface and at the trained depth
 _ROUNDED = 1.0 - 1e-12
 FLOW_SHARE = 0.2  # of the force at the trained depth: there a flow has its stated time constant
-
-
-@dataclass(frozen=True, eq=False)
-class Places:
-    """Materials on a regular grid: force at a place = sum of amount_r(place) times that of r.
-
-    first_m, step_m: place of the first node, and from node to node, x and y, (2,). amounts: of each
-    material at each node, (nodes in x, nodes in y, materials), >= 0; bilinear between nodes, and
-    constant outside the grid. slopes_n: of each material what `Hammerstein.slopes_n` gives,
-    (materials, slopes).
-    """
-
-    first_m: Samples
-    step_m: Samples
-    amounts: Samples
-    slopes_n: Samples
-
-    def require_valid(self, slopes: int) -> None:
-        """Raise DataError, with field and reason."""
-        require(self.amounts.ndim == 3, f"places.amounts: {self.amounts.ndim} axes, not 3")
-        few = all(2 <= n <= _MAX_NODES for n in self.nodes)
-        require(few, f"places.amounts: {self.nodes}, not 2 to {_MAX_NODES}")
-        require_shape("places.first_m", self.first_m, (2,))
-        require_positive("places.step_m", self.step_m, (2,))
-        materials = self.amounts.shape[2]
-        _not_negative("places.amounts", self.amounts, (*self.nodes, materials))
-        _not_negative("places.slopes_n", self.slopes_n, (materials, slopes))
-
-    @property
-    def last_m(self) -> Samples:
-        """Place of the last node, x and y, (2,)."""
-        last_m: Samples = self.first_m + self.step_m * (np.array(self.nodes) - 1)
-        return last_m
-
-    @property
-    def nodes(self) -> tuple[int, int]:
-        """Nodes in x and in y."""
-        return self.amounts.shape[0], self.amounts.shape[1]
-
-    @property
-    def stiffest_m(self) -> tuple[float, float]:
-        """Place of the stiffest node, x and y: what holds there is safe elsewhere."""
-        stiffness = (self.amounts @ self.slopes_n).sum(axis=2)
-        node = np.unravel_index(int(np.argmax(stiffness)), self.nodes)
-        x_m, y_m = (self.first_m + self.step_m * np.array(node)).tolist()
-        return x_m, y_m
-
-    @property
-    def most_n(self) -> Samples:
-        """The greatest of each slope over all places, (slopes,)."""
-        most_n: Samples = np.max(self.amounts @ self.slopes_n, axis=(0, 1))
-        return most_n
-
-
-def _not_negative(name: str, values: Samples, shape: tuple[int, ...]) -> None:
-    require_shape(name, values, shape)
-    require(bool(np.all(values >= 0.0)), f"{name}: negative, so not passive")
 
 
 def _among(
@@ -86,40 +29,6 @@ def _among(
 ) -> None:
     require_shape(name, values, shape)
     require(bool(np.isin(values, known).all()), f"{name}: not all of {known}")
-
-
-def grid_steps(
-    nodes: tuple[int, ...], first_m: Reals, per_step: Reals, place_m: Reals
-) -> tuple[Real, ...]:
-    """sp_map_steps: a place in steps from the first node, x and y, within the grid."""
-    passed = ((place_m - first_m) * per_step).tolist()
-    real = per_step.dtype.type
-    return tuple(
-        real(min(at if at > 0.0 else 0.0, n - 1)) for at, n in zip(passed, nodes, strict=True)
-    )
-
-
-def amounts_at(amounts: Reals, first_m: Reals, per_step: Reals, place_m: Reals) -> Reals:
-    """sp_map_amounts: amount of each material at a place, (materials,)."""
-    real = amounts.dtype.type
-    steps = grid_steps(amounts.shape[:2], first_m, per_step, place_m)
-    i, j = (min(int(at), nodes - 2) for at, nodes in zip(steps, amounts.shape[:2], strict=True))
-    x, y, one = steps[0] - real(i), steps[1] - real(j), real(1)
-    weights = ((one - x) * (one - y), (one - x) * y, x * (one - y), x * y)
-    corners = (amounts[i, j], amounts[i, j + 1], amounts[i + 1, j], amounts[i + 1, j + 1])
-    total = weights[0] * corners[0]
-    for weight, corner in zip(weights[1:], corners[1:], strict=True):
-        total = total + weight * corner
-    found: Reals = total
-    return found
-
-
-def mixed(amount: Reals, materials: Reals) -> Reals:
-    """sp_map_mix: sum of the materials, (materials, n), by their amounts, in the order of the C."""
-    total: Reals = amount[0] * materials[0]
-    for its, material in zip(amount[1:], materials[1:], strict=True):
-        total = total + its * material
-    return total
 
 
 @dataclass(frozen=True, eq=False)
@@ -141,7 +50,7 @@ class Flow:
         require_positive("flow.rate_ps", self.rate_ps, branches)
         _among("flow.power", self.power, (3, 5), branches)
         _among("flow.degree", self.degree, (1, 2, 4), branches)
-        _not_negative("flow.force_n", self.force_n, branches)
+        require_not_negative("flow.force_n", self.force_n, branches)
 
     @property
     def tau_s(self) -> Samples:
@@ -165,8 +74,8 @@ class Damage:
         """Raise DataError, with field and reason."""
         curves = self.heal_s.size
         _among("damage.power", self.power, (1, 3), (curves,))
-        _not_negative("damage.heal_s", self.heal_s, (curves,))
-        _not_negative("damage.curve_n", self.curve_n, (curves, nodes))
+        require_not_negative("damage.heal_s", self.heal_s, (curves,))
+        require_not_negative("damage.curve_n", self.curve_n, (curves, nodes))
 
 
 def power_order(part: Flow | Damage) -> Indices:
@@ -190,7 +99,7 @@ class Memory:
         """Raise DataError, with field and reason."""
         require_shape("conditioned.branch_n", self.branch_n, (branches,))
         require_shape("conditioned.flow", self.flow, (flowing,))
-        _not_negative("conditioned.deepest", self.deepest, (curves,))
+        require_not_negative("conditioned.deepest", self.deepest, (curves,))
 
 
 @dataclass(frozen=True, eq=False)
@@ -237,11 +146,11 @@ class Hammerstein:
         nodes, branches, stops = self.nodes, self.tau_s.size, self.radius_m.size
         require(self.span_m > 0.0, f"span_m: {self.span_m:g} m is no depth above 0")
         require(1 <= nodes <= _MAX_NODES, f"elastic_n: {nodes} nodes, not 1 to {_MAX_NODES}")
-        _not_negative("elastic_n", self.elastic_n, (nodes,))
+        require_not_negative("elastic_n", self.elastic_n, (nodes,))
         require_positive("tau_s", self.tau_s, (branches,))
-        _not_negative("branch_n", self.branch_n, (branches, nodes))
+        require_not_negative("branch_n", self.branch_n, (branches, nodes))
         require_positive("radius_m", self.radius_m, (stops,))
-        _not_negative("stop_n", self.stop_n, (stops, nodes))
+        require_not_negative("stop_n", self.stop_n, (stops, nodes))
         require(0 <= self.n_by_depth <= branches, f"n_by_depth: {self.n_by_depth} branches")
         known = 1 / _MAX_RATE_RATIO <= self.rate_ratio <= _MAX_RATE_RATIO
         require(known, f"rate_ratio: {self.rate_ratio:g} is beyond {_MAX_RATE_RATIO:g}")

@@ -7,7 +7,8 @@ import numpy as np
 
 from springpot.codegen.arrays import Real, Reals
 from springpot.codegen.literals import array_text, constant_text
-from springpot.codegen.model.passive import Hammerstein, amounts_at, grid_steps, mixed
+from springpot.codegen.model.passive import Hammerstein
+from springpot.codegen.model.places import amounts_at, grid_steps, mixed
 from springpot.codegen.stages.passive.beside import LEAST
 from springpot.codegen.stages.stage import REAL, U32, Member
 from springpot.codegen.types import RealType

@@ -13,7 +13,8 @@ from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.errors import DataError
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.model_file import model_bytes
-from springpot.codegen.model.passive import Hammerstein, Places, amounts_at
+from springpot.codegen.model.passive import Hammerstein
+from springpot.codegen.model.places import Places, amounts_at
 from springpot.codegen.plan import state_bytes
 from springpot.codegen.reference import run_reference
 from springpot.host.native.scene_library import SceneLibrary, built

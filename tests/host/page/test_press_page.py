@@ -12,7 +12,7 @@ from support.small import model_file, passive_model, scene
 
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model_file import write_model
-from springpot.codegen.model.passive import Places
+from springpot.codegen.model.places import Places
 from springpot.host.emission.emission import emit
 from springpot.host.pages.press_page import write_press_page
 

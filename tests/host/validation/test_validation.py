@@ -13,7 +13,7 @@ import springpot
 from springpot import Model, Recording, check_recordings
 from springpot.codegen.arrays import rms
 from springpot.codegen.model.model_file import write_model
-from springpot.codegen.model.passive import Places
+from springpot.codegen.model.places import Places
 from springpot.codegen.scene import Coupling, Runtime
 from springpot.host.emission.emission import emit
 from springpot.host.metrics import accuracy, just_noticeable_n, start_up_ramp

@@ -12,7 +12,7 @@ from support.small import damage, flow, scene, training
 from springpot.codegen.emit.files import emit_files
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.model import Model
-from springpot.codegen.model.passive import Places
+from springpot.codegen.model.places import Places
 from springpot.trainer.kinds import KINDS, fit_model
 from springpot.trainer.models.fit import FitOptions
 

@@ -11,7 +11,7 @@ import numpy as np
 from springpot.codegen.emit.files import emit_files
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.model import Model
-from springpot.codegen.model.passive import Places
+from springpot.codegen.model.places import Places
 from springpot.codegen.model.regressors import Linear
 from springpot.codegen.plan import Plan
 from springpot.codegen.scene import Coupling, Device, Guard, Runtime, Scene, Smoothing

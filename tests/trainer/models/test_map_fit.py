@@ -13,7 +13,7 @@ from support.small import DT_S, passive_model, press, scene
 from springpot import Model, Recording
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.model_file import write_model
-from springpot.codegen.model.passive import amounts_at
+from springpot.codegen.model.places import amounts_at
 from springpot.host.emission.emission import emit
 from springpot.host.recording.protocols import load_protocol
 from springpot.host.recording.session import open_press_device, record_session

@@ -14,7 +14,8 @@ from operator import add
 import numpy as np
 
 from springpot.codegen.arrays import Samples
-from springpot.codegen.model.passive import Hammerstein, Places, amounts_at
+from springpot.codegen.model.passive import Hammerstein
+from springpot.codegen.model.places import Places, amounts_at
 from springpot.trainer.models.passive.nonnegative import Normal, sparse_solve
 from springpot.trainer.models.passive.passive_terms import Terms, reduced, to_model
 from springpot.trainer.models.passive.recovery import SPARSE_LOSS

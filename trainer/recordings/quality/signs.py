@@ -15,19 +15,21 @@ import numpy as np
 from springpot.codegen.arrays import Flags, Samples
 from springpot.codegen.types import JsonObject
 from springpot.trainer.recordings.formats.units import parts_of
-from springpot.trainer.recordings.quality.finding import Finding, refusal, three_digits, warning
+from springpot.trainer.recordings.quality.dissipation import (
+    MIN_SAMPLES,
+    Dissipation,
+    dissipation,
+)
+from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
 from springpot.trainer.recordings.quality.spikes import hold_spikes
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.signals import noise_n
 
 _END = 0.05  # of the travel: an end, where the median is taken
-MIN_SAMPLES = 8  # of a slope
 _NOTHING = 0.05  # of the greatest force
 _FIRST, _SET_OFF = 5, 0.01  # samples, while the tool has not gone farther, of the travel
 _CLEAR, _STRONG = 1.25, 2.0  # ratio of the ends: some evidence, and twice as much
-_NOISES, _SURE = 3.0, 10.0  # standard deviations
-_DELAY = 0.5  # of a sample: channels that are read one after the other
-_LEVELS = (0.3, 0.5, 0.7)  # of the travel: where loops may be cut
+_SURE = 10.0  # standard deviations
 _FALLEN, _SLOWER = 0.4, 3.0  # of the greatest force; times as long for the same way
 _ENERGY = 0.01  # of travel times range of force: less is the sensors' alignment
 _WRONG_SIGN = -0.5  # correlation of the channels
@@ -129,59 +131,6 @@ def _slope(x: Samples, f: Samples, part: Flags) -> float | None:
 
 
 @dataclass(frozen=True)
-class Dissipation:
-    """Energy that a tool put in over whole loops, and how many; 0 where none closes.
-
-    energy: that of a loop, over travel and range of force. doubt: what the force's noise, its drift
-    and half a sample of delay may add to that or take.
-    """
-
-    energy_j: float = 0.0
-    loops: int = 0
-    energy: float = 0.0
-    doubt: float = 0.0
-
-
-def dissipation(x: Samples, f: Samples) -> Dissipation:
-    """Over as many loops as some level of the travel closes, or over one press."""
-    low_m, span, best = float(x.min()), float(np.ptp(x)), np.empty(0, dtype=np.intp)
-    for level_m in (low_m + level * span for level in _LEVELS):
-        rises = np.flatnonzero((x[:-1] < level_m) & (x[1:] >= level_m))
-        rises = rises[np.diff(rises, prepend=-len(x)) > MIN_SAMPLES]
-        best = rises if len(rises) > max(len(best), 1) else best
-    if len(best):
-        return _work(x, f, int(best[0]), int(best[-1]) + 1, len(best) - 1)
-    ends, middle_m = x[[0, -1]], low_m + 0.5 * span
-    if float(ends.max()) + _END * span < middle_m:  # in and out again
-        beyond = np.flatnonzero(x > ends.max() + _END * span)
-    elif float(ends.min()) - _END * span > middle_m:  # out and in again
-        beyond = np.flatnonzero(x < ends.min() - _END * span)
-    else:
-        return Dissipation()
-    return _work(x, f, int(beyond[0]) - 1, int(beyond[-1]) + 1, 1)
-
-
-def _work(x: Samples, f: Samples, begin: int, end: int, loops: int) -> Dissipation:
-    """Work along the path, force counted from its first value.
-
-    Drift g that grows evenly adds the integral of g t/T dx = g (x(T) - mean of x), where more than
-    one loop shows it; a delay d adds d times the integral of x' f' dt; noise of deviation s in each
-    sample adds s times the root of the summed squares of the way that a sample stands for.
-    """
-    size_j = loops * float(np.ptp(x)) * float(np.ptp(f))
-    x, f = x[begin : end + 1], f[begin : end + 1]
-    steps = np.diff(x)
-    energy_j = float(steps @ (0.5 * (f[:-1] + f[1:]) - f[0]))
-    ways = 0.5 * (np.append(steps, 0.0) + np.insert(steps, 0, 0.0))
-    noise_j = _NOISES * noise_n(f) * float(np.sqrt(ways @ ways))
-    drift_j = abs(float((f[-1] - f[0]) * (x[-1] - x.mean()))) if loops > 1 else 0.0
-    delay_j = _DELAY * abs(float(steps @ np.diff(f)))
-    share = 1.0 / size_j if size_j else 0.0
-    doubt = share * (noise_j + drift_j + delay_j)
-    return Dissipation(energy_j, loops, share * energy_j, doubt)
-
-
-@dataclass(frozen=True)
 class Signs:
     """The signs of one recording, up to where the object fails.
 
@@ -206,7 +155,7 @@ class Signs:
         pushes = "out" if self.force_sign > 0 else "in"
         text = f"position grows {inwards} the object, force grows as it pushes {pushes}"
         unknown = f"if {text} (these data do not say which way is in)"
-        return f"{text if self.evidence else unknown}: {_loss(self.lost)}"
+        return f"{text if self.evidence else unknown}: {self.lost.words}"
 
     def metadata(self) -> JsonObject:
         """JSON values; signs are those to multiply by."""
@@ -281,7 +230,7 @@ def _sign_finding(recording: Recording, signs: Signs) -> Finding | None:
         return warning("sign", name, f"force rather {falls}", "mass and a late sensor do so", mend)
     if gives:
         return refusal(
-            "energy", name, f"{_loss(signs.lost)}, and no object gives any",
+            "energy", name, f"{signs.lost.words}, and no object gives any",
             "the model would drive the hand", "take the right columns (--map), or state how late "
             "force is sampled, --force-delay-s SECONDS --align",
         )  # fmt: skip
@@ -296,14 +245,6 @@ def sign_doubts(recordings: Sequence[Recording]) -> list[str]:
     held = [hold_spikes(recording)[0] for recording in recordings]
     found = [finding for each in held for finding in sign_findings(each, find_signs(each))]
     return [finding.text for finding in found if finding.severity == "refusal"]
-
-
-def _loss(lost: Dissipation) -> str:
-    if not lost.loops:
-        return "no closed loop shows its loss"
-    turn = "clockwise, dissipating" if lost.energy_j >= 0 else "anticlockwise, giving"
-    count = "the loop turns" if lost.loops == 1 else f"{lost.loops} loops turn"
-    return f"{count} {turn} {three_digits(abs(lost.energy_j), 'J')}"
 
 
 def _remedy(recording: Recording, signs: Signs) -> str:
