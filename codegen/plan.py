@@ -1,9 +1,4 @@
-"""Plan: exactly what will be emitted of a model and a scene, and what is left out.
-
-With the bound of the instructions of one tick, which a budget is checked against: a tick that
-restarts (the first one, and one that takes a new position as true) fills the memory besides; the
-first after a silence is all the ticks without a sample too.
-"""
+"""Plan: exactly what will be emitted of a model and a scene, and what is left out."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -20,7 +15,6 @@ from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
 from springpot.codegen.stages.model_stages import RangeConfig, Stages
 from springpot.codegen.stages.stage import (
-    COSTS,
     DOUBLE,
     REAL,
     U32,
@@ -34,7 +28,6 @@ from springpot.codegen.stages.windows import ToolVelocityStage
 from springpot.codegen.types import RealType
 
 MAX_RECOVERY_S = 2.0
-_MAKE_UP = 60.0  # beside its ticks
 
 
 @dataclass(frozen=True)
@@ -216,35 +209,3 @@ def _layout(plan: Plan) -> tuple[dict[str, int], int]:
         total += padded(size, align)
         widest = max(widest, align)
     return offsets, padded(total, widest)
-
-
-@dataclass(frozen=True)
-class InstructionBound:
-    """Instructions of sp_step. tick: after a tick with a sample; after_silence: the longest."""
-
-    tick: int
-    restart: int
-    after_silence: int
-
-
-def instruction_bound(plan: Plan) -> InstructionBound | None:
-    """Bound for the plan's target; None for a PC, doubles in software, nested ifs."""
-    costs = COSTS.get(plan.scene.runtime.target)
-    if costs is None or plan.real == "double":
-        return None
-    regressor = 0.0 if plan.regressor is None else plan.regressor.instructions(costs)
-    if regressor is None:
-        return None
-    passive = sum(
-        stage.instructions(costs) for stage in (plan.passive, *(plan.excess or ())) if stage
-    )
-    coupling = costs.coupling if plan.couple is not None else 0.0
-    features = 0.0 if plan.features is None else plan.features.instructions(costs)
-    tick = costs.tick + coupling + features + regressor + passive
-    forget = sum(stage.restart_instructions(costs) for stage in stages(plan))
-    longest = 1 + round(plan.watchdog_s / plan.dt_s)
-    return InstructionBound(
-        tick=round(tick),
-        restart=round(tick + forget),
-        after_silence=round(longest * tick + _MAKE_UP),
-    )

@@ -32,7 +32,7 @@ class Runtime:
     number: Number = "float32"
     """Type of all numbers in the C."""
     target: Target = "host"
-    """Processor whose flash, stack and instructions `emit` states."""
+    """Processor whose flash and stack `emit` states."""
     prefix: str = "sp"
     """Beginning of every C name, so that two objects live in one image. May be: lower-case
     letters, digits, underscores."""
@@ -164,8 +164,6 @@ class Budget:
     """One state."""
     stack_bytes: Annotated[int, Gt(0)] | None = None
     """Of a tick, along the deepest path of calls."""
-    tick_instructions: Annotated[int, Gt(0)] | None = None
-    """Bound of the instructions of a tick."""
     tick_us: Annotated[float, Gt(0)] | None = None
     """Not checked when emitting: `springpot validate` measures it."""
     __repr__ = short_repr

@@ -9,7 +9,7 @@ from springpot.codegen.emit.c_text import rendered
 from springpot.codegen.emit.header import header_text
 from springpot.codegen.emit.source import source_text
 from springpot.codegen.model.model_file import model_hash
-from springpot.codegen.plan import Plan, instruction_bound, planned_headers, state_bytes
+from springpot.codegen.plan import Plan, planned_headers, state_bytes
 from springpot.codegen.types import JsonObject
 from springpot.runtime_c.paths import flags
 
@@ -53,7 +53,6 @@ def _manifest(plan: Plan) -> JsonObject:
         **({} if plan.regressor is None else plan.regressor.manifest()),
         **_places(plan),
         "state_bytes": state_bytes(plan),
-        **({"instructions": asdict(bound)} if (bound := instruction_bound(plan)) else {}),
         "limits": {
             "min_n": float(plan.output.min_n),
             "max_n": float(plan.output.max_n),

@@ -37,7 +37,6 @@ class CompactForest:
     top: (15, padded trees, 2), by heap position and tree; nodes: (nodes, 2); roots: (padded
     trees,) uint32.
     thresholds: of each used feature, sorted float32; none where features are quantised.
-    longest_paths: (trees,), splits on the longest way to a leaf of each.
     """
 
     top: NDArray[np.uint16]
@@ -45,7 +44,6 @@ class CompactForest:
     roots: NDArray[np.uint32]
     n_trees: int
     thresholds: tuple[NDArray[np.float32], ...]
-    longest_paths: NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -99,15 +97,12 @@ def compact_forest(forest: Forest, leaves: QuantisedLeaves) -> CompactForest:
     top[order.heap[high] - 1, order.tree[high], 1] = bin_index[high]
     roots = np.full(n_padded, order.size - 1, dtype=np.uint32)
     roots[: len(order.roots)] = order.roots
-    longest_paths = np.zeros(len(order.roots), dtype=np.int64)
-    np.maximum.at(longest_paths, order.tree, order.level)
     return CompactForest(
         top=top,
         nodes=nodes,
         roots=roots,
         n_trees=len(order.roots),
         thresholds=thresholds,
-        longest_paths=longest_paths,
     )
 
 

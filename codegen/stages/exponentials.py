@@ -16,7 +16,6 @@ from springpot.codegen.stages.stage import (
     DOUBLE,
     REAL,
     Columns,
-    Costs,
     FeatureStage,
     Member,
     Probe,
@@ -55,11 +54,6 @@ class WeightedSumStage(FeatureStage):
     def probe(self) -> Probe:
         rows, vector_width = self.weights.shape
         return Probe(rows, vector_width, self.weigh)
-
-    def sum_instructions(self, costs: Costs) -> float:
-        """Bound of the instructions of the weighted sums alone."""
-        terms, vector_width = self.weights.shape
-        return float(vector_width * (terms * costs.weight + costs.lane))
 
     def weigh(self, terms: Reals) -> Reals:
         """Terms (..., terms) by the weights, each column's sum in order: (..., capacity)."""
@@ -129,10 +123,6 @@ class RecursiveStage(WeightedSumStage):
             array_text("weights", "sp_real", self.weights),
         ]
 
-    def instructions(self, costs: Costs) -> float:
-        poles = len(self.loss) * costs.pole + len(self.slow_loss) * costs.slow_pole
-        return float(poles + self.sum_instructions(costs) + 40.0)
-
     def reference(self, depth: Reals, starts: Starts) -> Reals:
         result = np.zeros((len(depth), self.n_features), dtype=depth.dtype)
         for rows, samples in held_before(depth, starts, 1):
@@ -196,10 +186,6 @@ class FastFirStage(WeightedSumStage):
             f"/* Rises, poles, oldest sample: a row each; lanes: the orders {self.named}. */",
             array_text("weights", "sp_real", self.weights),
         ]
-
-    def instructions(self, costs: Costs) -> float:
-        poles = len(self.keep) * costs.pole + self.n_direct * costs.direct
-        return float(poles + self.sum_instructions(costs) + 60.0)
 
     def reference(self, depth: Reals, starts: Starts) -> Reals:
         result = np.zeros((len(depth), self.n_features), dtype=depth.dtype)

@@ -18,11 +18,10 @@ from springpot.codegen.model.forest import (
 )
 from springpot.codegen.model.regressors import Forest
 from springpot.codegen.scene import Runtime
-from springpot.codegen.stages.compact_forest import LEVELS, CompactForest, compact_forest
+from springpot.codegen.stages.compact_forest import CompactForest, compact_forest
 from springpot.codegen.stages.stage import (
     U32,
     Columns,
-    Costs,
     Member,
     RegressorStage,
     regressor_stage,
@@ -33,7 +32,6 @@ from springpot.codegen.types import JsonObject, RealType
 if TYPE_CHECKING:
     from m2cgen.ast import Expr
 
-_LEVELS_A_ROUND = 3  # SP_FOREST_UNCHECKED
 _MAX_IFS = 20_000  # nodes
 _SCORE = "double score(double * input)"
 
@@ -132,19 +130,6 @@ class CompactForestStage(ForestStage):
     @property
     def table_bytes(self) -> int:
         return self.compact.top.nbytes + self.compact.nodes.nbytes
-
-    def instructions(self, costs: Costs) -> float:
-        below = np.maximum(self.compact.longest_paths - LEVELS, 0)
-        rounds = below // _LEVELS_A_ROUND + 1
-        steps = sum(len(thresholds).bit_length() for thresholds in self.compact.thresholds)
-        each = costs.quantisation if self.forest.quantisation is not None else costs.bin_search
-        return float(
-            len(below) * costs.tree
-            + rounds.sum() * costs.tree_round
-            + steps * costs.bin_step
-            + self.n_features * each
-            + 80.0
-        )
 
 
 @dataclass(frozen=True, eq=False)

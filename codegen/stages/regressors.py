@@ -11,7 +11,6 @@ from springpot.codegen.model.regressors import Linear, Rbf
 from springpot.codegen.scene import Runtime
 from springpot.codegen.stages.stage import (
     Columns,
-    Costs,
     RegressorStage,
     padded,
     regressor_stage,
@@ -47,9 +46,6 @@ class RbfStage(RegressorStage):
             array_text("center_weights", "sp_real", self.weights_n),
             array_text("tail", "sp_real", self.tail_n),
         ]
-
-    def instructions(self, costs: Costs) -> float:
-        return len(self.weights_n) * costs.center + 100.0
 
     def reference(self, features: Reals) -> Reals:
         z = []
@@ -109,9 +105,6 @@ class LinearStage(RegressorStage):
             constant_text("linear_intercept_n", self.intercept_n),
             array_text("linear_weights_n", "sp_real", self.weights_n),
         ]
-
-    def instructions(self, costs: Costs) -> float:
-        return len(self.weights_n) * costs.direct + 30.0
 
     def reference(self, features: Reals) -> Reals:
         force_n: Reals = np.full(len(features), self.intercept_n)

@@ -1,7 +1,4 @@
-"""Interface of the stages of a model: headers, state, tables, a template of C, and a reference.
-
-With the instructions of the parts of a tick, by target.
-"""
+"""Interface of the stages of a model: headers, state, tables, a template of C, and a reference."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Callable
@@ -18,7 +15,7 @@ from springpot.codegen.messages import short_repr
 from springpot.codegen.model.features import Features
 from springpot.codegen.model.formulas import SMALLEST
 from springpot.codegen.model.regressors import Regressor
-from springpot.codegen.scene import Runtime, Target
+from springpot.codegen.scene import Runtime
 from springpot.codegen.types import JsonObject, RealType, Scalar
 
 Columns = Indices
@@ -27,62 +24,6 @@ Starts = Indices  # ticks at which the history restarts with the sample held
 REAL, U32, DOUBLE = "real", "u32", "double"
 VECTOR_WIDTH = 4  # SP_VECTOR_WIDTH of sp_weighted_sum.h
 LARGEST = 1e6  # SP_LARGEST
-
-
-@dataclass(frozen=True)
-class Costs:
-    """Instructions: fixed parts, and of each element of a unit.
-
-    Of flags.mk's flags with gcc 12 on the target, a little above what the emulated boards counted;
-    tests hold the bounds that are made of them against the count for every kind of scene.
-    """
-
-    tick: float
-    coupling: float
-    tap: float
-    tap_row: float
-    pole: float
-    slow_pole: float
-    direct: float
-    weight: float
-    lane: float
-    lag: float
-    velocity_step: float
-    bin_step: float
-    bin_search: float
-    quantisation: float
-    tree: float
-    tree_round: float
-    center: float
-    passive: float
-    branch: float
-    branch_depth: float
-    curve: float
-    stop: float
-    flow: float
-    flow_branch: float
-    damage: float
-    surface: float
-    surface_piece: float
-    filled: float
-    rest: float
-
-
-_THUMB = Costs(
-    tick=164, coupling=75, tap=4.5, tap_row=100, pole=16, slow_pole=500, direct=7,
-    weight=4.6, lane=10, lag=14, velocity_step=29, bin_step=14, bin_search=50, quantisation=22,
-    tree=72, tree_round=28, center=13, passive=34, branch=24, curve=16,
-    branch_depth=12, stop=50, flow=34, flow_branch=60, damage=36, surface=50, surface_piece=9,
-    filled=3.1, rest=2,
-)  # fmt: skip
-_RISCV = Costs(
-    tick=150, coupling=85, tap=4.6, tap_row=110, pole=20, slow_pole=700, direct=8,
-    weight=6.0, lane=12, lag=16, velocity_step=27, bin_step=15, bin_search=60, quantisation=36,
-    tree=90, tree_round=38, center=13, passive=34, branch=27, curve=16,
-    branch_depth=12, stop=54, flow=34, flow_branch=60, damage=30, surface=50, surface_piece=9,
-    filled=3.1, rest=16,
-)  # fmt: skip
-COSTS: dict[Target, Costs] = {"cortex-m4f": _THUMB, "cortex-m7": _THUMB, "rv32imafc": _RISCV}
 
 
 @dataclass(frozen=True)
@@ -153,14 +94,6 @@ class Stage(ABC):
     def tables(self) -> list[str]:
         """Definitions of its constant arrays and sizes."""
 
-    def instructions(self, costs: Costs) -> float:
-        """Bound of the instructions of its part of a tick; a part of the fixed ones by default."""
-        return 0.0
-
-    def restart_instructions(self, costs: Costs) -> float:
-        """Bound of those that forget the past: by default, each scalar of the state is filled."""
-        return costs.filled * sum(len(member.scalars) for member in self.members)
-
 
 class FeatureStage(Stage):
     """A stage that fills the C array `features`: in the block `features` of its template."""
@@ -215,10 +148,6 @@ class RegressorStage(ABC):
     @abstractmethod
     def reference(self, features: Reals) -> Reals:
         """Force of each row of features (n, n_features), N, shape (n,)."""
-
-    def instructions(self, costs: Costs) -> float | None:
-        """Bound of its instructions in a tick; None where there is no bound."""
-        return None
 
     def manifest(self) -> JsonObject:
         """Its keys in the manifest."""

@@ -17,7 +17,6 @@ from springpot.codegen.stages.stage import (
     REAL,
     U32,
     Columns,
-    Costs,
     FeatureStage,
     Member,
     Probe,
@@ -77,10 +76,6 @@ class FirStage(FeatureStage):
             outputs=rows,
             sums=lambda made_up: np.array([tap_sums(row, made_up, 1)[0] for row in self.taps]),
         )
-
-    def instructions(self, costs: Costs) -> float:
-        rows, length = self.taps.shape
-        return float(rows * (length * costs.tap + costs.tap_row))
 
     def reference(self, depth: Reals, starts: Starts) -> Reals:
         length = self.taps.shape[1]
@@ -144,9 +139,6 @@ class LagsStage(FeatureStage):
             array_text("lags", "uint32_t", self.lags),
         ]
 
-    def instructions(self, costs: Costs) -> float:
-        return len(self.lags) * costs.lag + 40.0
-
     def reference(self, depth: Reals, starts: Starts) -> Reals:
         longest = self._length - 1
         result = np.zeros((len(depth), self.n_features), dtype=depth.dtype)
@@ -196,10 +188,6 @@ class PositionVelocityStage(FeatureStage):
             constant_text("clipped_band_m", self.band_m),
             *weight,
         ]
-
-    def instructions(self, costs: Costs) -> float:
-        average = 0.0 if self.weight is None else 15.0
-        return float(len(self.per_step) * costs.velocity_step + 60.0 + average)
 
     def reference(self, depth: Reals, starts: Starts) -> Reals:
         length = len(self.per_step)

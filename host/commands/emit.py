@@ -77,11 +77,6 @@ def emission_rows(emission: Emission) -> dict[str, str]:
         "stability": _stability(emission),
         "hash": emission.hash,
     }
-    if bound := emission.manifest.get("instructions"):
-        rows["instructions"] = (
-            f"at most {bound['tick']} a tick, {bound['restart']} at a restart, "
-            f"{bound['after_silence']} in the first tick after a silence"
-        )
     for item in left_out:
         rows[f"left out: {item['what']}"] = f"{item['why']}, {item['bytes']} bytes"
     return rows

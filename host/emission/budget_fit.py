@@ -17,7 +17,7 @@ from springpot.codegen.model.features import FirBank
 from springpot.codegen.model.forest import fewer_trees, larger_leaves, quantised
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.regressors import Forest
-from springpot.codegen.plan import instruction_bound, state_bytes
+from springpot.codegen.plan import state_bytes
 from springpot.codegen.scene import Budget, Scene
 from springpot.host.emission.emission import emit
 from springpot.host.emission.result import Emission
@@ -136,11 +136,6 @@ def _evaluation(model: Model, recordings: Sequence[Recording]) -> tuple[Samples,
 def _surely_over(model: Model, scene: Scene) -> bool:
     """Whether what is known without a compiler is too much already."""
     plan = make_plan(model, replace(scene, budget=Budget()), accept_unsafe=True)
-    bound, budget = instruction_bound(plan), scene.budget
     tables_bytes = 0 if plan.regressor is None else plan.regressor.table_bytes
-    known = (
-        (tables_bytes, budget.flash_bytes),
-        (state_bytes(plan), budget.ram_bytes),
-        (bound.tick if bound else 0, budget.tick_instructions),
-    )
+    known = ((tables_bytes, scene.budget.flash_bytes), (state_bytes(plan), scene.budget.ram_bytes))
     return any(may is not None and has > may for has, may in known)

@@ -6,16 +6,15 @@ from pathlib import Path
 from springpot.codegen.errors import BudgetError
 from springpot.codegen.make_plan import FELT_SHARE
 from springpot.codegen.messages import number_of
-from springpot.codegen.plan import Plan, instruction_bound
+from springpot.codegen.plan import Plan
 from springpot.codegen.scene import Budget
 from springpot.codegen.types import JsonObject
 from springpot.host.native.toolchain import Footprint
 from springpot.host.stability.check import Check
 from springpot.host.stability.linear import at_higher_rates
 
-# Keys of `emit --json` that the manifest has too; instructions and forest of some scenes only.
-_OF_MANIFEST = ("instructions", "units", "left_out", "orders", "coupling", "outside",
-                "accept_unsafe")  # fmt: skip
+# Keys of `emit --json` that the manifest has too.
+_OF_MANIFEST = ("units", "left_out", "orders", "coupling", "outside", "accept_unsafe")
 
 
 @dataclass(frozen=True)
@@ -76,25 +75,20 @@ def over_budget(emission: Emission, budget: Budget) -> str:
     Raises BudgetError if a size that has a budget is not known: which, why, what to do.
     """
     missing = emission.unmeasured
-    whys = {
-        "flash": missing,
-        "stack": missing or "this compiler does not report it: use gcc",
-        "a tick": "the bound of instructions does not cover this scene: measure it on the board",
-    }
-    bound, over = instruction_bound(emission.plan), []
-    for what, unit, has, may in (
-        ("flash", "bytes", emission.flash_bytes, budget.flash_bytes),
-        ("RAM", "bytes", emission.ram_bytes, budget.ram_bytes),
-        ("stack", "bytes", emission.stack_bytes, budget.stack_bytes),
-        ("a tick", "instructions", bound.tick if bound else None, budget.tick_instructions),
+    whys = {"flash": missing, "stack": missing or "this compiler does not report it: use gcc"}
+    over = []
+    for what, has, may in (
+        ("flash", emission.flash_bytes, budget.flash_bytes),
+        ("RAM", emission.ram_bytes, budget.ram_bytes),
+        ("stack", emission.stack_bytes, budget.stack_bytes),
     ):
         if may is not None and has is None:
             raise BudgetError(
-                f"{what}: could not be measured for its budget of {may} {unit}: {whys[what]}; or "
+                f"{what}: could not be measured for its budget of {may} bytes: {whys[what]}; or "
                 "remove the budget's key"
             )
         if may is not None and has is not None and has > may:
-            over.append(f"{what}: {has} {unit}, the scene's budget is {may}")
+            over.append(f"{what}: {has} bytes, the scene's budget is {may}")
     return "; ".join(over)
 
 

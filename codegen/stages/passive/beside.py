@@ -24,7 +24,6 @@ from springpot.codegen.model.passive import Damage, Flow, power_order
 from springpot.codegen.stages.stage import (
     LARGEST,
     REAL,
-    Costs,
     Member,
     SceneTicks,
 )
@@ -63,10 +62,6 @@ class FlowBranches:
             array_text("flow_n", "sp_real", self.force_n),
             array_text("flow_function", "uint8_t", self.function),
         ]
-
-    def instructions(self, costs: Costs) -> float:
-        """Bound of a tick's."""
-        return costs.flow + self.count * costs.flow_branch
 
     def slopes_n(self, nodes: int) -> Samples:
         """The most that the force rises at each node, (J,), N for u from 0 to 1."""
@@ -137,10 +132,6 @@ class DamageCurves:
             array_text("damage", "sp_real", self.curves.reshape(-1, self.count)),
             array_text("healed", "sp_real", self.healed),
         ]
-
-    def instructions(self, costs: Costs) -> float:
-        """Bound of a tick's."""
-        return self.count * (costs.curve + costs.damage)
 
     def advance(self, u: Reals, place: Place, deepest: Reals) -> tuple[Reals, Reals]:
         """Forces of ticks at u (n,), N, in the order of the C; and M after the last one."""

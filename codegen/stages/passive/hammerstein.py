@@ -23,7 +23,6 @@ from springpot.codegen.stages.passive.placed import PlacedCurves, PlaceTicks, pl
 from springpot.codegen.stages.stage import (
     DOUBLE,
     REAL,
-    Costs,
     Member,
     SceneTicks,
     Stage,
@@ -56,11 +55,6 @@ class StartMemory:
     held_n: Reals
     flow: Reals
     deepest: Reals
-
-    @property
-    def filled(self) -> list[Reals]:
-        """The arrays that are not all 0."""
-        return [its for its in (self.held_n, self.flow, self.deepest) if its.any()]
 
     def tables(self) -> list[str]:
         named = (("held", self.held_n), ("flow", self.flow), ("deepest", self.deepest))
@@ -198,27 +192,6 @@ class HammersteinStage(Stage):
                 },
             ),
         ]
-
-    def instructions(self, costs: Costs) -> float:
-        config = self.config
-        curves = config.n_branches * costs.curve
-        stepped = sum(step.instructions(costs) for step in self.steps)
-        beside = sum(part.instructions(costs) for part in self._beside)
-        stops = config.n_stops * costs.stop
-        return float(
-            costs.passive + curves + stepped + beside + stops + self._surface_instructions(costs)
-        )
-
-    def restart_instructions(self, costs: Costs) -> float:
-        """It reads the branches' curves too, where they rest; the surface is at the tool."""
-        curves = self.config.n_branches * (costs.curve + costs.rest)
-        mixed = 2.0 * costs.filled * self.placed.mixing if self.placed else 0.0
-        copied = costs.filled * sum(its.size for its in self.start.filled) if self.start else 0.0
-        resting = super().restart_instructions(costs) + curves + mixed + copied
-        return resting - self._surface_instructions(costs)
-
-    def _surface_instructions(self, costs: Costs) -> float:
-        return costs.surface + self.config.n_pieces * costs.surface_piece if self.surface else 0.0
 
     def reference(self, depth: Reals, starts: Starts, places: PlaceTicks = ()) -> Reals:
         """Force of every tick, (n,), N.

@@ -20,7 +20,7 @@ from springpot.codegen.model.formulas import (
 )
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.stages.exponentials import SLOW_TICKS, pole_states
-from springpot.codegen.stages.stage import Costs, SceneTicks, padded
+from springpot.codegen.stages.stage import SceneTicks, padded
 
 
 @dataclass(frozen=True)
@@ -66,12 +66,6 @@ class MaxwellBranches:
         """Constants of a tick."""
         c_type = "double" if self.double and not self.by_depth else "sp_real"
         return [array_text(f"{self.names.prefix}_loss", c_type, self.loss)]
-
-    def instructions(self, costs: Costs) -> float:
-        """Bound of a tick's."""
-        slow = costs.slow_pole if self.double else 0.0
-        depth = costs.branch_depth if self.by_depth else 0.0
-        return self.count * (costs.branch + slow + depth)
 
     def advance(self, rises: Reals, place: Place, h: Reals) -> Reals:
         """States after each tick, (n, count), from h, (count,); rises (n, count)."""

@@ -55,11 +55,6 @@ class PlacedCurves:
 
     headers = ("sp_map.h",)
 
-    @property
-    def mixing(self) -> int:
-        """Multiplications to mix the curves of a place."""
-        return int(self.materials.size)
-
     def members(self, name: str) -> tuple[Member, ...]:
         count = self.config.n_curves
         return (

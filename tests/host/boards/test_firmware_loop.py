@@ -122,7 +122,7 @@ TRIPLES = {"cortex-m4f": "thumbv7em-none-eabihf", "cortex-m7": "thumbv7em-none-e
 @pytest.mark.slow
 @pytest.mark.parametrize(("board", "mode"), list(zip(BOARDS, cycle(MODES), strict=False)))
 def test_gcc_and_clang_of_the_target(tmp_path: Path, board: str, mode: str) -> None:
-    """Couplings take turns: all boards have one C (test_mcu_budget.py)."""
+    """Couplings take turns: all boards have one C (test_every_board.py)."""
     need(board)
     clang = shutil.which("clang")
     if clang is None:
