@@ -15,7 +15,7 @@ from springpot.codegen.types import RealType
 
 MAX_BIN = 2**16 - 1  # of a leaf or a feature in 16 bits
 _ABOVE = 0.01  # of a feature's thresholds: room for values beyond the maximum
-_CHUNK = 4096  # samples whose traversal stays in the cache
+_TOGETHER = 1 << 18  # samples times trees, traversed side by side: more leave the cache
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,20 +61,21 @@ def forest_force(
     Left where a feature is at most the threshold: a NaN goes right, as the C compares.
     """
     inner, stored = forest.feature >= 0, leaves.quantised.astype(np.uint32)
-    sums = np.zeros(len(values), dtype=np.uint32)
-    for begin in range(0, len(values), _CHUNK):
-        part = np.ascontiguousarray(values[begin : begin + _CHUNK])
-        flat, first = part.ravel(), np.arange(len(part)) * part.shape[1]
-        for root in forest.roots:
-            at = np.full(len(part), root)
-            active = np.arange(len(part)) if inner[root] else np.empty(0, dtype=np.intp)
-            while len(active):
-                here = at[active]
-                is_left = flat[first[active] + forest.feature[here]] <= forest.threshold[here]
-                here = np.where(is_left, forest.left[here], forest.right[here])
-                at[active] = here
-                active = active[inner[here]]
-            sums[begin : begin + len(part)] += stored[at]
+    threshold = largest_float32_below(forest.threshold)
+    children = np.stack([forest.right, forest.left], axis=1).ravel()
+    sums, trees = np.zeros(len(values), dtype=np.uint32), len(forest.roots)
+    for begin in range(0, len(values), rows := max(1, _TOGETHER // trees)):
+        part = np.ascontiguousarray(values[begin : begin + rows])
+        flat, first = part.ravel(), np.repeat(np.arange(len(part)) * part.shape[1], trees)
+        at = np.tile(forest.roots, len(part))
+        active = np.flatnonzero(inner[at])
+        while len(active):
+            here = at.take(active)
+            is_left = flat.take(first.take(active) + forest.feature.take(here)) <= threshold[here]
+            here = children.take(2 * here + is_left)
+            at[active] = here
+            active = active[inner.take(here)]
+        sums[begin : begin + rows] = stored[at].reshape(-1, trees).sum(axis=1, dtype=np.uint32)
     force_n: Reals = real(leaves.bias_n) + sums.astype(real) * real(leaves.leaf_step_n)
     return force_n
 

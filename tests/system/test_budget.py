@@ -26,7 +26,7 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
 @pytest.mark.parametrize(
     ("what", "most"),
     [
-        ("codegen/*.py", 6505),
+        ("codegen/*.py", 6506),
         ("trainer/*.py", 8779),
         ("host/*.py", 12934),
         ("runtime_c/*.[ch] codegen/*.j2", 7721),
