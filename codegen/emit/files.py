@@ -16,15 +16,17 @@ from springpot.runtime_c.paths import flags
 _HASH = "@manifest-hash@"
 
 
-def emit_files(plan: Plan) -> dict[str, str]:
+def emit_files(plan: Plan, selftest: bool = True) -> dict[str, str]:
     """Return file name -> text: NAME.c, NAME.h, an example main.c, its Makefile, the manifest.
 
     Generated files begin with the version and the manifest's hash, which covers every file here.
+    selftest: False leaves its C out: the forces of its vectors are most of the work for a forest
+    behind a proxy.
     """
     prefix = plan.scene.runtime.prefix
     files = {
         f"{prefix}.h": header_text(plan),
-        f"{prefix}.c": source_text(plan, json.dumps(_short_manifest(plan))),
+        f"{prefix}.c": source_text(plan, json.dumps(_short_manifest(plan)), selftest),
         "main.c": rendered("main.c.j2", plan=plan, prefix=prefix),
         "Makefile": rendered("Makefile.j2", prefix=prefix, flags=" ".join(flags("SP_CFLAGS"))),
     }

@@ -86,7 +86,7 @@ def _start_m(plan: Plan) -> list[str]:
     return [literal(plan.dtype(at)) for at in plan.passive.placed.start_m]
 
 
-def source_text(plan: Plan, manifest: str) -> str:
+def source_text(plan: Plan, manifest: str, selftest: bool = True) -> str:
     """C of the whole scene, in the order of a tick; manifest: JSON that the image holds."""
     prefix, in_header = plan.scene.runtime.prefix, state_types(plan)
     parts = [_rule("sp_real.h"), _number_type(plan.real)]
@@ -97,8 +97,9 @@ def source_text(plan: Plan, manifest: str) -> str:
     parts += top_level_blocks("\n".join(_tables(plan)))
     parts += [_rule("the tick, and the functions of the header")]
     parts += top_level_blocks(step_functions(plan))
-    parts += [_rule("self-test"), "#ifndef SP_NO_SELFTEST /* to leave it out of an image */"]
-    parts += ["\n".join(golden_arrays(plan)), *top_level_blocks(_selftest(plan)), "#endif"]
+    if selftest:
+        parts += [_rule("self-test"), "#ifndef SP_NO_SELFTEST /* to leave it out of an image */"]
+        parts += ["\n".join(golden_arrays(plan)), *top_level_blocks(_selftest(plan)), "#endif"]
     text = rendered(
         "source.c.j2",
         plan=plan,

@@ -169,16 +169,16 @@ class SceneState:
 
 
 def built(plan: Plan) -> SceneLibrary:
-    """The plan's C, built and loaded."""
+    """The plan's C without its self-test, built and loaded."""
     with written(plan) as folder:
         return SceneLibrary(folder)
 
 
 @contextmanager
 def written(plan: Plan) -> Iterator[Path]:
-    """The folder of the plan's C."""
+    """The folder of the plan's C, without its self-test."""
     with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
-        for name, text in emit_files(plan).items():
+        for name, text in emit_files(plan, selftest=False).items():
             (Path(scratch) / name).write_text(text)
         yield Path(scratch)
 

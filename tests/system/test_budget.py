@@ -26,11 +26,11 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
 @pytest.mark.parametrize(
     ("what", "most"),
     [
-        ("codegen/*.py", 6506),
+        ("codegen/*.py", 6509),
         ("trainer/*.py", 8779),
         ("host/*.py", 12934),
         ("runtime_c/*.[ch] codegen/*.j2", 7721),
-        ("tests/*.py", 19980),
+        ("tests/*.py", 19993),
     ],
 )
 def test_lines(what: str, most: int) -> None:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support.c.same_bits import checked_library
 from support.small import damage, flow, passive_model, press, scene, wandering
 
 from springpot import Model, Recording
@@ -86,8 +87,7 @@ def test_same_bits_as_the_reference(law: str, materials: int, mode: str, number:
     ticks = np.sort(rng.choice(len(position), 12, replace=False)).tolist()
     corners = [*map(tuple, rng.uniform(-0.02, 0.03, (10, 2)).tolist()), (0.02, 0.01), (9.0, 9.0)]
     places = list(zip(ticks, corners, strict=True))
-    library = built(plan)
-    assert library.selftest() == 0
+    library = checked_library(plan)
     assert library.state_bytes == state_bytes(plan)
     force_n, notes = called(library, position, velocity, places)
     reference = run_reference(plan, position, velocity, places=places)

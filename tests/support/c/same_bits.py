@@ -1,13 +1,27 @@
 """The emitted C and its reference in numpy, compared bit for bit."""
 
+import tempfile
+from pathlib import Path
+
 import numpy as np
 
+from springpot.codegen.emit.files import emit_files
 from springpot.codegen.emit.golden import backward_velocity
 from springpot.codegen.plan import Plan, state_bytes
 from springpot.codegen.reference import run_reference
 from springpot.host.native.replay import Replay
-from springpot.host.native.scene_library import built
+from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.validation.compared import proxy_positions
+
+
+def checked_library(plan: Plan) -> SceneLibrary:
+    """The plan's C as it is emitted, built; its self-test passes."""
+    with tempfile.TemporaryDirectory() as folder:
+        for name, text in emit_files(plan).items():
+            Path(folder, name).write_text(text)
+        library = SceneLibrary(Path(folder))
+    assert library.selftest() == 0
+    return library
 
 
 def require_same_bits(
@@ -20,8 +34,7 @@ def require_same_bits(
     """
     position = position_m.astype(plan.dtype)
     velocity = backward_velocity(position, plan.dt_s) if velocity_mps is None else velocity_mps
-    library = built(plan)
-    assert library.selftest() == 0
+    library = checked_library(plan)
     assert library.state_bytes == state_bytes(plan)
     force_n, notes = Replay(library).run(position, velocity)
     predicted_m = None if find else proxy_positions(plan, library, position, velocity)
