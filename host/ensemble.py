@@ -96,7 +96,7 @@ def from_ensemble(
     if np.percentile(differs, 99) > _AGREES * np.abs(predicted_n).max():
         raise UsageError(
             f"{type(regressor).__name__} is no weighted sum of its trees: fit it with a squared or "
-            "absolute error, without dart, early stopping, linear_tree or an init of its own"
+            "absolute error, without dart, linear_tree or an init of its own"
         )
     require_same_data(regressor, predicted_n[::2], values[::2], force_n[::2])
     options = FitOptions(smooth_s=smooth_s)
@@ -117,6 +117,8 @@ def require_same_data(
     like = clone(regressor)
     if isinstance(like.get_params().get("max_samples"), int):
         like.set_params(max_samples=None)  # more rows than there are here
+    if like.get_params().get("early_stopping_rounds"):  # XGBoost: nothing is held out here
+        like.set_params(early_stopping_rounds=None, n_estimators=regressor.best_iteration + 1)
     fitted = np.zeros(len(values), dtype=bool)
     fitted[:: max(2, len(values) // _rows_of(regressor))] = True
     like.fit(values[fitted], force_n[fitted])

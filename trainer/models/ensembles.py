@@ -97,8 +97,10 @@ def _lightgbm(regressor: Any) -> Forest:
 
 
 def _xgboost(regressor: Any) -> Forest:
-    """The sum of its trees and its base score."""
-    dump = regressor.get_booster().get_dump(dump_format="json")
+    """The sum of its trees, up to the best one if it stopped early, and its base score."""
+    stopped = hasattr(regressor, "best_iteration")
+    booster = regressor.get_booster()[: regressor.best_iteration + 1 if stopped else None]
+    dump = booster.get_dump(dump_format="json")
     return _sum_of([_nested(json.loads(tree)) for tree in dump], 1.0, regressor.intercept_.item())
 
 
