@@ -110,11 +110,7 @@ HIDDEN = ("-ffinite-math-only", "-U__FINITE_MATH_ONLY__")  # a compiler that doe
     ],
 )
 def test_the_selftest_sees_other_floating_point_and_nan_assumed_away(
-    tmp_path: Path,
-    emission_of: Emitted,
-    shape: str,
-    options: tuple[str, ...],
-    safe: bool,
+    tmp_path: Path, emission_of: Emitted, shape: str, options: tuple[str, ...], safe: bool
 ) -> None:
     if "-mfma" in options and "fma" not in CPU_FLAGS:
         pytest.skip("this processor has no fused multiply-add")
