@@ -54,9 +54,11 @@ def test_flips_and_cuts_are_refused(tmp_path: Path) -> None:
     refused(tmp_path, content + b"x")
 
 
-def test_another_schema_is_named(tmp_path: Path) -> None:
-    content = model_bytes(golden_forces.model(KIND)).replace(b"model 5 ", b"model 6 ", 1)
-    assert "model schema 6, this springpot reads 5" in refused(tmp_path, content)
+@pytest.mark.parametrize("schema", [4, 6])
+def test_another_schema_is_named(schema: int, tmp_path: Path) -> None:
+    head = b"model %d " % schema
+    content = model_bytes(golden_forces.model(KIND)).replace(b"model 5 ", head, 1)
+    assert f"model schema {schema}, this springpot reads 5" in refused(tmp_path, content)
 
 
 @pytest.mark.parametrize(
