@@ -63,16 +63,10 @@ def test_another_schema_is_named(schema: int, tmp_path: Path) -> None:
 
 @pytest.mark.parametrize(
     "changes",
-    [
-        {"regressor": {"part": "os"}},
-        {"regressor": {"part": "Forest"}},
-        {"regressor": {"array": "none"}},
-        {"trained": {"part": "TrainedRange", "colour": 1}},
-        {"dt_s": "x"},
-        {"features": [1, 2]},
-        {"part": "Lags"},
-    ],
-)
+    [{"regressor": {"part": "os"}}, {"regressor": {"part": "Forest"}}, {"dt_s": "x"},
+     {"regressor": {"array": "none"}}, {"trained": {"part": "TrainedRange", "colour": 1}},
+     {"features": [1, 2]}, {"part": "Lags"}],
+)  # fmt: skip
 def test_a_header_of_another_program_is_refused(tmp_path: Path, changes: dict[str, object]) -> None:
     body = model_bytes(golden_forces.model(KIND)).partition(b"\n")[2]
     with np.load(io.BytesIO(body)) as stored:

@@ -190,26 +190,20 @@ def test_a_transmission_is_that_of_the_address_or_the_scene() -> None:
 
 @pytest.mark.parametrize(
     ("query", "told"),
-    [
-        ("max_torque_nm=0.4&nm_per_a=0.04", "m_per_turn"),
-        ("m_per_turn=0.05&nm_per_a=0.04", "max_torque_nm"),
-        ("m_per_turn=0.05&max_torque_nm=0.4", "nm_per_a"),
-        (f"{ALL}&m_per_turn=100.1", "between 0 and 100"),
-        (f"{ALL}&max_torque_nm=10001", "between 0 and 10000"),
-        (f"{ALL}&nm_per_a=10001", "between 0 and 10000"),
-        (f"{ALL}&nm_per_a=-1", "between 0 and 10000"),
-        (f"{ALL}&sign=0.5", "give 1 or -1"),
-        (f"{ALL}&sign=2", "between -1 and 1"),
-        (f"{ALL}&zero_turns=1000001", "between -1000000 and 1000000"),
-        (f"{ALL}&surface_mm=100001", "between -100000 and"),
-        (f"{ALL}&surface_mm=-100001", "between -100000 and"),
-        (f"{ALL}&node=64", "between 0 and 63"),
-        (f"{ALL}&node=-1", "between 0 and 63"),
-        (f"{ALL}&bitrate=9999", "between 10000 and 1000000"),
-        (f"{ALL}&bitrate=1000001", "between 10000 and 1000000"),
-        (f"{ALL}&speed=1", "no setting 'speed'"),
-    ],
-)
+    [("max_torque_nm=0.4&nm_per_a=0.04", "m_per_turn"),
+     ("m_per_turn=0.05&nm_per_a=0.04", "max_torque_nm"),
+     ("m_per_turn=0.05&max_torque_nm=0.4", "nm_per_a"),
+     *((f"{ALL}&{query}", told) for query, told in (
+         ("m_per_turn=100.1", "between 0 and 100"), ("max_torque_nm=10001", "between 0 and 10000"),
+         ("nm_per_a=10001", "between 0 and 10000"), ("nm_per_a=-1", "between 0 and 10000"),
+         ("sign=0.5", "give 1 or -1"), ("sign=2", "between -1 and 1"),
+         ("zero_turns=1000001", "between -1000000 and 1000000"),
+         ("surface_mm=100001", "between -100000 and"), ("node=64", "between 0 and 63"),
+         ("surface_mm=-100001", "between -100000 and"), ("node=-1", "between 0 and 63"),
+         ("bitrate=9999", "between 10000 and 1000000"), ("speed=1", "no setting 'speed'"),
+         ("bitrate=1000001", "between 10000 and 1000000"),
+     ))],
+)  # fmt: skip
 def test_settings_of_a_drive_are_checked_before_its_port_is_opened(query: str, told: str) -> None:
     with refusing(UsageError, query.removeprefix(f"{ALL}&")[:5], told):
         OdriveDevice(parse_device(f"odrive://slcan//dev/none?{query}"), NEEDS)

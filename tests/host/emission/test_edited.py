@@ -77,16 +77,12 @@ def test_an_edit_is_named_in_a_warning_result_log_and_report(folder: Path, emitt
 
 @pytest.mark.parametrize(
     ("name", "what"),
-    [
-        ("sp.c", "missing"),
-        ("from/model.spm", "missing"),
-        ("from/files.json", "missing"),
-        ("from/files.json", "not as springpot emitted it"),
-        ("stdbool.h", "not as springpot emitted it"),  # compiled in the system's place
-        ("bits/mine.h", "not as springpot emitted it"),
-        ("bits", "not as springpot emitted it"),  # a link: what is behind it is not listed
-    ],
-)
+    [("sp.c", "missing"), ("from/model.spm", "missing"), ("from/files.json", "missing"),
+     ("from/files.json", "not as springpot emitted it"),
+     ("stdbool.h", "not as springpot emitted it"),  # compiled in the system's place
+     ("bits/mine.h", "not as springpot emitted it"),
+     ("bits", "not as springpot emitted it")],  # a link: what is behind it is not listed
+)  # fmt: skip
 def test_missing_changed_and_additional_files(folder: Path, name: str, what: str) -> None:
     file = folder / name
     if what == "missing":
