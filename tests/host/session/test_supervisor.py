@@ -1,11 +1,14 @@
 """Looking after a device that does not stay: everything but the devices and the loop is real."""
 
+import contextlib
 import time
 from types import SimpleNamespace
+from unittest import mock
 
 import pytest
 
 from springpot.host.session.outcome import LinkCounts, LoopState
+from springpot.host.session.runner import SessionRunner
 from springpot.host.session.supervisor import DeviceSupervisor
 
 
@@ -57,3 +60,12 @@ def test_a_loop_that_stands_still_makes_no_device_silent(looking):
     time.sleep(0.25)
     supervised.poll(LoopState(connected=1), 0.0)
     assert not failed
+
+
+def test_an_impatient_second_ctrl_c_leaves_no_force():
+    device = mock.Mock(stop=mock.Mock(side_effect=[KeyboardInterrupt, KeyboardInterrupt, None]))
+    session = SessionRunner(None, "serial://x", None, None)
+    session._supervisor = SimpleNamespace(device=device)
+    with contextlib.suppress(KeyboardInterrupt):
+        session.close()
+    assert device.mock_calls == [mock.call.stop()] * 3 + [mock.call.close()]
