@@ -67,3 +67,31 @@ TEST(a_force_is_within_its_bounds_both_ways)
     }
     CHECK(pulls > ROUNDS && pushes > ROUNDS);
 }
+
+TEST(a_sensor_may_be_unlike_again_and_again_but_not_for_long)
+{
+    double command_n[TICKS];
+    for (int k = 0; k < TICKS; k++) {
+        command_n[k] = 5.0;
+    }
+    sp_press press = {.command_n = command_n,
+                      .n = TICKS,
+                      .dt_s = 1e-3,
+                      .max_force_n = 6.0,
+                      .watchdog_s = 0.02,
+                      .latched_note = 32,
+                      .max_mps = 0.4};
+    double force_n = 99.0;
+    for (int k = 0; k < 10 * TICKS; k++) {
+        press.at = 0;
+        press.measured_n = k % TICKS < TICKS - 180 ? 5.0 : 0.0;
+        (void)sp_press_step(&press, 0.0, 0.0, &force_n);
+    }
+    CHECK(press.fault == SP_PRESS_NO_FAULT && force_n == -5.0);
+    press.measured_n = 0.0;
+    for (int k = 0; k < TICKS; k++) {
+        press.at = 0;
+        (void)sp_press_step(&press, 0.0, 0.0, &force_n);
+    }
+    CHECK(press.fault == SP_PRESS_UNLIKE && force_n == 0.0);
+}

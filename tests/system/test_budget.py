@@ -27,10 +27,10 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
     ("what", "most"),
     [
         ("codegen/*.py", 6509),
-        ("trainer/*.py", 8779),
-        ("host/*.py", 12934),
+        ("trainer/*.py", 8781),
+        ("host/*.py", 12936),
         ("runtime_c/*.[ch] codegen/*.j2", 7721),
-        ("tests/*.py", 19993),
+        ("tests/*.py", 19998),
     ],
 )
 def test_lines(what: str, most: int) -> None:

@@ -127,6 +127,11 @@ def test_a_choice_is_quiet_with_an_encoder_and_can_be_stated(count: int) -> None
             assert speed_mps < QUIET_MPS
 
 
+def test_the_devices_own_friction_is_to_be_left_too() -> None:
+    loop = 25_100.0, 7300.0, LoopDevice(0.41, 7.2, delay_samples=2)
+    assert holds(*loop, chosen(*loop).coupling)
+
+
 def held_speed_mps(
     stiffness_npm: float, rate_hz: float, device: LoopDevice, proxy: Coupling, hand: Hand
 ) -> float:

@@ -54,23 +54,19 @@ def test_flips_and_cuts_are_refused(tmp_path: Path) -> None:
     refused(tmp_path, content + b"x")
 
 
-def test_another_schema_is_named(tmp_path: Path) -> None:
-    content = model_bytes(golden_forces.model(KIND)).replace(b"model 5 ", b"model 6 ", 1)
-    assert "model schema 6, this springpot reads 5" in refused(tmp_path, content)
+@pytest.mark.parametrize("schema", [4, 6])
+def test_another_schema_is_named(schema: int, tmp_path: Path) -> None:
+    head = b"model %d " % schema
+    content = model_bytes(golden_forces.model(KIND)).replace(b"model 5 ", head, 1)
+    assert f"model schema {schema}, this springpot reads 5" in refused(tmp_path, content)
 
 
 @pytest.mark.parametrize(
     "changes",
-    [
-        {"regressor": {"part": "os"}},
-        {"regressor": {"part": "Forest"}},
-        {"regressor": {"array": "none"}},
-        {"trained": {"part": "TrainedRange", "colour": 1}},
-        {"dt_s": "x"},
-        {"features": [1, 2]},
-        {"part": "Lags"},
-    ],
-)
+    [{"regressor": {"part": "os"}}, {"regressor": {"part": "Forest"}}, {"dt_s": "x"},
+     {"regressor": {"array": "none"}}, {"trained": {"part": "TrainedRange", "colour": 1}},
+     {"features": [1, 2]}, {"part": "Lags"}],
+)  # fmt: skip
 def test_a_header_of_another_program_is_refused(tmp_path: Path, changes: dict[str, object]) -> None:
     body = model_bytes(golden_forces.model(KIND)).partition(b"\n")[2]
     with np.load(io.BytesIO(body)) as stored:

@@ -60,6 +60,12 @@ def test_excess_takes_energy(tmp_path: Path, kind: str) -> None:
     assert worked_j > -1e-9
 
 
+def test_stiffness_beyond_the_force_that_leaves_is_not_felt() -> None:
+    weak = dataclasses.replace(scene(), guard=Guard(max_force_n=0.2 * small_model().trained.max_n))
+    felt, all_of_it = (make_plan(small_model(), its).stiffness_npm for its in (weak, scene()))
+    assert felt < 0.8 * all_of_it
+
+
 def test_a_model_without_a_passive_part_holds_and_says_so() -> None:
     plan = make_plan(dataclasses.replace(small_model(), hammerstein=None), scene())
     assert plan.outside.startswith("hold: the model has no passive part")

@@ -97,15 +97,16 @@ def test_same_bits_as_the_reference(law: str, materials: int, mode: str, number:
     assert np.any(alone.force_n != reference.force_n)
 
 
-def test_a_place_is_taken_once_the_tool_is_off_the_object() -> None:
+@pytest.mark.parametrize("there", [STIFF, (STIFF[0], SOFT[1]), (SOFT[0], STIFF[1])])
+def test_a_place_is_taken_once_the_tool_is_off_the_object(there: tuple[float, float]) -> None:
     plan = make_plan(placed(), scene(number="float64"))
     again = np.concatenate([np.zeros(20), press(1.0)])
     position = np.concatenate([press(1.0), again])
     library = built(plan)
     velocity = backward_velocity(position, plan.dt_s)
     before, _ = called(library, position, velocity, [(0, SOFT)])
-    later, _ = called(library, position, velocity, [(0, SOFT), (len(press(1.0)) // 2, STIFF)])
-    fresh, _ = called(library, again, backward_velocity(again, plan.dt_s), [(0, STIFF)])
+    later, _ = called(library, position, velocity, [(0, SOFT), (len(press(1.0)) // 2, there)])
+    fresh, _ = called(library, again, backward_velocity(again, plan.dt_s), [(0, there)])
     half = len(press(1.0))
     np.testing.assert_array_equal(later[:half], before[:half])
     np.testing.assert_array_equal(later[half:], fresh)

@@ -163,24 +163,16 @@ def test_who_has_a_port_is_found_behind_links(tmp_path: Path) -> None:
     port, link = tmp_path / "port", tmp_path / "link"
     port.touch()
     link.symlink_to(port)
+    code = "import sys; f = [*map(open, sys.argv[1:])]; print(flush=True); sys.stdin.read()"
     with port.open():
         assert used_by(str(link)) == ""  # oneself does not count
-        other = subprocess.Popen(
-            [sys.executable, "-c", "import sys; print(flush=True); sys.stdin.read()"],
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, pass_fds=[], text=True,
-        )  # fmt: skip
-        other.stdout.readline()
-        assert used_by(str(link)) == ""
-        other.communicate()
-    code = "import sys; f = open(sys.argv[1]); print(flush=True); sys.stdin.read()"
-    other = subprocess.Popen(
-        [sys.executable, "-c", code, str(port)],
-        stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
-    )  # fmt: skip
-    other.stdout.readline()
-    name = Path(f"/proc/{other.pid}/comm").read_text().strip()
-    assert used_by(str(link)) == f"{name} (process {other.pid})"
-    other.communicate()
+        for opens in ([], [str(port)]):
+            command, pipe = [sys.executable, "-c", code, *opens], subprocess.PIPE
+            other = subprocess.Popen(command, stdin=pipe, stdout=pipe, text=True)
+            other.stdout.readline()
+            name = Path(f"/proc/{other.pid}/comm").read_text().strip()
+            assert used_by(str(link)) == (f"{name} (process {other.pid})" if opens else "")
+            other.communicate()
     assert used_by(str(link)) == ""
 
 

@@ -41,11 +41,9 @@ def test_a_device_that_cannot_be_used(option: str, cause: str, remedy: str) -> N
 
 @pytest.mark.parametrize(
     ("wanted", "told"),
-    [
-        (replace(WANTED, rate_hz=20.0, watchdog_s=0.1, presses=False), "needs at least 63 Hz"),
-        (replace(WANTED, force_sign=-1), "leave [device] force_sign out"),
-    ],
-)
+    [(replace(WANTED, rate_hz=20.0, watchdog_s=0.1, presses=False), "needs at least 63 Hz"),
+     (replace(WANTED, force_sign=-1), "leave [device] force_sign out")],
+)  # fmt: skip
 def test_a_scene_that_the_device_cannot_render(wanted: DeviceRequirements, told: str) -> None:
     """Slower forces would trip it; position and force are of one frame."""
     assert told in refusal(wanted=wanted)
@@ -68,5 +66,5 @@ def test_without_a_watchdog_where_that_is_accepted() -> None:
     with peer("dhd_device", "--no-watchdog") as device:
         opened = open_device(device.url + "&watchdog=off", WANTED)
         assert "last force may still act" in opened.unreached
-        opened.stop()
         opened.close()
+        assert device.wait_for("stop")["force_n"] == 0

@@ -26,15 +26,9 @@ def test_a_limit_has_three_digits_and_is_within_what_it_limits(value: float) -> 
 
 # Of every key of [device] that a driver reads: a value that is not its default.
 KEYS: dict[str, Any] = {
-    "m_per_turn": 0.02,
-    "sign": -1,
-    "force_sign": -1,
-    "zero_turns": 0.25,
-    "max_torque_nm": 1.5,
-    "nm_per_a": 0.03,
-    "effector_mass_kg": 0.4,
-    "weight_n": 0.7,
-}
+    "m_per_turn": 0.02, "sign": -1, "force_sign": -1, "zero_turns": 0.25, "max_torque_nm": 1.5,
+    "nm_per_a": 0.03, "effector_mass_kg": 0.4, "weight_n": 0.7,
+}  # fmt: skip
 
 
 def test_a_driver_gets_the_keys_of_the_scene_as_they_stand() -> None:

@@ -274,18 +274,10 @@ def test_a_line_carries_one_frame_a_tick(opened: Opened) -> None:
 def test_the_link_gets_what_was_agreed(opened: Opened) -> None:
     simulated = SimulatedDevice()
     device = opened(simulated, DeviceRequirements(1000, 0.15, 10.0, surface_m=0.002))
-    given: list[object] = []
-
-    def init(*arguments: object) -> str:
-        given.extend(arguments)
-        return "link"
-
-    library = types.SimpleNamespace(
-        memory=lambda size: ("memory", size),
-        c=types.SimpleNamespace(sp_link_serial_size=lambda: 77, sp_link_serial_init=init),
-    )
-    assert device.link(library) == "link"
-    assert given == [("memory", 77), 9, pytest.approx(0.002), pytest.approx(0.15), 1000, 4]
+    c = types.SimpleNamespace(sp_link_serial_size=lambda: 77, sp_link_serial_init=lambda *its: its)
+    library = types.SimpleNamespace(memory=lambda size: ("memory", size), c=c)
+    agreed = ("memory", 77), 9, pytest.approx(0.002), pytest.approx(0.15), 1000, 4
+    assert device.link(library) == agreed
     for query in ("surface_mm=-10001", "baud=1199", "baud=12000001", "speed=1"):
         with pytest.raises(UsageError, match=r"give a number between|no setting"):
             SerialDevice(parse_device(f"serial:///dev/none?{query}"), NEEDS).link(library)

@@ -97,24 +97,16 @@ def test_builds_by_hand_without_python(tmp_path: Path, emission_of: Emitted) -> 
         assert "line 2 is not a number" in wrong.stderr
 
 
-CONTRACTED = ("-mfma", "-ffp-contract=fast")
+CONTRACTED = ("-mfma", "-ffp-contract=fast")  # the file keeps the two operations apart
 HIDDEN = ("-ffinite-math-only", "-U__FINITE_MATH_ONLY__")  # a compiler that does not say so
 
 
 @pytest.mark.parametrize(
     ("shape", "options", "safe"),
-    [
-        ("plain", CONTRACTED, True),  # the file keeps multiplications and additions apart
-        ("prefixed", CONTRACTED, True),
-        ("plain", HIDDEN, False),
-    ],
+    [("plain", CONTRACTED, True), ("prefixed", CONTRACTED, True), ("plain", HIDDEN, False)],
 )
 def test_the_selftest_sees_other_floating_point_and_nan_assumed_away(
-    tmp_path: Path,
-    emission_of: Emitted,
-    shape: str,
-    options: tuple[str, ...],
-    safe: bool,
+    tmp_path: Path, emission_of: Emitted, shape: str, options: tuple[str, ...], safe: bool
 ) -> None:
     if "-mfma" in options and "fma" not in CPU_FLAGS:
         pytest.skip("this processor has no fused multiply-add")

@@ -116,19 +116,15 @@ def test_the_c_of_a_regressor_gives_its_predictions(regressor, kind, monkeypatch
         assert differs.max() < 1e-6
 
 
-class StoredBooster:
-    def __init__(self, dump):
-        self.dump_model = lambda: dump
-        self.get_dump = lambda dump_format: dump
-
+class StoredBooster(SimpleNamespace):
     def __getitem__(self, trees):
-        return StoredBooster(self.dump_model()[trees])
+        return SimpleNamespace(get_dump=lambda dump_format: self.dump[trees])
 
 
 @pytest.mark.parametrize("made_by", BOOSTED_ELSEWHERE)
 def test_boosted_trees_of_others_decide_as_they_did_at_every_threshold(made_by):
     its = SimpleNamespace(**BOOSTED_ELSEWHERE[made_by])
-    booster = StoredBooster(its.dump)
+    booster = StoredBooster(dump=its.dump, dump_model=lambda: its.dump)
     parts = {"booster_": booster, "get_booster": lambda self: booster, **vars(its)}
     forest = ensemble_ir(type(its.kind, (), parts | {"intercept_": np.array(its.intercept)})())
     given_n = regressor_force(forest, np.array(its.values))

@@ -191,10 +191,7 @@ LOSSES = ("--drop", 0.01, "--late", 0.02, "--presses-hz", 2)
 
 
 @pytest.mark.realtime
-@pytest.mark.parametrize(
-    ("device", "mode"),
-    [("serial_device", "proxy"), ("slcan_odrive", "off")],
-)
+@pytest.mark.parametrize(("device", "mode"), [("serial_device", "proxy"), ("slcan_odrive", "off")])
 def test_losses_are_not_felt(tmp_path, device, mode):
     folder, log = tmp_path / "c", tmp_path / "a.h5"
     waits = replace(scene(mode=mode), guard=Guard(watchdog_ms=WATCHDOG_MS))

@@ -1,11 +1,14 @@
 """Looking after a device that does not stay: everything but the devices and the loop is real."""
 
+import contextlib
 import time
 from types import SimpleNamespace
+from unittest import mock
 
 import pytest
 
 from springpot.host.session.outcome import LinkCounts, LoopState
+from springpot.host.session.runner import SessionRunner
 from springpot.host.session.supervisor import DeviceSupervisor
 
 
@@ -45,6 +48,7 @@ def test_silence_is_counted_by_the_loop(looking):
     supervised.poll(here, 0.19)
     supervised.saw_sample(0.19)
     supervised.poll(here, 0.38)
+    supervised.poll(LoopState(connected=1, paused=1), 9.0)
     assert not failed
     supervised.poll(here, 0.4)
     assert "connected but silent for 0.2 s, force zero" in str(failed[0])
@@ -56,3 +60,12 @@ def test_a_loop_that_stands_still_makes_no_device_silent(looking):
     time.sleep(0.25)
     supervised.poll(LoopState(connected=1), 0.0)
     assert not failed
+
+
+def test_an_impatient_second_ctrl_c_leaves_no_force():
+    device = mock.Mock(stop=mock.Mock(side_effect=[KeyboardInterrupt, KeyboardInterrupt, None]))
+    session = SessionRunner(None, "serial://x", None, None)
+    session._supervisor = SimpleNamespace(device=device)
+    with contextlib.suppress(KeyboardInterrupt):
+        session.close()
+    assert device.mock_calls == [mock.call.stop()] * 3 + [mock.call.close()]

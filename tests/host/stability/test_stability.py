@@ -27,6 +27,7 @@ from springpot.host.emission.emission import emit, read_emission
 from springpot.host.native.scene_library import built
 from springpot.host.simulation.cases import HOLDS, NUDGE_N, NUDGE_S, cases, held_case
 from springpot.host.simulation.scenarios import Workspace, holding, pressing
+from springpot.host.stability import closed_loop
 from springpot.host.stability.check import Stability, stability
 from springpot.host.stability.closed_loop import (
     Outcome,
@@ -231,17 +232,23 @@ def test_even_growth_is_that_of_two_thirds_of_a_hold(growth_per_s: float) -> Non
     assert found.grows is (growth_per_s > 0.1)
 
 
+def test_a_vibration_that_has_come_to_its_size_grows_no_more() -> None:
+    rises = np.minimum(np.arange(round(HOLD_S / DT_S)) * DT_S / 3.0, 1.0) ** 4
+    found = vibration_of([rises * swinging(0.0)], DT_S)
+    assert found.growth_ratio == pytest.approx(1.0, rel=0.02)
+
+
 @pytest.mark.parametrize("frequency_hz", [0.8, 2.0, 4.5, 14.0])
 def test_slow_vibration_has_its_size(frequency_hz: float) -> None:
     found = vibration_of([swinging(0.0, 1e-4), swinging(0.0, 5e-3, frequency_hz)], DT_S)
     assert found.lf_speed_mps == pytest.approx(5e-3 / np.sqrt(2.0), rel=0.02)
 
 
-def held(plan: Plan, hand: Hand, more_delay: int) -> Outcome:
-    """The eleven holds."""
+def held(plan: Plan, hand: Hand, more_delay: int, name: str = "hold") -> Outcome:
+    """The eleven holds, or another case."""
     found = rendered(plan, built(plan))
-    hold = next(case for case in cases(plan, found.force, hand) if case.name == "hold")
-    return case_outcome(found, hold, hand, more_delay)
+    played = next(case for case in cases(plan, found.force, hand) if case.name == name)
+    return case_outcome(found, played, hand, more_delay)
 
 
 def test_a_heavy_device_that_swings_up_slowly_is_seen() -> None:
@@ -259,6 +266,13 @@ def test_a_heavy_device_that_swings_up_slowly_is_seen() -> None:
     quiet = held(plan, DESIGN_HAND, 0)
     assert judge(quiet).grade == Grade.GOOD
     assert not quiet.vibration.grows
+
+
+def test_a_tool_deeper_than_it_may_come_is_not_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
+    plan = make_plan(golden_forces.model("hammerstein"), scene(mode="off"))
+    deep = held(plan, DESIGN_HAND, 0, "deep")
+    monkeypatch.setattr(closed_loop, "_deepest_m", lambda *_: 0.9 * deep.max_depth_m)
+    assert deep.bounded and not held(plan, DESIGN_HAND, 0, "deep").bounded
 
 
 def test_each_hold_begins_with_a_nudge() -> None:

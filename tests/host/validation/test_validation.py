@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 from unittest import mock
 
 import numpy as np
@@ -14,9 +15,11 @@ from springpot import Model, Recording, check_recordings
 from springpot.codegen.arrays import rms
 from springpot.codegen.model.model_file import write_model
 from springpot.codegen.model.places import Places
+from springpot.codegen.reference import Run, run_reference
 from springpot.codegen.scene import Coupling, Runtime
 from springpot.host.emission.emission import emit
 from springpot.host.metrics import accuracy, just_noticeable_n, start_up_ramp
+from springpot.host.validation import compared
 from springpot.host.validation.compared import at_samples, at_ticks, bits_differ, samples_of
 from springpot.host.validation.seen import seen_by
 from springpot.host.validation.store import validation_rows
@@ -172,6 +175,19 @@ def test_each_recording_is_rendered_at_its_place(folder: Path) -> None:
     assert validate(folder, [moved], paced_s=0.01).places[0].rmse_percent_of_peak > 10.0
 
 
+@pytest.mark.parametrize("differs", ["force_n", "notes"])
+def test_a_tick_of_other_bits_or_notes_is_a_mismatch(
+    folder: Path, differs: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def other(*given: Any) -> Run:
+        found = run_reference(*given)
+        getattr(found, differs)[[300, 400]] += 1
+        return found
+
+    monkeypatch.setattr(compared, "run_reference", other)
+    assert validate(folder, [pressed(PLACES[0])], paced_s=0.01).mismatches == 2
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_python_renders_what_has_a_place_at_it(folder: Path, seed: int) -> None:
     x_m, y_m = np.random.default_rng(seed).uniform(-0.002, 0.012, 2).tolist()
@@ -236,6 +252,7 @@ def test_figures_of_a_known_error() -> None:
     assert found.max_abs_error_n == 1.0
     # Above 2 N: 0, 0, 20 %, 0, 8 %.
     assert found.ape_below_jnd == pytest.approx(4 / 5)
+    assert found.error_per_jnd == pytest.approx(np.sqrt((5**2 + 2**2 + 0.8**2) / 6))
 
 
 def test_one_recording_has_no_interval_and_weak_forces_no_score() -> None:

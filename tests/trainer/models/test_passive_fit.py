@@ -212,6 +212,15 @@ def test_a_richer_law_has_to_gain_what_counts(
     assert better(choice("plain", *plain_n), choice("flow", *richer_n)).law == (law,)
 
 
+def test_the_error_on_what_is_held_out_is_that_of_a_fit_without_it() -> None:
+    """One of three is ten times as stiff: what the two others say misses nine tenths of it."""
+    depth_m = press(1.0)
+    springs = [Recording(f"{k}", depth_m, k * depth_m, DT_S) for k in (100.0, 100.0, 1000.0)]
+    choice = passive_choice(training_set(springs, 0.0), FitOptions())[0]
+    missed_n = np.sqrt(np.mean((900.0 * depth_m) ** 2))
+    assert choice.folds_n.max() == pytest.approx(missed_n, rel=0.02)
+
+
 @pytest.mark.slow
 def test_short_presses_of_a_silicone_tell_of_long_ones(tmp_path: Path) -> None:
     """With rates by depth the presses are met better, 15 s of sums twice as badly: 0.5 %."""

@@ -18,7 +18,7 @@ from springpot.codegen.errors import DataError
 from springpot.codegen.model.forest import quantised_leaves
 from springpot.codegen.model.model_file import model_hash
 from springpot.trainer.kinds import fit_model
-from springpot.trainer.models.depths import pulls
+from springpot.trainer.models.depths import motions, pulls
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.folds import fold_families, held_out_whole, pieces, repeats_apart
 from springpot.trainer.models.predict import predict_n
@@ -126,6 +126,16 @@ def test_recordings_that_do_not_fit_together_are_refused() -> None:
     ):
         with pytest.raises(DataError, match=told):
             fit_model("rf-fd", "x", given, FitOptions(trees=2))
+
+
+@pytest.mark.parametrize(("surface", "waits_m"), [(False, 1e-3), (True, 0.0)])
+def test_in_a_pause_the_tool_is_where_it_gives_least(surface: bool, waits_m: float) -> None:
+    depths_m = [np.linspace(3e-3, end_m, 10) for end_m in (1e-3, 2e-3)]
+    pairs = enumerate(depths_m)
+    items = [Recording(f"{k}", x, x, DT_S, session="one", start_s=k) for k, x in pairs]
+    (joined,) = motions(items, depths_m, surface)
+    assert joined.depth_m[10:12].tolist() == [waits_m] * 2
+    assert joined.pauses == ((11, pytest.approx(1.0 - 10 * DT_S)),)
 
 
 def test_what_holds_the_tool_is_not_let_go() -> None:

@@ -169,7 +169,7 @@ def test_spikes_move_no_zero_and_no_surface() -> None:
 def test_short_gaps_are_interpolated_where_a_rate_is_given(lost: float) -> None:
     position_m, force_n = press(1)
     keep = np.random.default_rng(3).random(len(force_n)) > lost
-    keep[:25] = True
+    keep[:25], keep[40:48] = True, False  # 0.045 s without a sample
     time_s = DT_S * np.arange(len(force_n))
     table = {"time_s": time_s[keep], "position_m": position_m[keep], "force_n": force_n[keep]}
     with pytest.raises(DataError, match=r"gap of .*: to interpolate there, pass resample_hz=200"):

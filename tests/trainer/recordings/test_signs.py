@@ -182,6 +182,14 @@ def torn(law: str, after: str, air_m: float) -> tuple[np.ndarray, np.ndarray]:
     return position_m, force_n + np.random.default_rng(1).normal(0.0, 0.02, len(position_m))
 
 
+def test_an_object_that_flows_where_the_tool_slows_down_is_not_torn() -> None:
+    x, f = torn("linear", "breaks", 0.0)
+    slowly = np.linspace(0.0, 2e-3, 4000)
+    f = np.append(f[:1200], f[1199] * (0.2 + 0.8 * np.exp(-np.arange(4000) / 300.0)))
+    found = check_recordings([Recording("flows", np.append(x[:1200], x[1199] + slowly), f, 1e-2)])
+    assert "tear" not in {each.kind for each in found.findings}
+
+
 @pytest.mark.parametrize("law", ["linear", "stiffens", "softens"])
 @pytest.mark.parametrize("after", ["breaks", "recoils", "yields", "fades"])
 @pytest.mark.parametrize("air_m", [0.0, 1e-3])

@@ -64,10 +64,11 @@ def test_spikes_of_force_up_to_a_twentieth_of_the_samples_are_counted(
     assert np.count_nonzero(left) <= 0.1 * len(rows)
 
 
-def test_more_spikes_are_refused() -> None:
-    force_n = PRESSES.force_n.copy()
-    force_n[5:2995:15] += 14.0
-    report = check_recordings([dataclasses.replace(PRESSES, force_n=force_n)])
+@pytest.mark.parametrize(("channel", "far"), [("force_n", 14.0), ("position_m", 0.02)])
+def test_more_spikes_are_refused(channel: str, far: float) -> None:
+    values = getattr(PRESSES, channel).copy()
+    values[5:2995:15] += far
+    report = check_recordings([dataclasses.replace(PRESSES, **{channel: values})])
     assert [found.kind for found in report.findings] == ["outlier"]
     assert report.refused
 

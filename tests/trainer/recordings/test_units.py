@@ -10,50 +10,28 @@ from springpot.trainer.recordings.formats.units import Quantity, factor_to_si
 
 @pytest.mark.parametrize(
     ("unit", "quantity", "factor"),
-    [
-        ("s", "time", 1.0),
-        ("ms", "time", 1e-3),
-        ("us", "time", 1e-6),
-        ("µs", "time", 1e-6),  # micro sign
-        ("μs", "time", 1e-6),  # Greek mu
-        ("min", "time", 60.0),
-        ("mm", "position", 1e-3),
-        ("µm", "position", 1e-6),
-        ("in", "position", 0.0254),
-        ("33mm", "position", 33e-3),
-        ("-1 mm", "position", -1e-3),
-        ("1e-3m", "position", 1e-3),
-        ("N", "force", 1.0),
-        ("mN", "force", 1e-3),
-        ("18N", "force", 18.0),
-        ("gf", "force", 9.80665e-3),
-        ("kgf", "force", 9.80665),
-        ("lbf", "force", 4.4482216152605),
-        ("kg", "force", 9.80665),
-        ("n", "force", 1.0),
-        ("KN", "force", 1e3),
-        ("Millimetre", "position", 1e-3),
-        ("-1 MM", "position", -1e-3),
-    ],
-)
+    [("s", "time", 1.0), ("ms", "time", 1e-3), ("us", "time", 1e-6), ("µs", "time", 1e-6),
+     ("μs", "time", 1e-6), ("min", "time", 60.0), ("mm", "position", 1e-3),
+     ("µm", "position", 1e-6), ("in", "position", 0.0254), ("33mm", "position", 33e-3),
+     ("-1 mm", "position", -1e-3), ("1e-3m", "position", 1e-3), ("N", "force", 1.0),
+     ("mN", "force", 1e-3), ("18N", "force", 18.0), ("gf", "force", 9.80665e-3),
+     ("kgf", "force", 9.80665), ("lbf", "force", 4.4482216152605), ("kg", "force", 9.80665),
+     ("n", "force", 1.0), ("KN", "force", 1e3), ("Millimetre", "position", 1e-3),
+     ("-1 MM", "position", -1e-3)],  # both signs that stand for micro: its own, and the Greek mu
+)  # fmt: skip
 def test_factor(unit: str, quantity: Quantity, factor: float) -> None:
     assert factor_to_si(unit, quantity, "x.csv") == pytest.approx(factor, rel=1e-14)
 
 
 @pytest.mark.parametrize(
     ("unit", "quantity", "message"),
-    [
-        ("", "force", "no unit of force"),
-        ("18", "force", "no unit of force"),
-        ("furlong", "position", "'furlong' is not a unit of position"),
-        ("MN", "force", "'MN' is not a unit of force"),
-        ("mn", "force", "'mn' is not a unit of force"),
-        ("kPa", "force", "the specimen's height and area before"),
-        ("%", "position", "the specimen's height and area before"),
-        ("mm", "force", "'mm' is not a unit of force"),
-        ("0mm", "position", "a factor of 0"),
-    ],
-)
+    [("", "force", "no unit of force"), ("18", "force", "no unit of force"),
+     ("furlong", "position", "'furlong' is not a unit of position"),
+     ("MN", "force", "'MN' is not a unit of force"), ("mn", "force", "'mn' is not a unit of force"),
+     ("kPa", "force", "the specimen's height and area before"),
+     ("%", "position", "the specimen's height and area before"),
+     ("mm", "force", "'mm' is not a unit of force"), ("0mm", "position", "a factor of 0")],
+)  # fmt: skip
 def test_refused_units(unit: str, quantity: Quantity, message: str) -> None:
     with refusing(DataError, "x.csv, column 2: ", message):
         factor_to_si(unit, quantity, "x.csv, column 2")
@@ -74,14 +52,10 @@ def test_map() -> None:
 
 @pytest.mark.parametrize(
     ("text", "message"),
-    [
-        ("", "cannot read ''"),
-        ("speed=1:m", "cannot read 'speed=1:m'"),
-        ("time=1:s,time=2:s", "given twice"),
-        ("time=:s", "time has no column"),
-        ("time=0:s", "counted from 1"),
-    ],
-)
+    [("", "cannot read ''"), ("speed=1:m", "cannot read 'speed=1:m'"),
+     ("time=1:s,time=2:s", "given twice"), ("time=:s", "time has no column"),
+     ("time=0:s", "counted from 1")],
+)  # fmt: skip
 def test_refused_maps(text: str, message: str) -> None:
     with refusing(UsageError, "--map", message):
         parse_map(text)

@@ -10,10 +10,10 @@ from springpot import Model, Recording
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.predict import predict_n
-from springpot.trainer.selection import auto
+from springpot.trainer.selection import auto, scores
 from springpot.trainer.selection.auto import forest_wins, reason
 from springpot.trainer.selection.scores import Score
-from springpot.trainer.selection.small_signal import active_cells
+from springpot.trainer.selection.small_signal import SmallMotion, active_cells
 
 OPTIONS = FitOptions(seed=3, trees=10, smooth_s=0.0)
 
@@ -88,3 +88,16 @@ def test_trees_only_for_what_is_felt():
     assert forest_wins(*scores, 0.05, peak_n=10.0)
     assert not forest_wins(*scores, 0.05, peak_n=2000.0)
     assert "nobody feels that" in reason(*scores, 0.05, 2000.0, 0)
+
+
+def test_the_fold_that_gains_most_is_the_one_that_is_left_out():
+    errors_n, one_family = np.array([0.2, 1.0, 1.0]), np.zeros(3, dtype=np.intp)
+    found = scores._score("trees", errors_n, np.ones(3), one_family)
+    assert found.ratio == pytest.approx(0.2 ** (1 / 3))
+    assert found.ratio_without_best == 1.0
+
+
+@pytest.mark.parametrize("late", [0, 1, 3])
+def test_a_spring_gives_as_much_energy_as_it_is_late(late):
+    least = SmallMotion(20.0, DT_S, late).least_sin_delta(lambda x, _: 400.0 * x, 5e-3, DEPTH_M)
+    assert least == pytest.approx(-np.sin(2.0 * np.pi * 20.0 * late * DT_S), abs=1e-9)

@@ -156,6 +156,11 @@ def test_any_bytes_give_one_line(tmp_path: Path, noise: bytes) -> None:
     refusal(tmp_path, GOOD.encode() + b"0.1,x,\n" + noise)
 
 
+def test_the_last_printed_digit_is_that_of_the_longest_stamp(tmp_path: Path) -> None:
+    written = load(tmp_path, "time_s,position_m,force_N\n0.2,0,0\n0.25,1,1\n0.3,2,2\n")
+    assert written.details["sampling"]["stamp_digit_s"] == 0.01
+
+
 def test_stamps_that_lost_a_digit_need_a_stated_rate(shared_data: Path) -> None:
     """After 40.9 s these files count on with 40.10, 40.11: printed stamps that go back."""
     strain = "position=Engineering Strain:33mm,force=Engineering Stress (MPa):18N"
