@@ -3,7 +3,7 @@
     python examples/reproduce.py --out paper --objects ecoflex-00-30 dragon-skin-10
 
 The paper: doi 10.1109/ACCESS.2022.3230065. Writes OUT/claims.json, a list, and OUT/page.html.
-Needs springpot[train,report]; 2 minutes of a core an object.
+Needs springpot[train,report]; 1.5 minutes of a core an object.
 """
 
 import argparse
