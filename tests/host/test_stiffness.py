@@ -51,7 +51,7 @@ def test_the_ramp_at_the_start_is_no_error() -> None:
 def test_first_presses_err_apart_from_later_ones() -> None:
     press_m = 0.005 * (1.0 - np.cos(2.0 * np.pi * np.arange(500) / 500.0))
     item = Recording("three", np.tile(press_m, 3), 1e3 * np.tile(press_m, 3), 1e-3)
-    predicted_n = item.force_n + np.repeat([0.3, 0.1, 0.1], 500)
-    assert press_errors_n([item], [predicted_n], [0]) == pytest.approx((0.3, 0.1), abs=1e-3)
+    predicted_n = item.force_n + np.repeat([9.0, 0.3, 0.1, 0.1], [100, 400, 500, 500])  # a ramp
+    assert press_errors_n([item], [predicted_n], [100]) == pytest.approx((0.3, 0.1), abs=1e-3)
     once = Recording("one", press_m, 1e3 * press_m, 1e-3)
     assert press_errors_n([once], [once.force_n], [0]) is None

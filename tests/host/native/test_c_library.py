@@ -64,6 +64,8 @@ def test_a_folder_of_this_user_alone_is_made_and_used_again(source: Path) -> Non
         os.umask(usual)
     written = library.stat().st_mtime_ns
     assert shared_library([source], []).stat().st_mtime_ns == written
+    library.write_bytes(b"damaged")
+    assert shared_library([source], []).read_bytes() != b"damaged"
     assert cache_folder().stat().st_mode & 0o077 == 0
 
 
