@@ -26,6 +26,8 @@ KIND = "ensemble"
 GivenFeatures = Features | Sequence[float] | None
 _AGREES = 1e-4  # of the peak force: float32 leaves a tree now and then on the other side
 _CHECKED_ROWS = 10_000
+# Of XGBoost and LightGBM.
+_EARLY_STOPPING = {"early_stopping_rounds", "early_stopping_round", "callbacks"}
 # Of 1 - R2 of the same regressor on right features, or of the mean force.
 _TIMES, _MORE = 2.0, 0.005
 
@@ -117,8 +119,10 @@ def require_same_data(
     like = clone(regressor)
     if isinstance(like.get_params().get("max_samples"), int):
         like.set_params(max_samples=None)  # more rows than there are here
-    if like.get_params().get("early_stopping_rounds"):  # XGBoost: nothing is held out here
-        like.set_params(early_stopping_rounds=None, n_estimators=regressor.best_iteration + 1)
+    stops = like.get_params().keys() & _EARLY_STOPPING  # nothing is held out here to stop by
+    like.set_params(**dict.fromkeys(stops))
+    if hasattr(regressor, "best_iteration"):
+        like.set_params(n_estimators=regressor.best_iteration + 1)
     fitted = np.zeros(len(values), dtype=bool)
     fitted[:: max(2, len(values) // _rows_of(regressor))] = True
     like.fit(values[fitted], force_n[fitted])

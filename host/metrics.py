@@ -121,9 +121,8 @@ def error_ratios(found: Accuracy, floor: NoiseFloor) -> JsonObject:
 
 def ratio_rows(ratios: JsonObject) -> dict[str, str]:
     """Two rows under an error; ratios: of `error_ratios`."""
-    floor_n, words, ratio = (
-        ratios[key] for key in ("noise_floor_n", "noise_floor", "error_per_floor")
-    )
+    floor_n, words = ratios["noise_floor_n"], ratios["noise_floor"]
+    ratio = ratios["error_per_floor"]
     if floor_n is None:
         of_floor = f"not known: {words}"
     elif ratio is None:

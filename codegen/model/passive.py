@@ -15,9 +15,8 @@ from springpot.codegen.arrays import (
     require_shape,
 )
 from springpot.codegen.messages import short_repr
-from springpot.codegen.model.places import Places
+from springpot.codegen.model.places import MAX_NODES, Places
 
-_MAX_NODES = 100  # of a curve
 _MAX_GROWTH = 2.0
 _MAX_RATE_RATIO = 1e4  # of relaxation at the surface and at the trained depth
 _ROUNDED = 1.0 - 1e-12
@@ -145,7 +144,7 @@ class Hammerstein:
         """Raise DataError, with field and reason."""
         nodes, branches, stops = self.nodes, self.tau_s.size, self.radius_m.size
         require(self.span_m > 0.0, f"span_m: {self.span_m:g} m is no depth above 0")
-        require(1 <= nodes <= _MAX_NODES, f"elastic_n: {nodes} nodes, not 1 to {_MAX_NODES}")
+        require(1 <= nodes <= MAX_NODES, f"elastic_n: {nodes} nodes, not 1 to {MAX_NODES}")
         require_not_negative("elastic_n", self.elastic_n, (nodes,))
         require_positive("tau_s", self.tau_s, (branches,))
         require_not_negative("branch_n", self.branch_n, (branches, nodes))

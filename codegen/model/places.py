@@ -14,7 +14,7 @@ from springpot.codegen.arrays import (
     require_shape,
 )
 
-_MAX_NODES = 100  # of an axis
+MAX_NODES = 100  # of an axis, and of a curve
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,8 +35,8 @@ class Places:
     def require_valid(self, slopes: int) -> None:
         """Raise DataError, with field and reason."""
         require(self.amounts.ndim == 3, f"places.amounts: {self.amounts.ndim} axes, not 3")
-        few = all(2 <= n <= _MAX_NODES for n in self.nodes)
-        require(few, f"places.amounts: {self.nodes}, not 2 to {_MAX_NODES}")
+        few = all(2 <= n <= MAX_NODES for n in self.nodes)
+        require(few, f"places.amounts: {self.nodes}, not 2 to {MAX_NODES}")
         require_shape("places.first_m", self.first_m, (2,))
         require_positive("places.step_m", self.step_m, (2,))
         materials = self.amounts.shape[2]

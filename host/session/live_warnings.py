@@ -69,10 +69,8 @@ class LiveWarnings:
         outside, latched = (notes & OUTSIDE) > 0, (notes & LATCHED) > 0
         held = ((notes & HELD) > 0) & ~latched
         time_s = rows[:, COLUMN["time_s"]]
-        deepest_mm, fastest_mps = (
-            np.max(values, where=ticks, initial=0.0)
-            for values, ticks in ((1e3 * position_m, outside), (speed_mps, fast))
-        )
+        deepest_mm = np.max(1e3 * position_m, where=outside, initial=0.0)
+        fastest_mps = np.max(speed_mps, where=fast, initial=0.0)
         depth = f"{_DEEP}, {deepest_mm:.4g} of {1e3 * self._max_m:.4g} mm"
         self._note(_DEEP, time_s[outside], depth)
         speed = f"{_FAST}, {fastest_mps:.4g} of {self._fast_mps:.4g} m/s"

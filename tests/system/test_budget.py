@@ -26,9 +26,9 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
 @pytest.mark.parametrize(
     ("what", "most"),
     [
-        ("codegen/*.py", 6509),
+        ("codegen/*.py", 6508),
         ("trainer/*.py", 8781),
-        ("host/*.py", 12936),
+        ("host/*.py", 12937),
         ("runtime_c/*.[ch] codegen/*.j2", 7721),
         ("tests/*.py", 20000),
     ],

@@ -9,7 +9,7 @@ from springpot.trainer.recordings.quality.finding import three_digits
 from springpot.trainer.recordings.signals import noise_n
 
 MIN_SAMPLES = 8  # of a slope, and of a loop
-_END = 0.05  # of the travel: an end
+END = 0.05  # of the travel: an end, where medians are taken
 _NOISES = 3.0  # standard deviations
 _DELAY = 0.5  # of a sample: channels that are read one after the other
 _LEVELS = (0.3, 0.5, 0.7)  # of the travel: where loops may be cut
@@ -48,10 +48,10 @@ def dissipation(x: Samples, f: Samples) -> Dissipation:
     if len(best):
         return _work(x, f, int(best[0]), int(best[-1]) + 1, len(best) - 1)
     ends, middle_m = x[[0, -1]], low_m + 0.5 * span
-    if float(ends.max()) + _END * span < middle_m:  # in and out again
-        beyond = np.flatnonzero(x > ends.max() + _END * span)
-    elif float(ends.min()) - _END * span > middle_m:  # out and in again
-        beyond = np.flatnonzero(x < ends.min() - _END * span)
+    if float(ends.max()) + END * span < middle_m:  # in and out again
+        beyond = np.flatnonzero(x > ends.max() + END * span)
+    elif float(ends.min()) - END * span > middle_m:  # out and in again
+        beyond = np.flatnonzero(x < ends.min() - END * span)
     else:
         return Dissipation()
     return _work(x, f, int(beyond[0]) - 1, int(beyond[-1]) + 1, 1)

@@ -16,6 +16,7 @@ from springpot.codegen.arrays import Flags, Samples
 from springpot.codegen.types import JsonObject
 from springpot.trainer.recordings.formats.units import parts_of
 from springpot.trainer.recordings.quality.dissipation import (
+    END,
     MIN_SAMPLES,
     Dissipation,
     dissipation,
@@ -25,7 +26,6 @@ from springpot.trainer.recordings.quality.spikes import hold_spikes
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.signals import noise_n
 
-_END = 0.05  # of the travel: an end, where the median is taken
 _NOTHING = 0.05  # of the greatest force
 _FIRST, _SET_OFF = 5, 0.01  # samples, while the tool has not gone farther, of the travel
 _CLEAR, _STRONG = 1.25, 2.0  # ratio of the ends: some evidence, and twice as much
@@ -47,7 +47,7 @@ def failure_row(x: Samples, f: Samples) -> int | None:
         return None
     way = np.sign(x[peak] - x[0]) * x
     farthest = np.maximum.accumulate(way)
-    rows = np.searchsorted(farthest, np.arange(way[0], farthest[-1], _END * float(np.ptp(x))))
+    rows = np.searchsorted(farthest, np.arange(way[0], farthest[-1], END * float(np.ptp(x))))
     before = np.diff(rows[rows <= peak])
     usual = float(np.median(before)) if len(before) else 0.0
     for begin, end in pairwise(rows[rows > peak].tolist()):
@@ -69,7 +69,7 @@ def peak_row(x: Samples, f: Samples) -> int:
 
 def deeper_by_force(x: Samples, f: Samples) -> int:
     """Vote for the end of larger force: 2 or 1 the upper one, 0 unknown, negative the lower one."""
-    width = _END * float(np.ptp(x))
+    width = END * float(np.ptp(x))
     low = abs(float(np.median(f[x <= x.min() + width])))
     high = abs(float(np.median(f[x >= x.max() - width])))
     less, more = sorted((abs(float(f.min())), abs(float(f.max()))))
@@ -86,9 +86,9 @@ def deeper_from_zero(x: Samples, f: Samples) -> int:
     span = float(np.ptp(x))
     side = 1 if x.max() > -x.min() else -1
     away, force = side * x, side * f
-    far_n = float(np.median(force[away >= away.max() - _END * span]))
-    begins = abs(float(x[0])) <= _END * span and abs(first_n(x, force)) < _NOTHING * far_n
-    alone = away.min() >= -_END * span and far_n > -float(force.min())
+    far_n = float(np.median(force[away >= away.max() - END * span]))
+    begins = abs(float(x[0])) <= END * span and abs(first_n(x, force)) < _NOTHING * far_n
+    alone = away.min() >= -END * span and far_n > -float(force.min())
     return 2 * side if begins and alone else 0
 
 
@@ -104,7 +104,7 @@ def deeper_by_slope(x: Samples, f: Samples) -> int:
     A level that a sensor's limit or free air makes is no slope of the object.
     """
     level = f == f.max()
-    if np.ptp(x[level]) > _END * np.ptp(x):
+    if np.ptp(x[level]) > END * np.ptp(x):
         x, f = x[~level], f[~level]
     if not len(x):
         return 0
