@@ -36,9 +36,9 @@ _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")
 _HINTS = {
     "modul": "moduli over frequency or temperature are no recording: export the samples of the "
     "test, position and force over time",
-    "stress|spannung|contrainte": "stress and strain are neither force nor position: put the "
-    "specimen's height and area before the unit, position=COL:33mm of a strain and 33 mm, "
-    "force=COL:18N of MPa and 18 mm2",
+    "stress|spannung|contrainte": "stress and strain are neither force nor position: pass the "
+    "specimen's height and area as units, --map position=COL:33mm,force=COL:18N for 33 mm, and 18 "
+    "mm2 of a stress in MPa",
 }
 
 
@@ -107,7 +107,8 @@ def find_layout(path: Path, lines: Sequence[str], request: FileRequest) -> Layou
                     )
                 chosen = {q: its[0] for q, its in found.items()}
                 return _layout(path, head, delimiter, row, index + 1, chosen, request)
-            if len(found) > len(best[0]):
+            # A line about the test, "Load Cell;1 kN", has a channel's name, and fewer cells.
+            if (len(found), sum(map(bool, row))) > (len(best[0]), sum(map(bool, best[2]))):
                 best = (found, index, row)
     raise _missing(path, head, best, request)
 
@@ -221,7 +222,9 @@ def _missing(path: Path, head: Sequence[str], found: Found, request: FileRequest
             if re.search(words, names, re.I):
                 return kind(f"{path}: {hint}: found{header[3:]}")
     remedy = f"pass --map {MAP_EXAMPLE}, where COL is a header or a column's number"
-    if missing == ["time"] and row:
+    if stated:
+        remedy = "pass --map with COL as the file has it, or as a column's number"
+    elif missing == ["time"] and row:
         remedy = (
             "if its samples were taken evenly, pass --map time=RATEHz, RATE how many in a second; "
             "without it nobody knows how fast the object was pressed"

@@ -70,6 +70,7 @@ def test_headers(tmp_path: Path, header: str, delimiter: str, mapping: str) -> N
         (ROWS, "found no column of time or of position or of force"),
         (GOOD.replace("time_s", "load_N"), "found no column of time"),
         (GOOD.replace("time_s,", "load_N,"), "found no column of time"),
+        ("Load Cell,1 kN,,\nTime,Strain,Stress (MPa)\n0,0,0\n", "found row 2, which has 'Time'"),
         (GOOD.replace("force_N", "force_mn"), "--map force=force_mn:UNIT, with"),
         (GOOD.encode().replace(b"0.2", b"0\0002"), "row 4: a NUL character"),
         (GOOD.encode().replace(b"0.2", b"0\xb52"), "row 4, column 2: '0\u00b52' is not a number"),
