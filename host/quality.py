@@ -20,7 +20,7 @@ _ARGUMENTS = {"map": "columns", "model": "kind", "validate": "validation", "plac
 # Those that are not of a function, but of the settings that it takes.
 _OWNERS = {item.name: kind.__name__ for kind in (Conditioning, ImportOptions)
            for item in fields(kind)}  # fmt: skip
-_FLAGS = ("align", "accept-signs")
+_FLAGS = ("align", "accept-misfit", "accept-signs")
 _NUMBER_OR_NAME = r"-?[\d.]+(?:e[+-]?\d+)?\b|-?[A-Z][A-Z0-9_,]*\b"
 _WORD = r"(?:auto|comma|first|min|paper|point|recursive)\b"
 _MAP = r"'[^']*'|[a-z]+=\S*[^\s,.;:)]"

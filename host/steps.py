@@ -86,6 +86,7 @@ def train(
     past_positions: bool = FitOptions.past_positions,
     orders: Sequence[float] | None = FitOptions.orders,
     poles: int = FitOptions.poles,
+    accept_misfit: bool = FitOptions.accept_misfit,
 ) -> Fit:
     """Fit a model of a kind of `kind_names()`: the result's `model`.
 
@@ -110,8 +111,9 @@ def train(
     past_positions: rf-fd on ten past positions, as its control: they act with negative damping.
     orders: of the fractional derivatives, each 0 to 1; None: the paper's ten.
     poles: how many time constants hammerstein, and the passive part of every kind, may use.
+    accept_misfit: take a model that misses 30 % of the largest force in presses held out.
     Raises UsageError for an unknown kind or an option's value, DataError for recordings that cannot
-    be trusted or do not fit together.
+    be trusted or do not fit together, SpringpotError for a model that misses so much.
 
     >>> train(recordings, "rf-fd", trees=5, seed=1).model.kind
     'rf-fd'

@@ -6,7 +6,7 @@ from pkgutil import resolve_name
 from typing import TYPE_CHECKING
 
 from springpot.codegen.entry_points import blaming, registered
-from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.errors import DataError, SpringpotError, UsageError
 from springpot.codegen.messages import short_repr
 
 if TYPE_CHECKING:
@@ -14,7 +14,8 @@ if TYPE_CHECKING:
     from springpot.trainer.models.training_set import TrainingSet
     from springpot.trainer.recordings.recording import Recording
 
-_POOR = 0.15  # of the largest force, by cross-validation
+# Of the largest force, by cross-validation: what is warned of, and what is no model.
+_POOR, _FAILED = 0.15, 0.3
 _UNLIKE, _FELT = 1.15, 0.05  # times the force of another recording; of the largest force
 _ROWS_COMPARED = 2000  # of each recording
 WINDOWS = 3  # a recording shorter than this many windows shows too little of what they remember
@@ -81,13 +82,16 @@ def fit_model(
     """Fit one model. validation: see `fit_rbf_fd`; other kinds do not look at them.
 
     recordings: those that `check_recordings` gives as `checked`, or others without spikes.
-    Raises UsageError for an unknown kind, DataError where the recordings do not fit together.
+    Raises UsageError for an unknown kind, DataError where the recordings do not fit together,
+    SpringpotError where the model misses 30 % of the largest force in recordings held out.
     """
     from springpot.trainer.models.training_set import training_set
 
     kind = _kind_of_places(kind, recordings)
     data = training_set(recordings, options.smooth_s)
-    return fit_kind(kind, name, data, options, validation)
+    fit = fit_kind(kind, name, data, options, validation)
+    _require_followed(fit, data, options.accept_misfit)
+    return fit
 
 
 def _kind_of_places(kind: str, recordings: "Sequence[Recording]") -> str:
@@ -140,24 +144,34 @@ def fit_kind(
             *data.warnings,
             *fit.warnings,
             *_short_recordings(data, options),
-            *_poor_fit(fit, data),
+            *((_misfit(fit, missed),) if (missed := _missed(fit, data)) > _POOR else ()),
             *_unlike_recordings(fit, data),
         )
     )
     return replace(fit, warnings=tuple(warnings))
 
 
-def _poor_fit(fit: "Fit", data: "TrainingSet") -> Iterator[str]:
-    """Warn of a passive model that misses presses that it was not fitted on."""
-    error_n = fit.metadata.get("cv_rmse_n")
+def _missed(fit: "Fit", data: "TrainingSet") -> float:
+    """Share of the largest force by which held-out presses were missed; 0 if none was held out."""
     peak_n = max(abs(data.trained.max_n), abs(data.trained.min_n))
-    if error_n is not None and error_n > _POOR * peak_n:
-        yield (
-            f"{fit.model.name}: presses that were held out are missed by "
-            f"{100.0 * error_n / peak_n:.0f} % of the largest force: the passive model cannot "
-            "follow this object, or the recordings are not of one, or of one zero: see "
-            "`springpot check`, or try --model rf-fd"
-        )
+    error_n: float = fit.metadata.get("cv_rmse_n") or 0.0
+    return error_n / peak_n if peak_n else 0.0
+
+
+def _misfit(fit: "Fit", missed: float) -> str:
+    other = "" if fit.model.kind == RF_FD.name else f", or try --model {RF_FD.name}"
+    return (
+        f"{fit.model.name}: presses that were held out are missed by {100.0 * missed:.0f} % of the "
+        f"largest force: {fit.model.kind} cannot follow this object, or the recordings are not of "
+        f"one, or of one zero: see `springpot check`{other}"
+    )
+
+
+def _require_followed(fit: "Fit", data: "TrainingSet", accepted: bool) -> None:
+    missed = _missed(fit, data)
+    of_places = "places" in fit.metadata  # left out, a place is a guess from others: not its error
+    if missed > _FAILED and not (accepted or of_places):
+        raise SpringpotError(f"{_misfit(fit, missed)}; --accept-misfit takes the model as it is")
 
 
 def _unlike_recordings(fit: "Fit", data: "TrainingSet") -> Iterator[str]:

@@ -82,6 +82,7 @@ _fit_option = partial(field_option, FitOptions)
 )
 @_fit_option("round_features", None, "rf-fd: trees on features in 16-bit steps; faster, no search.")
 @_fit_option("past_positions", None, "rf-fd: on ten past positions, as its control.")
+@_fit_option("accept_misfit", None, "Take a model that misses 30 % of the largest force.")
 @json_option
 def train(
     recordings: tuple[str, ...],

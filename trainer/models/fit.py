@@ -53,6 +53,7 @@ class FitOptions:
     past_positions: bool = False
     orders: tuple[Annotated[float, Interval(ge=0, le=1)], ...] | None = None
     poles: Annotated[int, Ge(1)] = PASSIVE_POLES
+    accept_misfit: bool = False
     __repr__ = short_repr
 
 

@@ -46,6 +46,7 @@ def fit_auto(
         search_s = time.perf_counter() - begin
         fit = fit_kind(PASSIVE, name, data, options)
     metadata = {
+        "cv_rmse_n": chosen.mean_n,  # of a forest; the passive fit has its own
         **fit.metadata,
         "chosen": chosen.name,
         "scores": [vars(score) for score in (passive, forest)],

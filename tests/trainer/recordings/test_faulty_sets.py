@@ -1,9 +1,11 @@
 """Presses of one object with one fault each: it is named, and a printed remedy mends it."""
 
 from collections.abc import Callable
+from pathlib import Path
 
 import numpy as np
 import pytest
+from support.in_process import spring
 
 import springpot
 from springpot.codegen.arrays import Samples
@@ -152,6 +154,23 @@ def test_presses_of_another_object_are_named() -> None:
     (line,) = [line for line in fit.warnings if "at equal motion" in line]
     assert line.startswith("p2: ") and "try --model rf-fd" in line
     assert not springpot.train(presses(right), "hammerstein").warnings
+
+
+@pytest.mark.filterwarnings("always::UserWarning")
+@pytest.mark.parametrize("kind", ["hammerstein", pytest.param("auto", marks=pytest.mark.slow)])
+def test_what_misses_a_third_of_the_force_is_no_model(kind: str, tmp_path: Path) -> None:
+    time_s = np.arange(0.0, 4.0, DT_S)
+    position_m = DEPTH_M * np.clip(np.minimum(time_s, 4.0 - time_s) / 0.3, 0.0, 1.0)
+    found = [
+        Recording(f"p{k}", position_m, (100.0, 2e3)[k % 2] * position_m, DT_S) for k in range(4)
+    ]
+    springpot.write_recordings(tmp_path / "rec", found)
+    words = "train", tmp_path / "rec", "--model", kind, "--out", tmp_path / "m.spm"
+    refused = spring(*words)
+    assert refused.returncode == 1 and "missed by 60 % of the largest force" in refused.stderr
+    assert "--accept-misfit" in refused.stderr and not (tmp_path / "m.spm").exists()
+    assert spring(*words, "--accept-misfit").returncode == 0
+    assert springpot.train(found, kind, accept_misfit=True).metadata["cv_rmse_n"] > 0.0
 
 
 def test_spikes_move_no_zero_and_no_surface() -> None:
