@@ -156,7 +156,7 @@ def stages(plan: Plan) -> list[Stage]:
 
 
 def planned_headers(plan: Plan) -> list[str]:
-    """Headers of the plan's units and of what they need, once each, in the order of a tick."""
+    """Headers of the plan's units and those that they need, once each, in the order of a tick."""
     parts: list[Stage | RegressorStage] = [*stages(plan)]
     if plan.regressor is not None:
         parts.append(plan.regressor)

@@ -1,4 +1,4 @@
-"""Reference of a coupling whose proxy the model sees: its motion depends on the model's force."""
+"""Reference of a coupling with a proxy that the model sees: the model's force moves the proxy."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

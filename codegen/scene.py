@@ -32,7 +32,7 @@ class Runtime:
     number: Number = "float32"
     """Type of all numbers in the C."""
     target: Target = "host"
-    """Processor whose flash and stack `emit` states."""
+    """Processor for which `emit` states flash and stack."""
     prefix: str = "sp"
     """Beginning of every C name, so that two objects live in one image. May be: lower-case
     letters, digits, underscores."""

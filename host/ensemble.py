@@ -66,7 +66,7 @@ def from_ensemble(
     name: str = KIND,
     smooth_s: float | None = FitOptions.smooth_s,
 ) -> Model:
-    """Model of a sum of trees, scaled columns in front or not, or of what is linear in features.
+    """Model of a sum of trees, scaled columns in front or not, or of a law linear in features.
 
     It was fitted on `ensemble_data` of the same recordings, features and smooth_s, which is checked
     by its R2. The passive model for what lies outside the trained depth is fitted here.

@@ -43,7 +43,7 @@ class Accuracy:
     rmse_n: over the others. mean_error_n: predicted less measured, averaged: the one-sided part of
     the error. mean_recording_rmse_n: RMSE of each recording, averaged (the paper's
     figure 9), and interval_n its 95 % bootstrap interval over recordings (None for one recording).
-    ape_below_jnd: share of samples above 2 N whose absolute percentage error is below the just
+    ape_below_jnd: share of samples above 2 N with an absolute percentage error below the just
     noticeable difference (None where no sample is). error_per_jnd: RMS of the errors, each over the
     just noticeable difference of its measured force, that below 2 N included.
     """
@@ -63,7 +63,7 @@ class Accuracy:
 
 
 def start_up_ramp(notes: NDArray[np.int32]) -> int:
-    """Ticks at the beginning of a replay whose force still rose from zero; notes: (n,)."""
+    """Ticks at the beginning of a replay while the force still rose from zero; notes: (n,)."""
     settled = np.flatnonzero((notes & RAMPED) == 0)
     return int(settled[0]) if len(settled) else 0
 

@@ -33,7 +33,7 @@ _FASTEST_TICKS = (1.0, 1.5, 2.0, 3.0, 4.0)
 _SLOWEST_WINDOWS = (0.5, 1.0, 2.0, 6.0)
 _LEAST_LEFT = 1e-15  # of a state after a tick: of less nothing is left
 _LOG_PIECE = 200.0  # e^-200 is a float64 yet
-_CHUNK = 8192  # rows whose windows are gathered at once
+_CHUNK = 8192  # rows with windows that are gathered at once
 
 
 def gl_weights(order: float, length: int) -> Samples:
@@ -205,8 +205,8 @@ def decaying(left: Samples, added: Samples, least_0: bool = False) -> Samples:
     """h[i] = left[i] h[i-1] + added[i] from 0, (n,), (n, k); left, (n,), above 0.
 
     least_0: h is 0 where that is below.
-    By sums of what is added over the product of what is left, in pieces in which that product
-    stays a number.
+    By h[i] = P[i] sum(added[j] / P[j]), P the product of `left` so far, in pieces in which P stays
+    above 0.
     """
     logs = np.log(np.maximum(left, _LEAST_LEFT))
     passed = np.cumsum(logs)

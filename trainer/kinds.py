@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 _POOR, _FAILED = 0.15, 0.3
 _UNLIKE, _FELT = 1.15, 0.05  # times the force of another recording; of the largest force
 _ROWS_COMPARED = 2000  # of each recording
-WINDOWS = 3  # a recording shorter than this many windows shows too little of what they remember
+WINDOWS = 3  # a recording shorter than this many windows shows too little of their memory
 
 
 @dataclass(frozen=True)

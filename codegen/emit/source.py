@@ -23,7 +23,7 @@ from springpot.runtime_c.paths import INCLUDE
 
 ABI_VERSION = 1
 _WIDTH = 100
-_MANIFEST = "@MANIFEST@"  # in whose place the short manifest comes at the end
+_MANIFEST = "@MANIFEST@"  # the short manifest replaces it at the end
 LATCHED_S = 0.05  # after which a latched force is 0
 
 

@@ -63,8 +63,8 @@ class Features(ABC):
 class FractionalBank(Features):
     """Fractional derivatives of several orders, linear in the depth.
 
-    orders: fractional order of each feature, in [0, 1]. `table` names the field whose columns are
-    the orders'.
+    orders: fractional order of each feature, in [0, 1]. `table` names the field with a column for
+    each order.
     """
 
     orders: tuple[float, ...]

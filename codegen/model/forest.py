@@ -24,7 +24,7 @@ class QuantisedLeaves:
 
     quantised: (IR nodes,), uint16, 0 where the node is no leaf.
     leaf_step_n, bias_n: force = bias_n + leaf_step_n x sum of the leaves reached, N.
-    error_n: bound of what the rounding adds to the force, N.
+    error_n: bound on the error that the rounding adds to the force, N.
     """
 
     quantised: NDArray[np.uint16]

@@ -227,7 +227,7 @@ class Hammerstein:
         )
 
     def stiffened(self, factor: float) -> "Hammerstein":
-        """The passive model whose force at x is this one's at factor x."""
+        """The passive model with the force at x that this one has at factor x."""
         return replace(
             self,
             origin_m=self.origin_m / factor,

@@ -79,7 +79,7 @@ def compact_forest(forest: Forest, leaves: QuantisedLeaves) -> CompactForest:
     order = _order(forest)
     low = order.level >= LEVELS
     # Above LEVELS heap positions name the children (2 h, 2 h + 1). A leaf's step is 0 and its slot
-    # 0, whose bin, 0, is above no node's: a traversal that goes on stays there.
+    # 0. Its bin, 0, is above no node's: a traversal that goes on stays there.
     step = np.where(leaf | ~low, 0, order.place[forest.left] - order.place)
     if bin_index.max(initial=0) > MAX_BIN or step.max(initial=0) > _MAX_STEP:
         raise UsageError(

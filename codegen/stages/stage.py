@@ -43,7 +43,7 @@ def window_members(samples: str, newest: str, length: int) -> tuple[Member, Memb
 
 @dataclass(frozen=True, eq=False)
 class Probe:
-    """Sums of made-up inputs whose bits the self-test compares.
+    """Sums of made-up inputs; the self-test compares their bits.
 
     The block `probe` of the stage's template fills `sums` from `in`; sums: the same in numpy, from
     (inputs,) to (outputs,).
@@ -120,7 +120,7 @@ class FeatureStage(Stage):
 class RegressorStage(ABC):
     """Features -> force.
 
-    code: a jinja2 template whose block `force` declares `model_n` from `features`; one that keeps
+    code: a jinja2 template with a block `force` that declares `model_n` from `features`; one with
     members has a block `init`, for sp_init.
     """
 

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 30d27fda7b9a2d651badca9bdf7fd78eae500e6346f12e2f72c945c008e9731c */
+/* springpot 0.1.0 f81ffb37286394c44e14d06a4c838794b2ed8a668e5124f02bc552fbbbd69222 */
 /* pad: the whole scene, its self-test too. How to call it: soft_pad.h.
  *
  * In the order of a tick: units, each named by its file in springpot and without what this scene does
@@ -427,8 +427,8 @@ static inline void soft_pad_poles_apart(const float *loss, uint32_t n_poles, con
 
 /* ----------------------------------------------------------------------------------- sp_depth.h */
 
-/* Poles whose rate depends on the depth: soft tissue and elastomers relax faster or slower the
- * deeper they are pressed.
+/* Poles with a rate that depends on the depth: soft tissue and elastomers relax faster or slower
+ * the deeper they are pressed.
  *
  *     h' = g' - r(u) h,   h[n] = h[n-1] + d - loss(u) (h[n-1] + d/2),   d = g[n] - g[n-1]
  *
@@ -908,7 +908,7 @@ uint32_t soft_pad_state_size(void)
 
 const char *soft_pad_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"30d27fda7b9a2d651badca9bdf7fd78eae500e6346f12e2f72c945c008e9731c\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"f81ffb37286394c44e14d06a4c838794b2ed8a668e5124f02bc552fbbbd69222\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 30d27fda7b9a2d651badca9bdf7fd78eae500e6346f12e2f72c945c008e9731c */
+/* springpot 0.1.0 f81ffb37286394c44e14d06a4c838794b2ed8a668e5124f02bc552fbbbd69222 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SOFT_PAD_RATE_HZ:
@@ -94,7 +94,7 @@ int soft_pad_idle(soft_pad_state *state, float dt_s, float *force_n);
 
 /* Replay the golden vectors that were emitted and compare bits: 0, or 1 + the first tick that
  * differs, or one more than there are ticks where NaN is assumed away or a long silence does not
- * latch. Catches a compiler whose defaults change floating-point results. Needs soft_pad_state_size()
+ * latch. Catches a compiler with defaults that change floating-point results. Needs soft_pad_state_size()
  * bytes of stack more than a tick. */
 int soft_pad_selftest(void);
 /* springpot declarations end */
@@ -148,7 +148,7 @@ struct soft_pad_state {
 /* Fails where a header of another number type or version was included first. */
 typedef char soft_pad_state_is_as_planned[sizeof(struct soft_pad_state) == 160 ? 1 : -1];
 
-/* For a picture of a game, whose force no hand feels: the ticks of `seconds`, 1 s at most, with the
+/* For the picture of a game, where no hand feels the force: the ticks of `seconds`, 1 s at most, with the
  * tool on a straight line from its last good position to this one. Returns all notes, or misuse;
  * *force_n is that of the last tick, and stays where `seconds` are less than half a tick. */
 static inline int soft_pad_advance(soft_pad_state *state, float seconds, float position_m, float *force_n)

@@ -190,7 +190,7 @@ def _backend(dask: str | None) -> Iterator[None]:
 
 
 def key_of(*values: object) -> str:
-    """Return a hash of JSON values: the name of what is known of them."""
+    """Return a hash of JSON values: the name of their entry in the cache."""
     return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()[:24]
 
 

@@ -18,7 +18,7 @@ from springpot.host.output import json_option, print_json, print_table, say
 )
 @click.option(
     "--target", type=click.Choice(["host", "cortex-m4f", "cortex-m7", "rv32imafc"]),
-    default="cortex-m4f", show_default=True, help="Board whose flash is counted.",
+    default="cortex-m4f", show_default=True, help="Board for which flash is counted.",
 )  # fmt: skip
 @click.option(
     "--out", type=PATH, default=Path("bench"), show_default=True,

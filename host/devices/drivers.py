@@ -129,7 +129,7 @@ REPLAY = Driver(
 def parse_device(
     url: str, table: Mapping[str, Driver] | None = None, what: str = "device"
 ) -> Address:
-    """Take a URL apart; table: the drivers of what it may be, by default of devices.
+    """Take a URL apart; table: the drivers that it may name, by default of devices.
 
     Raises DeviceError for a scheme that no driver serves, UsageError for a URL without its place.
     """

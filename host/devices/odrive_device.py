@@ -26,7 +26,7 @@ MAX_RATE_HZ = 1000  # of cyclic messages: their interval is a whole number of ms
 _RATE_KEYS = {"0.5": "encoder_rate_ms", "0.6": "encoder_msg_rate_ms"}
 _HAND_MPS = 2.0
 _SPARE_TURNS_PER_S = 20.0
-_CURRENT = 1.05  # of what the greatest torque takes: a torque constant has about two digits
+_CURRENT = 1.05  # of the current for the greatest torque: a torque constant has about two digits
 _KEYS = ("node", "bitrate", "port", "m_per_turn", "sign", "zero_turns", "max_torque_nm",
          "nm_per_a", "surface_mm")  # fmt: skip
 

@@ -64,8 +64,7 @@ def build_scene(folder: Path) -> Path:
 class SceneLibrary:
     """One scene's C, loaded; `new_state` gives it memory.
 
-    manifest: of the folder; what the C says of itself is true of what runs, whatever was edited in
-    the file.
+    manifest: of the folder; its fields on the C are of the C that runs, edited or not.
     """
 
     def __init__(self, folder: Path) -> None:
@@ -91,7 +90,7 @@ class SceneLibrary:
         return self.loaded.address(self.function(name))
 
     def selftest(self) -> int:
-        """0, or 1 + the first golden tick whose bits differ."""
+        """0, or 1 + the first golden tick with other bits."""
         return int(self.function("selftest")())
 
     def new_state(self, place_m: tuple[float, float] | None = None) -> "SceneState":
@@ -117,7 +116,7 @@ class SceneState:
         return self._loaded.address(self._state)
 
     def real_at(self, offset: int) -> float:
-        """The number that the state holds at `offset` bytes: for tests of what a tick remembers."""
+        """The number that the state holds at `offset` bytes: for tests of a tick's memory."""
         cast = self._loaded.ffi.cast
         return float(cast(f"{self._library.real} *", cast("char *", self._state) + offset)[0])
 

@@ -93,7 +93,7 @@ class PressRows:
 class PressedDevice:
     """Presses with commanded forces; each press starts the device anew.
 
-    object_name: of what lies under it, as part of file names. place_m: where the object was last
+    object_name: of the object under it, as part of file names. place_m: where the object was last
     put to be pressed. rate_hz: of the samples that are
     kept. sensed: a sensor beside the device measures. room: of the limit of force over the command,
     if none is given. max_mps: limit of speed, likewise: above that of the softest known object.

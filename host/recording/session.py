@@ -61,9 +61,9 @@ def open_press_device(
     on_progress: Callable[[Progress], None] = lambda _progress: None,
     pressing: Callable[..., PressedDevice] | None = None,
 ) -> PressedDevice | SimulatedBench:
-    """Open the device of a URL; `default_seed` seeds a simulated one whose URL has no seed.
+    """Open the device of a URL; `default_seed` seeds a simulated one without a seed in its URL.
 
-    object_name, limits: of what lies under a device that is not simulated. on_progress: called
+    object_name, limits: of the object under a device that is not simulated. on_progress: called
     several times a second while such a device presses. pressing: makes the device from (url,
     object_name, limits, on_progress) if its force is measured beside it.
     Raises DeviceError for a scheme that no driver serves, UsageError for a wrong URL.

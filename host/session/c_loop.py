@@ -175,7 +175,7 @@ def _link(device: OpenedDevice, library: CLibrary) -> CData:
     try:
         link = device.link(library)
     except AttributeError as error:
-        if not str(error).isidentifier():  # cffi's is the name of what no link declares
+        if not str(error).isidentifier():  # cffi's is a name that no link declares
             raise
         raise DeviceError(
             f"{type(device).__name__}: {error}: declare it in the C file of the device's link, "

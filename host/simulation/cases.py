@@ -82,7 +82,7 @@ def loss_ticks(n: int, cycle_ticks: float, ticks: int, dt_s: float) -> NDArray[n
     """Ticks of losses of `ticks` each, evenly apart, from the first stroke's turn on.
 
     Less than a seventh of the ticks are lost, so that a session goes on. Of the shortest spacings
-    that allow it, the one whose phases in the cycle of strokes leave the smallest gap.
+    that allow it, the one with phases in the cycle of strokes that leave the smallest gap.
     """
     least = ticks + max(GOOD_PER_LOST * ticks, round(APART_S / dt_s))
     first = int(0.5 * cycle_ticks)
@@ -99,7 +99,7 @@ def phase_gap(begins: NDArray[np.int64], cycle_ticks: float) -> float:
 
 
 def _stroke_ticks(space: Workspace, speed: float) -> float:
-    """Ticks of a stroke, in or out, whose top speed is so many times the trained one."""
+    """Ticks of a stroke, in or out, at a top speed of so many times the trained one."""
     half_m = 0.5 * (space.at(_SHARE) - space.free_m)
     return max(np.pi * half_m / (speed * space.max_mps) / space.dt_s, _MIN_STROKE_TICKS)
 

@@ -139,7 +139,7 @@ def outcome_words(outcomes: Sequence[Outcome], stable: bool) -> Iterator[str]:
 
 
 def map_words(plan: Plan, model_map: Map, scene_map: Map) -> Iterator[str]:
-    """Sentences on active cells, of the model and of what stands between it and the hand."""
+    """Sentences on active cells, of the model alone and of the whole scene."""
     active, cells = model_map.active(False)
     if active:
         yield (

@@ -117,7 +117,7 @@ def tukey(scores: Samples, conditions: Sequence[str]) -> list[JsonObject]:
 
 
 def _error(scores: Samples) -> float:
-    """Return the mean square of what person and condition, added up, leave of (people, k)."""
+    """Return the mean square that person and condition, added up, leave of (people, k)."""
     people, k = scores.shape
     residual = scores - scores.mean(axis=0) - scores.mean(axis=1, keepdims=True) + scores.mean()
     return float(np.sum(residual**2) / ((people - 1) * (k - 1)))

@@ -55,11 +55,11 @@ class Validation(Compared):
     """Result over all `recordings`; predicted_n: forces of the C, one array a recording.
 
     floor: of the recordings, logs of sessions apart. presses_n: of `press_errors_n`. model_rmse_n:
-    error of the model itself; rendering_n: RMS of what coupling, guard and limits add to it; None
-    for logs alone, which neither counts. edited: files of the folder that are not as emitted. seen:
-    how many recordings the model was trained on, None where it does not say. places: error of each,
-    if recordings have any. min_n: the lower limit of the force, N, of `clamped_low`; other clamped
-    ticks are at the upper limit.
+    error of the model itself; rendering_n: RMS of the force that coupling, guard and limits add;
+    None for logs alone, which neither counts. edited: files of the folder that are not as emitted.
+    seen: how many recordings the model was trained on, None where it does not say. places: error of
+    each, if recordings have any. min_n: the lower limit of the force, N, of `clamped_low`; other
+    clamped ticks are at the upper limit.
 
     >>> found = validate("c", recordings)
     >>> found.accuracy.rmse_n < 0.2
@@ -147,7 +147,7 @@ def validate(folder: File, recordings: Recordings, paced_s: float = PACED_S) -> 
     for doubt in sign_doubts(judged):
         caution(doubt)
     library = SceneLibrary(folder)
-    library.manifest["hash"] = emitted.hash  # of what was built, edits and all
+    library.manifest["hash"] = emitted.hash  # of the C that was built, edits and all
     ticked = [at_ticks(recording, plan.dt_s) for recording in recordings]
     found = compared_all(plan, library, recordings, ticked)
     measured_n = [recording.force_n for recording in recordings]
@@ -175,7 +175,7 @@ def validate(folder: File, recordings: Recordings, paced_s: float = PACED_S) -> 
 def _parts(
     found: Compared, emitted: Emitted, recordings: Sequence[Recording], ticked: Sequence[Recording]
 ) -> tuple[float | None, float | None]:
-    """RMS of the model's own error, and of what rendering adds, N; None where all are logs."""
+    """RMS of the model's own error, and of the rendering's, N; None where all are logs."""
     objects = [k for k, item in enumerate(recordings) if not is_log_of(item, emitted.hash)]
     dt_s = emitted.plan.dt_s
     model = replace(emitted.model, dt_s=dt_s)  # of a scene with a rate of its own, as exact

@@ -74,7 +74,7 @@ void sp_place(sp_state *state, sp_real x_m, sp_real y_m);
 /* springpot places end */
 /* Replay the golden vectors that were emitted and compare bits: 0, or 1 + the first tick that
  * differs, or one more than there are ticks where NaN is assumed away or a long silence does not
- * latch. Catches a compiler whose defaults change floating-point results. Needs sp_state_size()
+ * latch. Catches a compiler with defaults that change floating-point results. Needs sp_state_size()
  * bytes of stack more than a tick. */
 int sp_selftest(void);
 /* springpot declarations end */

@@ -9,7 +9,7 @@ typedef struct {
     double force_n; /* N, on the tool; never negative */
 } sim_contact;
 
-/* force_at: N, of a material whose surface is at a depth, m, at the end of the step; it rises with
+/* force_at: N, of a material with its surface at a depth, m, at the end of the step; it rises with
  * depth and may be negative. surface_m: before the step. deepest_m: where the force is positive,
  * whatever came before. */
 sim_contact sim_contact_solve(sim_rising force_at, const void *material, double tool_m,

@@ -17,7 +17,7 @@ static uint64_t next_bits(sim_noise *noise)
     return bits ^ (bits >> 31);
 }
 
-/* Uniform in (0, 1): never 0, whose logarithm would be infinite. */
+/* Uniform in (0, 1): never 0, for the logarithm of 0 would be infinite. */
 static double next_uniform(sim_noise *noise)
 {
     return ((double)(next_bits(noise) >> 11) + 0.5) * 0x1p-53;

@@ -1,5 +1,5 @@
-/* A soaked sponge under a skin, whose fluid flows out through a porous punch: confined compression
- * of a biphasic layer, whose permeability falls as it is squeezed.
+/* A soaked sponge under a skin; its fluid flows out through a porous punch: confined compression
+ * of a biphasic layer, with a permeability that falls as it is squeezed.
  *
  * Mow, Kuei, Lai, Armstrong: Biphasic creep and stress relaxation of articular cartilage in
  * compression, J. Biomech. Eng. 102 (1980) 73-84; the permeability exp(-M strain) is Lai's and

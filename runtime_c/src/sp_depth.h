@@ -1,5 +1,5 @@
-/* Poles whose rate depends on the depth: soft tissue and elastomers relax faster or slower the
- * deeper they are pressed.
+/* Poles with a rate that depends on the depth: soft tissue and elastomers relax faster or slower
+ * the deeper they are pressed.
  *
  *     h' = g' - r(u) h,   h[n] = h[n-1] + d - loss(u) (h[n-1] + d/2),   d = g[n] - g[n-1]
  *

@@ -19,8 +19,8 @@ enum { SP_FOREST_GROUPS = 7 }; /* traversed at once; in a last round some may be
 #define SP_TARGET_AVX512 __attribute__((target("avx512f,avx512bw,avx512vl")))
 #define SP_TARGET_AVX2 __attribute__((target("avx2")))
 
-/* Lanes whose feature's bin is above the node's. Bins are in the upper half of their 32 bits; the
- * step below a node's never reaches the next bin, so that it need not be cut off. */
+/* Lanes where the feature's bin is above the node's. Bins are in the upper half of their 32 bits;
+ * the step below a node's never reaches the next bin, so that it need not be cut off. */
 SP_TARGET_AVX512 static inline __mmask16 sp_forest_right512(__m512i node, __m512i bins)
 {
     return _mm512_cmpgt_epu32_mask(_mm512_permutexvar_epi32(node, bins), node);
@@ -97,7 +97,7 @@ typedef struct {
     __m256i high;
 } sp_forest_ranks256;
 
-/* All bits of the lanes whose feature's bin is above the node's. */
+/* All bits of the lanes where the feature's bin is above the node's. */
 SP_TARGET_AVX2 static inline __m256i sp_forest_right256(__m256i node, sp_forest_ranks256 bins)
 {
     const __m256 low = _mm256_castsi256_ps(_mm256_permutevar8x32_epi32(bins.low, node));

@@ -1,4 +1,4 @@
-/* Poles whose time constant is above 1e5 ticks: in float their states would stop moving, so they
+/* Poles with a time constant above 1e5 ticks: in float their states would stop moving, so they
  * are kept in double whatever the scene's number type. See sp_poles.h. */
 #ifndef SP_SLOW_POLES_H
 #define SP_SLOW_POLES_H

@@ -1,5 +1,5 @@
 /* Velocity by first-order adaptive windowing (Janabi-Sharifi, Hayward, Chen 2000, end-fit): the
- * slope over the longest past, up to `length` samples, whose every sample lies within the noise
+ * slope over the longest past, up to `length` samples, in which every sample lies within the noise
  * band of the line. Long and smooth on slow motion, short and quick on fast.
  *
  * A line from the newest sample stays in the band of sample j while its slope lies in an interval;

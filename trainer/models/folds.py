@@ -17,7 +17,7 @@ N_FOLDS = 5
 FEWEST = 3  # recordings, or ranges, of which one can be held out
 _SAME_DEPTH = 0.03  # of the stroke: repeats of one press
 _SAME_SPEED = 1.25
-_DEPTH_RANGE = 1.15  # presses whose depths differ by less are of one range
+_DEPTH_RANGE = 1.15  # presses with depths that differ by less are of one range
 _TURN = 0.1  # of the trained depth: what turns by less is one press
 
 

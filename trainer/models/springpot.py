@@ -2,8 +2,8 @@
 
 force = stiffness x + coefficient D^order x; where recordings show that this stops to grow at high
 frequencies, a fractional Zener solid with a stiffness of an instant step besides. It is fitted and
-rendered as a continuum of Maxwell branches, whose spectrum is known in closed form (Cole and Cole,
-1941): trapezoids on log-spaced time constants converge exponentially, and no weight is below 0.
+rendered as a continuum of Maxwell branches with a spectrum in closed form (Cole and Cole, 1941):
+trapezoids on log-spaced time constants converge exponentially, and no weight is below 0.
 """
 
 import time
@@ -33,7 +33,7 @@ _ZENER_ORDERS = _ORDERS[_ORDERS < 0.71]  # nearer 1 it has but one time constant
 _TIMES, _NEARBY, _ZOOMS, _STEP, _FACTOR = 25, np.arange(-3.0, 4.0), 5, 0.02, 1.6
 _TOUCHES, _NOISES, _SELDOM = 0.01, 4.0, 0.002  # of the peak force, of noise, of the samples
 _BETTER = 0.95  # of the error on what was left out: a fourth number has to be worth it
-_ALIKE = 0.3  # correlation of what is missed: the share of its variance that is no noise
+_ALIKE = 0.3  # correlation of the residual: the share of its variance that is no noise
 _ORDER_STEP, _BRANCHED = 3e-4, 5e-4  # accuracy of the search, and of a sum of branches
 
 
@@ -256,7 +256,7 @@ def _best(table: _Table, root: Samples, is_zener: bool, near: Solid | None = Non
 
 
 def _left_out(table: _Table, start: Solid) -> tuple[list[Solid], float]:
-    """Fits without each unit, and the squares of what each misses of the unit, N^2."""
+    """Fits without each unit, and the squares of their residuals on that unit, N^2."""
     solids, square = [], 0.0
     for unit in (table.unit == number for number in np.unique(table.unit)):
         solids.append(_best(table, table.root(~unit), start.time_s is not None, start))

@@ -25,7 +25,7 @@ class Conditioning:
 
     position_delay_s, force_delay_s: how much later than the truth the channels were sampled; kept
     as metadata, and with `align` also taken out.
-    mass_kg: of what moves beyond the load cell; its inertial force is removed.
+    mass_kg: of the parts that move beyond the load cell; their inertial force is removed.
     tare: force without contact, N, or "auto": found out of contact.
     contact_force: force above the tare that marks the surface, N, or "auto": just above the noise.
     accept_signs: signs that the data speak against are those of the rig; each use repeats it.
@@ -186,7 +186,7 @@ def _from_contact(recording: Recording, options: Conditioning) -> tuple[Recordin
 def find_air_drift(recording: Recording) -> tuple[Recording, Drift] | None:
     """The recording without the drift of its force in the air, and that; None if it has none.
 
-    An object that relaxes, and whose force was zeroed under load, looks alike, but has no surface.
+    An object that relaxes, with its force zeroed under load, looks alike, but has no surface.
     """
     if recording.zero == "none" and (drift := find_drift(recording)):
         time_s = np.arange(len(recording.force_n), dtype=np.float64) * recording.dt_s

@@ -1,7 +1,7 @@
 """Recording without losing anything: an SQLite journal, and an HDF5 file only at the end.
 
-HDF5 survives neither SIGKILL nor a full disk. SQLite does: what was committed is there at the next
-read, short of what was not yet written, at most half a second.
+HDF5 survives neither SIGKILL nor a full disk. SQLite does: all that was committed is there at the
+next read; the rest, at most half a second, is lost.
 """
 
 import json

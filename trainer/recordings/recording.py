@@ -23,7 +23,7 @@ Site = tuple[float, float]  # x and y, m
 
 RECORDING_SUFFIX = ".h5"
 SAME_PLACE_M = 1e-4  # no printed grid and no stage is finer
-FRAME_SOURCE = "frame"  # source of what a table held
+FRAME_SOURCE = "frame"  # source of the columns of a table
 MAX_NAME_BYTES = 200  # a file name has 255: room for endings
 _UNSAFE = re.compile(r"[^\w.+-]+")
 _MOST_M = 1.0  # no soft object is pressed farther
@@ -134,10 +134,10 @@ class Recording:
         time, position, force: columns, with the unit in the name ("Load [N]", "x_mm") or behind a
         colon ("x:mm"), in letters of either case; stamps of date or duration need no unit. time may
         also be a rate, "1000Hz". zero, resample_hz, conditioning: as for `import_recordings`; a
-        table whose tool starts in the air takes Conditioning(contact_force="auto"). Columns
+        table with a tool that starts in the air takes Conditioning(contact_force="auto"). Columns
         place_x and place_y, with a unit of length, say where the object was pressed.
-        Raises UsageError for what is no table and for a column that is not there, DataError for a
-        unit that is missing, unknown or not the name's, and for what no import would take.
+        Raises UsageError for an argument that is no table and for a missing column, DataError for a
+        unit that is missing, unknown or not the name's, and for data that no import would take.
 
         >>> Recording.from_frame({"x_mm": [0, 1, 2], "F": [0, 4, 9]}, time="1kHz", position="x_mm",
         ...                      force="F:N")
@@ -203,7 +203,7 @@ class Recording:
 
     @property
     def content_hash(self) -> str:
-        """SHA-256 of what a fit can see: both channels, the time step and the place."""
+        """SHA-256 of all that a fit can see: both channels, the time step and the place."""
         digest = hashlib.sha256()
         place = () if self.place_m is None else (np.array(self.place_m),)
         for values in (np.float64(self.dt_s), self.position_m, self.force_n, *place):

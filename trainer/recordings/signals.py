@@ -27,7 +27,7 @@ _STRONG = 0.5  # of the set's largest force: in weaker recordings noise makes th
 
 
 def noise_n(samples: Samples) -> float:
-    """Standard deviation of what differs from sample to sample, by the median of second steps."""
+    """Standard deviation of the noise between samples, by the median of second differences."""
     second = np.diff(samples, 2)
     return _NORMAL * float(np.median(np.abs(second))) / math.sqrt(6.0) if len(second) else 0.0
 

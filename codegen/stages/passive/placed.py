@@ -43,7 +43,7 @@ class PlacedCurves:
 
     amounts: (nodes in x, nodes in y, materials). materials: (materials, curves), the numbers of all
     curves of each, end to end; sizes: of each array that they hold, by its name in the C, in order.
-    start_m: the place until another is chosen. least: of what the surface divides by, N a piece.
+    start_m: the place until another is chosen. least: the least divisor at the surface, N a piece.
     """
 
     config: MapConfig

@@ -2,7 +2,7 @@
 
 A line `<!-- generated: NAME -->` of a page becomes the Markdown that the generator of that name
 makes; nothing of it is kept in the repository. A line in asterisks below it is for those who read
-the page there: where else that is said.
+the page there: where else to find it.
 """
 
 import re

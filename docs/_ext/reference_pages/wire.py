@@ -36,8 +36,8 @@ def _values(text: str) -> Iterator[str]:
 
 def _fields(text: str) -> Iterator[str]:
     for found in _FIELD.finditer(text):
-        said = re.search(r"/\* (.*?) \*/", found["rest"])
-        yield f"| `{found['name']}` | `{found['kind']}` | {said[1] if said else ''} |"
+        comment = re.search(r"/\* (.*?) \*/", found["rest"])
+        yield f"| `{found['name']}` | `{found['kind']}` | {comment[1] if comment else ''} |"
 
 
 def _plain(text: str) -> str:

@@ -1,6 +1,6 @@
 /* Firmware: a scene rendered by a board, from its sensor to its motor, one call a period: sp_step
- * where the sensor has a new motion, else sp_idle, whose watchdog takes the force to zero and
- * latches it until the board starts again. A scene whose self-test fails renders nothing. */
+ * where the sensor has a new motion, else sp_idle: its watchdog takes the force to zero and
+ * latches it until the board starts again. A scene that fails its self-test renders nothing. */
 #include "sp_port.h"
 #include "sp_scene.h"
 

@@ -47,7 +47,7 @@ enum { LOOK_EVERY = 8 };
  * device is gone, where it gives no position either. */
 enum { MAX_UNTAKEN = 2 };
 static const uint64_t gone_ns = 100000000; /* without a position */
-static const double rise_s = 1.0;          /* of what holds the tool */
+static const double rise_s = 1.0;          /* of the force that holds the tool */
 /* Of max_n: a wall's growth at a force, wherever the tool is when it is seen again. */
 static const double wall_growth = 0.25;
 /* A wall's damping in seconds of its stiffness: what the SDK's own estimate of velocity bears. */

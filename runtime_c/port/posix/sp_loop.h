@@ -43,7 +43,7 @@ enum {                     /* bits of sp_row.call */
        SP_CALL_IDLE = 1,   /* sp_idle(dt_s), otherwise sp_step(position_m, velocity_mps) */
        SP_CALL_RESET = 2,  /* sp_reset before it */
        SP_CALL_NONE = 4,   /* no call: paused, or the device had switched its motor off */
-       SP_CALL_SILENT = 8, /* zero was sent instead of what was returned */
+       SP_CALL_SILENT = 8, /* zero was sent instead of the returned force */
        SP_CALL_UNSENT = 16 /* what was returned was not sent: no device, no room, or the next
                               period had begun */
 };

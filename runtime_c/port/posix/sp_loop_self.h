@@ -19,7 +19,7 @@ enum { WAITING = 1024 };
 enum { MAX_OWED = 16 };
 
 /* Too few samples: 20 of the last 100 calls were without. Of a silence the first 6 count only: its
- * length is the matter of the scene's watchdog. Nor does a call whose sample came too late for it.
+ * length is the matter of the scene's watchdog. Nor does a call with a sample too late for it.
  */
 enum { WATCHED = 100, MAX_IDLE = 20, COUNTED_RUN = 6 };
 

@@ -62,7 +62,7 @@ static void call_scene(sp_loop *self, int fresh)
             *self->config.measured_n = self->motion.measured_n;
         }
         notes = self->step(self->config.state, position_m, velocity_mps, &force_n);
-        /* As the device said it. What the scene was given is that as sp_real: gcc 12 drops the
+        /* As the device sent it. The scene gets it as sp_real: gcc 12 drops the
          * rounding of two such numbers side by side that are made double again. */
         row->position_m = self->motion.position_m;
         row->velocity_mps = self->motion.velocity_mps;

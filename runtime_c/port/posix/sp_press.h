@@ -39,7 +39,7 @@ typedef struct {
     double mass_kg;  /* 0: no observer */
     double damping_nspm;
     double pole;             /* of the observer, of which all three are the same */
-    double resistance_share; /* of a tick, of what is new */
+    double resistance_share; /* of a tick, of the newest sample */
     uint32_t motor_late;     /* ticks */
     uint32_t sensor_late;    /* ticks behind the observer, below SP_PRESS_PAST */
     double watchdog_s;

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 1b727e9ea16b0801a87df9d98095e8e0de4499bdeb87863e6b06915e8b465538 */
+/* springpot 0.1.0 bbf54a81a29657446a38de3b416a192e7cf5814775c157cc4136c2a330312c73 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:
@@ -94,7 +94,7 @@ int sp_idle(sp_state *state, float dt_s, float *force_n);
 
 /* Replay the golden vectors that were emitted and compare bits: 0, or 1 + the first tick that
  * differs, or one more than there are ticks where NaN is assumed away or a long silence does not
- * latch. Catches a compiler whose defaults change floating-point results. Needs sp_state_size()
+ * latch. Catches a compiler with defaults that change floating-point results. Needs sp_state_size()
  * bytes of stack more than a tick. */
 int sp_selftest(void);
 /* springpot declarations end */
@@ -161,7 +161,7 @@ struct sp_state {
 /* Fails where a header of another number type or version was included first. */
 typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 108 ? 1 : -1];
 
-/* For a picture of a game, whose force no hand feels: the ticks of `seconds`, 1 s at most, with the
+/* For the picture of a game, where no hand feels the force: the ticks of `seconds`, 1 s at most, with the
  * tool on a straight line from its last good position to this one. Returns all notes, or misuse;
  * *force_n is that of the last tick, and stays where `seconds` are less than half a tick. */
 static inline int sp_advance(sp_state *state, float seconds, float position_m, float *force_n)

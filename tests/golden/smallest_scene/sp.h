@@ -1,4 +1,4 @@
-/* springpot 0.1.0 903abd66302a599e656693973a708aaa9d2fc9a5823b11a51631eacf58fe4c4e */
+/* springpot 0.1.0 aa4b0543e61e333835a0d2b6d49e25ff1098d9437c2c62ca1ef1c67ba14c9b0f */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:
@@ -94,7 +94,7 @@ int sp_idle(sp_state *state, float dt_s, float *force_n);
 
 /* Replay the golden vectors that were emitted and compare bits: 0, or 1 + the first tick that
  * differs, or one more than there are ticks where NaN is assumed away or a long silence does not
- * latch. Catches a compiler whose defaults change floating-point results. Needs sp_state_size()
+ * latch. Catches a compiler with defaults that change floating-point results. Needs sp_state_size()
  * bytes of stack more than a tick. */
 int sp_selftest(void);
 /* springpot declarations end */
@@ -143,7 +143,7 @@ struct sp_state {
 /* Fails where a header of another number type or version was included first. */
 typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 184 ? 1 : -1];
 
-/* For a picture of a game, whose force no hand feels: the ticks of `seconds`, 1 s at most, with the
+/* For the picture of a game, where no hand feels the force: the ticks of `seconds`, 1 s at most, with the
  * tool on a straight line from its last good position to this one. Returns all notes, or misuse;
  * *force_n is that of the last tick, and stays where `seconds` are less than half a tick. */
 static inline int sp_advance(sp_state *state, float seconds, float position_m, float *force_n)

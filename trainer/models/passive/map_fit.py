@@ -20,7 +20,7 @@ from springpot.trainer.recordings.recording import Recording, sites_of
 
 FEWEST_SITES = 4  # sites of a map
 _FULL = 0.5  # of the longest site's time: what is shorter shows amounts, not the law
-_LAW_SITES = 9  # whose presses choose the law
+_LAW_SITES = 9  # their presses choose the law
 _ROWS = 4000  # of a site
 _SMOOTH = 1e-4  # penalty on the roughness of curves before one is chosen
 

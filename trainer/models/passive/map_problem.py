@@ -77,7 +77,7 @@ def grid_of(sites: Sequence[Site], finer: int = FINER) -> Grid:
 class MapProblem:
     """Normal equations of each site in some terms; penalty: on the roughness of curves.
 
-    full: sites whose presses show the law.
+    full: sites with presses that show the law.
     """
 
     grid: Grid

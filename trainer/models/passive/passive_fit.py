@@ -46,7 +46,7 @@ RATE_RATIOS = (16.0, 1.0 / 16.0)  # relaxing faster at the surface, or deep insi
 
 @dataclass(frozen=True, eq=False)
 class PassiveChoice:
-    """Terms and a penalty on their roughness; law: the names of what they have beside plain ones.
+    """Terms and a penalty on their roughness; law: the names of the terms that a plain law lacks.
 
     errors_n: RMSE over held-out folds, N, of each family; folds_n: of each fold. normal:
     equations, in shares of the peak, of all rows for 0, then without each fold of `rows.held`.

@@ -11,7 +11,7 @@ from springpot.codegen.stages.passive.beside import FUNCTIONS
 from springpot.trainer.models.training_set import TrainingSet
 
 PASSIVE_POLES = 12
-DEPTH_POLES = 6  # whose rate depends on the depth
+DEPTH_POLES = 6  # with a rate that depends on the depth
 RADIUS_SHARES = (0.02, 0.06, 0.2, 0.5)  # of the trained depth
 EXPONENTS = (4.0, 8.0, 16.0, 32.0)  # of curves that stiffen steeply: exp(c u)
 FLOW_TIMES, FLOW_POWERS = 5, (3, 5)

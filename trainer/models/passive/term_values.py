@@ -67,7 +67,7 @@ def plain_hats(terms: Terms, dt_s: float, motion: DepthMotion, rows: Indices) ->
 
 
 def added_hats(terms: Terms, dt_s: float, motion: DepthMotion, rows: Indices) -> Samples:
-    """Those of what a richer law adds: branches with a rate by depth, and damage."""
+    """Those that a richer law adds: branches with a rate by depth, and damage."""
     if not terms.curves[1]:
         return np.empty((len(rows), 0))
     u, steps_s = terms.shares(motion.depth_m), _steps_s(motion, dt_s)

@@ -199,7 +199,7 @@ def _gaps(raw: RawChannels, steps_s: Samples, fill: bool) -> Indices:
     """
     median_s = usual_s = float(np.median(steps_s))
     # Stamps rounded to about one step (70 Hz as 0.01, 0.03, 0.04, 0.06 s) have double steps all
-    # along: of many, the mean is the better measure of what is usual.
+    # along: of many, the mean is the better measure of the usual step.
     if len(steps_s) >= _MANY_STEPS:
         usual_s = max(usual_s, float(np.mean(steps_s)))
     # A logger that slows down, as for a relaxation, has long steps; no step is much longer than the

@@ -78,7 +78,7 @@ def deeper_by_force(x: Samples, f: Samples) -> int:
 
 
 def deeper_from_zero(x: Samples, f: Samples) -> int:
-    """Vote, as in `deeper_by_force`, of what begins at position 0 and force 0 and has no free end.
+    """Vote, as in `deeper_by_force`, of presses from position 0 and force 0 without a free end.
 
     An object that is bonded to the tool pulls on the way back: position and force go to one side,
     and the greatest force is that of the farthest position.
