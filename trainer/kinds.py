@@ -1,24 +1,18 @@
 """The table of model kinds, and how each is fitted. Nothing heavy loads before a fit."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING
 
 from springpot.codegen.entry_points import blaming, registered
-from springpot.codegen.errors import DataError, SpringpotError, UsageError
+from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.messages import short_repr
 
 if TYPE_CHECKING:
     from springpot.trainer.models.fit import Fit, FitOptions
     from springpot.trainer.models.training_set import TrainingSet
     from springpot.trainer.recordings.recording import Recording
-
-# Of the largest force, by cross-validation: what is warned of, and what is no model.
-_POOR, _FAILED = 0.15, 0.3
-_UNLIKE, _FELT = 1.15, 0.05  # times the force of another recording; of the largest force
-_ROWS_COMPARED = 2000  # of each recording
-WINDOWS = 3  # a recording shorter than this many windows shows too little of their memory
 
 
 @dataclass(frozen=True)
@@ -85,12 +79,13 @@ def fit_model(
     Raises UsageError for an unknown kind, DataError where the recordings do not fit together,
     SpringpotError where the model misses 30 % of the largest force in recordings held out.
     """
+    from springpot.trainer.models.doubts import require_followed
     from springpot.trainer.models.training_set import training_set
 
     kind = _kind_of_places(kind, recordings)
     data = training_set(recordings, options.smooth_s)
     fit = fit_kind(kind, name, data, options, validation)
-    _require_followed(fit, data, options.accept_misfit)
+    require_followed(fit, data, options.accept_misfit)
     return fit
 
 
@@ -128,6 +123,8 @@ def fit_kind(
     """`fit_model` on a prepared set: many fits on one set share what they can."""
     from threadpoolctl import threadpool_limits
 
+    from springpot.trainer.models.doubts import doubts
+
     if kind not in kind_names():
         raise UsageError(f"kind {kind!r}: use one of {', '.join(kind_names())}")
     if options.past_positions and kind != RF_FD.name:
@@ -139,74 +136,8 @@ def fit_kind(
             fit: Fit = resolve_name(_AUTO_FIT)(name, data, options, validation)
         else:
             fit = _fitted(kind, name, data, options, validation)
-    warnings = dict.fromkeys(
-        (
-            *data.warnings,
-            *fit.warnings,
-            *_short_recordings(data, options),
-            *((_misfit(fit, missed),) if (missed := _missed(fit, data)) > _POOR else ()),
-            *_unlike_recordings(fit, data),
-        )
-    )
+    warnings = dict.fromkeys((*data.warnings, *fit.warnings, *doubts(fit, data, options)))
     return replace(fit, warnings=tuple(warnings))
-
-
-def _missed(fit: "Fit", data: "TrainingSet") -> float:
-    """Share of the largest force by which held-out presses were missed; 0 if none was held out."""
-    peak_n = max(abs(data.trained.max_n), abs(data.trained.min_n))
-    error_n: float = fit.metadata.get("cv_rmse_n") or 0.0
-    return error_n / peak_n if peak_n else 0.0
-
-
-def _misfit(fit: "Fit", missed: float) -> str:
-    other = "" if fit.model.kind == RF_FD.name else f", or try --model {RF_FD.name}"
-    return (
-        f"{fit.model.name}: presses that were held out are missed by {100.0 * missed:.0f} % of the "
-        f"largest force: {fit.model.kind} cannot follow this object, or the recordings are not of "
-        f"one, or of one zero: see `springpot check`{other}"
-    )
-
-
-def _require_followed(fit: "Fit", data: "TrainingSet", accepted: bool) -> None:
-    missed = _missed(fit, data)
-    of_places = "places" in fit.metadata  # left out, a place is a guess from others: not its error
-    if missed > _FAILED and not (accepted or of_places):
-        raise SpringpotError(f"{_misfit(fit, missed)}; --accept-misfit takes the model as it is")
-
-
-def _unlike_recordings(fit: "Fit", data: "TrainingSet") -> Iterator[str]:
-    """Warn of a passive model of recordings that no one model can follow: of different objects.
-
-    Of 16 sets of one object, the factors that fit each recording's force best to the model of all
-    differed by .3 % at most, of five specimens by 4 %; of eight sets with one recording of another
-    object, 1.5 to 2.3 times as stiff, by 20 to 60 %.
-    """
-    import numpy as np
-
-    from springpot.trainer.models.predict import predict_each_n
-
-    if fit.model.kind != HAMMERSTEIN.name or len(data.recordings) < 2:
-        return
-    pieces = [
-        (each, np.arange(0, len(each.force_n), max(1, len(each.force_n) // _ROWS_COMPARED)))
-        for each in data.recordings
-    ]
-    factors, off_n = {}, 0.0
-    for (recording, rows), part_n in zip(pieces, predict_each_n(fit.model, pieces), strict=True):
-        if part_n.any():
-            factor = float(part_n @ recording.force_n[rows]) / float(part_n @ part_n)
-            factors[recording.name] = factor
-            off_n = max(off_n, abs(factor - 1.0) * float(np.abs(part_n).max()))
-    peak_n = max(abs(data.trained.max_n), abs(data.trained.min_n))
-    if len(factors) < 2 or off_n < _FELT * peak_n:  # a light press errs more, and nobody feels it
-        return
-    least, most = (pick(factors, key=factors.__getitem__) for pick in (min, max))
-    if factors[most] > _UNLIKE * factors[least] > 0.0:
-        yield (
-            f"{most}: at equal motion, its force is {factors[most] / factors[least]:.2g} times "
-            f"that of {least}: if they are of one object, place, unit and zero, the passive model "
-            "cannot follow it: try --model rf-fd"
-        )
 
 
 def _fitted(
@@ -233,15 +164,6 @@ def _require_name(what: str, name: str, entry: str) -> None:
     """Raise TypeError for a name by which commands would look for a kind that is not there."""
     if name != entry:
         raise TypeError(f"{what} has the name {name!r}: give that of its entry point")
-
-
-def _short_recordings(data: "TrainingSet", options: "FitOptions") -> Iterator[str]:
-    window_s = options.window_s
-    if window_s is not None and data.longest_s < WINDOWS * window_s:
-        yield (
-            f"--window-s {window_s:g}: the longest recording lasts {data.longest_s:.3g} s, under "
-            f"{WINDOWS} windows: memory that long is guessed, not learned; record longer holds"
-        )
 
 
 # Entry points of the group springpot.kinds, by name; a package's module may import the above.
