@@ -20,6 +20,7 @@ DAMPING_LEFT = 0.25
 # Of the stiffest coupling that the linear loop allows; sensors and leaves of trees are not linear.
 GAIN_MARGIN = 0.8
 _STIFFNESSES_NPM = np.geomspace(10.0, 40_000.0, 56)
+_TENTH = 16  # of these steps are a factor of ten
 _DAMPINGS_NSPM = np.geomspace(0.5, 500.0, 61)
 _MASSES_KG = (0.003, 0.01, 0.05)  # the lightest first: it passes on the least noise
 _SOFTEST = [
@@ -100,7 +101,7 @@ class _ProxySearch:
         return math.exp(-DAMPING_LEFT * damping_nspm / (2.0 * mass_kg) * loop.dt_s)
 
     def stiffest(self) -> Coupling | None:
-        """Return the stiffest of which all softer ones are stable too, softened by GAIN_MARGIN.
+        """Return the stiffest of which all down to a tenth are stable too, softened by GAIN_MARGIN.
 
         Damping has a window: the object's force is held for a tick, which drives the proxy like a
         negative damper of K dt/2, and the tool's held force bounds it from above. Beyond a gap
@@ -110,8 +111,7 @@ class _ProxySearch:
         """
         found: Coupling | None = None
         for softest in _SOFTEST:
-            least_npm = _WITHIN * found.stiffness_npm if found else softest.stiffness_npm
-            found = self._stiffest_of(softest, least_npm) or found
+            found = self._stiffest_of(softest, found.stiffness_npm if found else 0.0) or found
         if found is None:
             return None
         softer = replace(found, stiffness_npm=float(f"{GAIN_MARGIN * found.stiffness_npm:.3g}"))
@@ -122,20 +122,24 @@ class _ProxySearch:
         plausible = [one for one in _SOFTEST if not is_unit_error(one)]
         return min(plausible, key=lambda one: max(self.radii(one)))
 
-    def _stiffest_of(self, softest: Coupling, least_npm: float) -> Coupling | None:
-        """The stiffest of one mass and damping; None if it is below least_npm."""
-        low = replace(softest, stiffness_npm=least_npm)
-        if not self._stable(low):  # most fail here
-            return None
-        for stiffness_npm in map(float, _STIFFNESSES_NPM):
-            if not self._stable(high := replace(softest, stiffness_npm=stiffness_npm)):
-                break
-            low = max(low, high, key=lambda one: one.stiffness_npm)
-        if high.stiffness_npm < least_npm:
-            return None
+    def _stiffest_of(self, softest: Coupling, than_npm: float) -> Coupling | None:
+        """The stiffest of one mass and damping; None if it is not stiffer than that."""
+        steps = [replace(softest, stiffness_npm=float(each)) for each in _STIFFNESSES_NPM]
+        top = last = len(steps) - 1
+        while top >= 0 and steps[min(top + 1, last)].stiffness_npm > _WITHIN * than_npm:
+            softer = range(max(top - _TENTH, 0), top + 1)
+            unstable = next((k for k in softer if not self._stable(steps[k])), None)
+            if unstable is None:
+                low = self._between(steps[top], steps[min(top + 1, last)])
+                return low if low.stiffness_npm > _WITHIN * than_npm else None
+            top = unstable - 1
+        return None
+
+    def _between(self, low: Coupling, high: Coupling) -> Coupling:
+        """The stiffest that is stable from low, which is, to high."""
         while high.stiffness_npm > _WITHIN * low.stiffness_npm:
             middle_npm = math.sqrt(low.stiffness_npm * high.stiffness_npm)
-            middle = replace(softest, stiffness_npm=middle_npm)
+            middle = replace(low, stiffness_npm=middle_npm)
             low, high = (middle, high) if self._stable(middle) else (low, middle)
         return low
 

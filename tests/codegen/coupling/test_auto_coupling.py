@@ -43,12 +43,7 @@ def chosen(stiffness_npm: float, rate_hz: float, device: LoopDevice) -> Coupling
     return choose_coupling(stiffness_npm, 1.0 / rate_hz, device, 1.0, Coupling())
 
 
-GAP = pytest.mark.xfail(
-    reason="`auto` stops at a gap below the stiffest proxies of the heavier device: 18 % softer",
-    strict=True,
-)
-SLOW = {k: [pytest.mark.slow, *[pytest.mark.long] * (20 <= k != 125), *[GAP] * (k == 125)]
-        for k in range(9, 500)}  # fmt: skip
+SLOW = {k: [pytest.mark.slow, *[pytest.mark.long] * (20 <= k != 125)] for k in range(9, 500)}
 
 
 @pytest.mark.parametrize(
