@@ -52,7 +52,11 @@ def constant_text(name: str, value: Scalar) -> str:
     if not is_dataclass(value):
         return f"static const sp_real {name} = {literal(value)};"
     c_type = f"sp_{type(value).__name__.removesuffix('Config').lower()}_config"
-    return members_text(name, c_type, {key: _value(item) for key, item in vars(value).items()})
+    members = {}
+    for key, item in vars(value).items():
+        array = isinstance(item, np.ndarray)
+        members[key] = f"{{{', '.join(map(literal, item))}}}" if array else literal(item)
+    return members_text(name, c_type, members)
 
 
 def members_text(name: str, c_type: str, members: Mapping[str, str]) -> str:
@@ -63,9 +67,3 @@ def members_text(name: str, c_type: str, members: Mapping[str, str]) -> str:
     width = max(map(len, members.values())) + 1
     lines = [f"    {f'{text},':<{width}} /* {member} */" for member, text in members.items()]
     return "\n".join([f"static const {c_type} {name} = {{", *lines, "};"])
-
-
-def _value(value: Scalar) -> str:
-    if isinstance(value, np.ndarray):
-        return "{" + ", ".join(map(literal, value)) + "}"
-    return literal(value)

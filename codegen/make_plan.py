@@ -59,7 +59,13 @@ def make_plan(model: Model, scene: Scene, accept_unsafe: bool = False) -> Plan:
 
 
 def _plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
-    ticks = _ticks(model, scene)
+    ticks = SceneTicks(
+        dt_s=_time_step(model, scene),
+        dtype=np.float32 if scene.runtime.number == "float32" else np.float64,
+        vector_width=vector_width_of(scene.runtime),
+        surface=(scene.guard.contact or model.contact) == "surface",
+        conditioned={"auto": None, "rested": False, "conditioned": True}[scene.runtime.start],
+    )
     dt_s, dtype, contact = ticks.dt_s, ticks.dtype, ticks.surface
     watchdog_s = watchdog_s_of(scene, dt_s)
     stages = model_stages(model, scene, ticks)
@@ -104,16 +110,6 @@ def _plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
         stiffness_npm=stiffness_npm,
         coupling=choice,
         outside=_outside_note(model, scene),
-    )
-
-
-def _ticks(model: Model, scene: Scene) -> SceneTicks:
-    return SceneTicks(
-        dt_s=_time_step(model, scene),
-        dtype=np.float32 if scene.runtime.number == "float32" else np.float64,
-        vector_width=vector_width_of(scene.runtime),
-        surface=(scene.guard.contact or model.contact) == "surface",
-        conditioned={"auto": None, "rested": False, "conditioned": True}[scene.runtime.start],
     )
 
 

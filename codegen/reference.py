@@ -38,7 +38,10 @@ def run_reference(
     """
     raw = np.asarray(position_m, dtype=plan.dtype)
     with np.errstate(over="ignore", invalid="ignore", under="ignore"):
-        device, believed = _device_velocity(plan, velocity_mps, len(raw))
+        device, believed = np.zeros_like(raw), np.ones(len(raw), dtype=bool)
+        if plan.needs_device_velocity and velocity_mps is not None:
+            device = np.asarray(velocity_mps, dtype=plan.dtype)
+            believed = np.abs(device) <= plan.max_mps  # sp_guard_velocity.h
         samples = guarded(plan, raw, believed)
         motion = followed(plan, samples, device)
         starts = motion.starts
@@ -86,14 +89,6 @@ def _depths(plan: Plan, pressed: Reals) -> tuple[dict[str, Reals], Flags]:
     return {"penetration": penetration, "clipped": clipped}, outside
 
 
-def _device_velocity(plan: Plan, velocity_mps: Reals | None, length: int) -> tuple[Reals, Flags]:
-    """The device's velocities, (n,), m/s, and where sp_guard_velocity.h believes them."""
-    if not plan.needs_device_velocity or velocity_mps is None:
-        return np.zeros(length, dtype=plan.dtype), np.ones(length, dtype=bool)
-    velocity: Reals = np.asarray(velocity_mps, dtype=plan.dtype)
-    return velocity, np.abs(velocity) <= plan.max_mps
-
-
 class OutputStage:
     """Contact, coupling, smoothing and output: sp_contact.h to sp_output.h."""
 
@@ -125,20 +120,18 @@ class OutputStage:
             for at in range(row - ticks + 1, row + 1):
                 force = model_n.dtype.type(0)
                 if contact[at]:
-                    force = self._shape(followed.position[at], followed.velocity[at], model_n[at])
+                    force = model_n[at]
+                    if self._couple is not None:
+                        x, v = followed.position[at], followed.velocity[at]
+                        force = self._couple.force(x, v, force)
+                    if (alpha := self._plan.smooth_alpha) is not None:
+                        force = self._smoothed = smoothed(alpha, self._smoothed, force)
                 else:
                     self._forget()
                     self._output.free()
             force_n[i], note = self._output.force(latched, bool(ticks > 1), force)
             notes[i] |= note
         return force_n
-
-    def _shape(self, x: Scalar, v: Scalar, force: Scalar) -> Scalar:
-        if self._couple is not None:
-            force = self._couple.force(x, v, force)
-        if self._plan.smooth_alpha is not None:
-            force = self._smoothed = smoothed(self._plan.smooth_alpha, self._smoothed, force)
-        return force
 
     def _forget(self) -> None:
         if self._couple is not None:
@@ -179,8 +172,11 @@ class Output:
         if latched:
             return self._fall(self._real(1)), LATCHED
         note = 0
-        if after_silence:
-            self._resume(force)
+        before, now = abs(self._before(force)), abs(force)
+        share = before / now if before < now else self._real(1)
+        if after_silence and share < 1 and share < self._share:
+            self._rise = self._rise if self._share < 1 else self._config.back
+            self._share = share + self._rise
         if self._share < 1:
             force = force * self._share
             self._share = self._share + self._rise * self._real(1)
@@ -193,13 +189,6 @@ class Output:
     def _before(self, force: Scalar) -> Scalar:
         given, zero = self.given, self._real(0)
         return max(given, zero) if force > 0 else min(given, zero)
-
-    def _resume(self, force: Scalar) -> None:
-        before, now = abs(self._before(force)), abs(force)
-        share = before / now if before < now else self._real(1)
-        if share < 1 and share < self._share:
-            self._rise = self._rise if self._share < 1 else self._config.back
-            self._share = share + self._rise
 
     def _clamped(self, force: Scalar) -> tuple[Scalar, int]:
         min_n, max_n = self._config.min_n, self._config.max_n

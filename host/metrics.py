@@ -91,6 +91,14 @@ def accuracy(
             "there is nothing to compare with"
         )
     each = np.array([rms(values) for values in errors])
+    interval_n, ape_below_jnd = None, None
+    if len(each) > 1:
+        draws = np.random.default_rng(0).choice(each, size=(_BOOTSTRAPS, len(each)))
+        low_n, high_n = np.percentile(draws.mean(axis=1), [2.5, 97.5]).tolist()
+        interval_n = low_n, high_n
+    if (scored := np.abs(measured) >= SCORED_ABOVE_N).any():
+        share = np.abs(error[scored]) / np.abs(measured[scored])
+        ape_below_jnd = float(np.mean(share < WEBER_FRACTION))
     rmse_n = rms(error)
     return Accuracy(
         samples=len(error) + sum(ramps),
@@ -99,10 +107,10 @@ def accuracy(
         rmse_percent_of_peak=100.0 * rmse_n / float(np.abs(measured).max()),
         mean_error_n=float(error.mean()),
         mean_recording_rmse_n=float(each.mean()),
-        interval_n=_bootstrap_interval(each),
+        interval_n=interval_n,
         max_abs_error_n=float(np.abs(error).max()),
         p99_abs_error_n=float(np.percentile(np.abs(error), 99)),
-        ape_below_jnd=_below_jnd(measured, error),
+        ape_below_jnd=ape_below_jnd,
         error_per_jnd=rms(error / just_noticeable_n(measured)),
     )
 
@@ -138,22 +146,6 @@ def ratio_rows(ratios: JsonObject) -> dict[str, str]:
 def just_noticeable_n(force_n: Samples) -> Samples:
     """Just noticeable difference, N: 10 % of the force from 2 N on, 0.2 N below."""
     return WEBER_FRACTION * np.maximum(np.abs(force_n), SCORED_ABOVE_N)
-
-
-def _below_jnd(measured_n: Samples, error_n: Samples) -> float | None:
-    scored = np.abs(measured_n) >= SCORED_ABOVE_N
-    if not scored.any():
-        return None
-    share = np.abs(error_n[scored]) / np.abs(measured_n[scored])
-    return float(np.mean(share < WEBER_FRACTION))
-
-
-def _bootstrap_interval(each: Samples) -> tuple[float, float] | None:
-    if len(each) < 2:
-        return None
-    draws = np.random.default_rng(0).choice(each, size=(_BOOTSTRAPS, len(each)))
-    low, high = np.percentile(draws.mean(axis=1), [2.5, 97.5])
-    return float(low), float(high)
 
 
 @dataclass(frozen=True)

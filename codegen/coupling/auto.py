@@ -130,18 +130,14 @@ class _ProxySearch:
             softer = range(max(top - _TENTH, 0), top + 1)
             unstable = next((k for k in softer if not self._stable(steps[k])), None)
             if unstable is None:
-                low = self._between(steps[top], steps[min(top + 1, last)])
+                low, high = steps[top], steps[min(top + 1, last)]
+                while high.stiffness_npm > _WITHIN * low.stiffness_npm:
+                    middle_npm = math.sqrt(low.stiffness_npm * high.stiffness_npm)
+                    middle = replace(low, stiffness_npm=middle_npm)
+                    low, high = (middle, high) if self._stable(middle) else (low, middle)
                 return low if low.stiffness_npm > _WITHIN * than_npm else None
             top = unstable - 1
         return None
-
-    def _between(self, low: Coupling, high: Coupling) -> Coupling:
-        """The stiffest that is stable from low, which is, to high."""
-        while high.stiffness_npm > _WITHIN * low.stiffness_npm:
-            middle_npm = math.sqrt(low.stiffness_npm * high.stiffness_npm)
-            middle = replace(low, stiffness_npm=middle_npm)
-            low, high = (middle, high) if self._stable(middle) else (low, middle)
-        return low
 
     def _stable(self, proxy: Coupling) -> bool:
         limits = (limit for _, limit in self._loops)

@@ -18,7 +18,9 @@ _ELSEWHERE = re.compile(r" \((?:see )?flags\.mk\)")
 def header_text(plan: Plan) -> str:
     """sp.h for one scene: with its prefix, its number type, its notes and its state."""
     prefix = plan.scene.runtime.prefix
-    text = _places((INCLUDE / "sp.h").read_text(), plan.has_places)
+    before, _, rest = (INCLUDE / "sp.h").read_text().partition("/* springpot places begin */\n")
+    inside, _, after = rest.partition("/* springpot places end */\n")
+    text = before + inside * plan.has_places + after
     note = rendered("note.txt.j2", prefix=prefix, square_roots="sp_rbf.h" in planned_headers(plan))
     notes = (INCLUDE / "sp_notes.h").read_text()
     notes = notes[notes.index("#ifndef") :]
@@ -66,14 +68,6 @@ def state_types(plan: Plan) -> dict[str, None]:
         for block in found
         if (last := re.search(r"\} (\w+);$", code_of(block).rstrip())) and last[1] in names
     }
-
-
-def _places(text: str, has_places: bool) -> str:
-    """The header with or without the part of scenes that have places."""
-    begin, end = "/* springpot places begin */\n", "/* springpot places end */\n"
-    before, _, rest = text.partition(begin)
-    inside, _, after = rest.partition(end)
-    return before + (inside if has_places else "") + after
 
 
 def _state(plan: Plan) -> str:

@@ -5,7 +5,6 @@ that this scene does not call are left out.
 """
 
 import re
-from collections.abc import Sequence
 
 from springpot.codegen.emit.c_text import (
     block_text,
@@ -36,6 +35,7 @@ def step_functions(plan: Plan) -> str:
     if plan.features is not None and plan.regressor is not None:
         ticking += block_text(plan.features, "features") + block_text(plan.regressor, "force")
     terms = _terms(plan)
+    placed = plan.passive and plan.passive.placed
     return rendered(
         "scene.c.j2",
         plan=plan,
@@ -46,7 +46,7 @@ def step_functions(plan: Plan) -> str:
         terms=terms,
         restart_needs=_needs(plan, restarting, always=False),
         tick_needs=_needs(plan, f"{ticking}\n{' '.join(terms)}", always=plan.contact),
-        start_m=_start_m(plan),
+        start_m=[literal(plan.dtype(at)) for at in placed.start_m] if placed else [],
         abi_version=ABI_VERSION,
         manifest=_MANIFEST,
     )
@@ -79,22 +79,23 @@ def _mentions(name: str, text: str) -> bool:
     return re.search(rf"\b{name}\b", text) is not None
 
 
-def _start_m(plan: Plan) -> list[str]:
-    """Where the object is felt until a place is chosen, x and y; empty without places."""
-    if plan.passive is None or plan.passive.placed is None:
-        return []
-    return [literal(plan.dtype(at)) for at in plan.passive.placed.start_m]
-
-
 def source_text(plan: Plan, manifest: str, selftest: bool = True) -> str:
     """C of the whole scene, in the order of a tick; manifest: JSON that the image holds."""
     prefix, in_header = plan.scene.runtime.prefix, state_types(plan)
-    parts = [_rule("sp_real.h"), _number_type(plan.real)]
+    # sp_real.h without its type, which the C writes as float or double.
+    blocks_of_real = top_level_blocks((INCLUDE / plan.real / "sp_real.h").read_text())
+    parts = [_rule("sp_real.h")]
+    parts += ["\n\n".join(its for its in blocks_of_real if "#define sp_" in its or "_MAX" in its)]
     for header in planned_headers(plan):
         blocks = (block for block in unit_blocks(header) if block not in in_header)
         parts += [_rule(header), *blocks]
     parts += [_rule("constants of this scene"), constants(plan)]
-    parts += top_level_blocks("\n".join(_tables(plan)))
+    # The two stages of the excess share their tables.
+    holders: list[Stage | RegressorStage] = [*stages(plan)]
+    holders = [one for one in holders if not plan.excess or one is not plan.excess[1]]
+    holders += [plan.regressor] if plan.regressor is not None else []
+    tables = [line for one in holders for line in ("", *one.tables())]
+    parts += top_level_blocks("\n".join(tables))
     parts += [_rule("the tick, and the functions of the header")]
     parts += top_level_blocks(step_functions(plan))
     if selftest:
@@ -127,15 +128,6 @@ def constants(plan: Plan) -> str:
     return "\n".join(constant_text(*item) for item in found.items() if item[1] is not None)
 
 
-def _tables(plan: Plan) -> list[str]:
-    """Constant arrays of every stage; the two of the excess share theirs."""
-    once: Sequence[Stage | RegressorStage] = [
-        stage for stage in stages(plan) if not plan.excess or stage is not plan.excess[1]
-    ]
-    parts = [*once, *([plan.regressor] if plan.regressor is not None else [])]
-    return [line for stage in parts for line in ("", *stage.tables())]
-
-
 def _selftest(plan: Plan) -> str:
     return rendered(
         "selftest.c.j2",
@@ -149,14 +141,6 @@ def _selftest(plan: Plan) -> str:
         ],
         deep=3 * LEG_TICKS,
         latched_s=literal(plan.dtype(plan.watchdog_s + 2.0 * plan.dt_s + LATCHED_S)),
-    )
-
-
-def _number_type(real: str) -> str:
-    """sp_real.h without its type, which the C writes as what it is."""
-    text = (INCLUDE / real / "sp_real.h").read_text()
-    return "\n\n".join(
-        block for block in top_level_blocks(text) if "#define sp_" in block or "_MAX" in block
     )
 
 

@@ -27,7 +27,6 @@ from springpot.host.bench.front import ALONE, measure_alone, pareto
 from springpot.host.bench.measure import (
     BenchRecordings,
     Candidate,
-    Point,
     default_sweep,
     measure_point,
     target_compiler,
@@ -72,7 +71,13 @@ def run_bench(bench: Bench, folder: Path, command: str) -> JsonObject:
     measured = memory.cache(measure_point, ignore=["data"])
     jobs = [(candidate, bench.target, key, data) for candidate in _candidates(bench)]
     found = list(_in_parallel(measured, jobs, bench.dask))
-    points = _stored([(row, model) for row, model in found if model is not None], folder)
+    (folder / "models").mkdir(parents=True, exist_ok=True)
+    points = []
+    for row, model in found:
+        if model is not None:
+            name = f"models/{str(row['hash'])[:16]}.spm"
+            write_file(folder / name, model)
+            points.append(row | {"file": name})
     refused = [row for row, model in found if model is None]
     if not points:
         raise DataError(f"no model can be made of these recordings: {refused[0]['error']}")
@@ -117,17 +122,6 @@ def _candidates(bench: Bench) -> list[Candidate]:
             raise UsageError(f"--model {file}: neither a file nor one of {', '.join(KINDS)}")
     swept = default_sweep(bench.training[0].dt_s, options, kinds) if kinds or not files else []
     return [*swept, *(Candidate("file", options, file=file) for file in files)]
-
-
-def _stored(found: Sequence[tuple[Point, bytes]], folder: Path) -> list[Point]:
-    """Write each model to a file, and return the rows, which name it."""
-    (folder / "models").mkdir(parents=True, exist_ok=True)
-    points = []
-    for row, model in found:
-        name = f"models/{str(row['hash'])[:16]}.spm"
-        write_file(folder / name, model)
-        points.append(row | {"file": name})
-    return points
 
 
 def _named(recordings: Sequence[Recording]) -> list[dict[str, str]]:

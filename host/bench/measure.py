@@ -53,7 +53,7 @@ def default_sweep(dt_s: float, options: FitOptions, kinds: Sequence[str] = ()) -
 
     The paper's three models are among them: rf-fd, rbf-fd and rbf-pv with nothing named.
     """
-    found = [*_forests(dt_s, options), *_functions(options), *_passive(options)]
+    found = [*_forests(dt_s, options), *_others(options)]
     swept = {candidate.kind for candidate in found}
     found += [Candidate(kind, options) for kind in KINDS if kind not in swept]
     return [candidate for candidate in found if not kinds or candidate.kind in kinds]
@@ -76,7 +76,7 @@ def _forests(dt_s: float, options: FitOptions) -> Iterator[Candidate]:
     yield Candidate("rf-fd", replace(options, trees=30, leaf=20, past_positions=True))
 
 
-def _functions(options: FitOptions) -> Iterator[Candidate]:
+def _others(options: FitOptions) -> Iterator[Candidate]:
     for n_centers in _CENTERS:
         yield Candidate("rbf-fd", replace(options, n_centers=n_centers))
         yield Candidate("rbf-pv", replace(options, n_centers=n_centers))
@@ -84,9 +84,6 @@ def _functions(options: FitOptions) -> Iterator[Candidate]:
         for n_centers in (30, PAPER_CENTERS):
             yield Candidate("rbf-fd", replace(options, n_centers=n_centers, engine=engine))
     yield Candidate("rbf-fd", options, "float64")
-
-
-def _passive(options: FitOptions) -> Iterator[Candidate]:
     for poles in (2, 4, 6, 8, 12, 16):
         yield Candidate("hammerstein", replace(options, poles=poles))
     yield Candidate("hammerstein", options, "float64")

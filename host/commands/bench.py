@@ -66,7 +66,8 @@ def bench(
     rows = [
         (label(p), f"{p['rmse_n']:.3g}", f"{p['rmse_percent_of_peak']:.2g}",
          f"{p['tick_ns_hot']:.0f}", _known(p["flash_bytes"]), str(p["ram_bytes"]),
-         _known(p["fit_s"]), _front(p["pareto"], p["bounded"]))
+         _known(p["fit_s"]),
+         "" if not p["pareto"] else "yes" if p["bounded"] else "not bounded in every hand")
         for p in result["points"]
     ]  # fmt: skip
     print_table(columns, rows, numbers=True)
@@ -77,7 +78,3 @@ def bench(
 
 def _known(value: float | None) -> str:
     return "-" if value is None else f"{value:.6g}" if isinstance(value, int) else f"{value:.2f}"
-
-
-def _front(pareto: bool, bounded: bool | None) -> str:
-    return "" if not pareto else "yes" if bounded else "not bounded in every hand"

@@ -38,7 +38,8 @@ def _show(report: QualityReport) -> None:
     if any("place_m" in figures for figures in report.recordings):
         columns.insert(1, "place mm")
         for row, figures in zip(rows, report.recordings, strict=True):
-            row.insert(1, _place(figures))
+            place_m = figures.get("place_m", ())
+            row.insert(1, ", ".join(f"{1e3 * at:.4g}" for at in place_m) or "-")
     print_table(columns, rows, width=140)
     click.echo(report.figures["signs"])
     known_n = (report.figures["noise_floor_n"], report.figures["sensor_noise_n"])
@@ -60,10 +61,6 @@ def _show(report: QualityReport) -> None:
         click.echo(finding.line)
 
 
-def _place(figures: dict[str, Any]) -> str:
-    return ", ".join(f"{1e3 * at:.4g}" for at in figures.get("place_m", ())) or "-"
-
-
 def _row(figures: dict[str, Any]) -> list[str]:
     (low_m, high_m), (low_n, high_n) = figures["position_m"], figures["force_n"]
     row = [
@@ -76,12 +73,8 @@ def _row(figures: dict[str, Any]) -> list[str]:
     cycles = figures["cycles"]
     if cycles is None:
         return [*row, "-", "-", "-"]
+    loss, quoted = cycles["loss"], "-"
+    if loss and loss["angle_uncertainty_rad"] <= abs(loss["angle_rad"]):  # else nothing is known
+        quoted = f"{loss['angle_rad']:.3f} +- {loss['angle_uncertainty_rad']:.2g}"
     stiffness = f"{cycles['stiffness_npm'] * 1e-3:.4g}"
-    return [*row, f"{cycles['frequency_hz']:.3g}", stiffness, _quoted_loss(cycles["loss"])]
-
-
-def _quoted_loss(loss: dict[str, float] | None) -> str:
-    """Write a loss angle with its uncertainty; "-" where that is larger: nothing was measured."""
-    if loss is None or loss["angle_uncertainty_rad"] > abs(loss["angle_rad"]):
-        return "-"
-    return f"{loss['angle_rad']:.3f} +- {loss['angle_uncertainty_rad']:.2g}"
+    return [*row, f"{cycles['frequency_hz']:.3g}", stiffness, quoted]

@@ -111,14 +111,6 @@ def _say_above(line: str) -> None:
     progress_console.print(line, highlight=False, markup=False, soft_wrap=True)
 
 
-def _warned(warnings: list[JsonObject]) -> str:
-    """Each kind of warning, how often it began and how many ticks it lasted."""
-    kinds = dict.fromkeys(item["what"] for item in warnings)
-    counts = {what: [item["count"] for item in warnings if item["what"] == what] for what in kinds}
-    return "; ".join(f"{what} ({len(found)} x, {sum(found)} ticks)"
-                     for what, found in counts.items()) or "none"  # fmt: skip
-
-
 def ticks_in_words(ticks: int, expected: int) -> str:
     """The loop follows a device's clock: a faster one makes more ticks than this computer's."""
     if ticks > expected:
@@ -128,6 +120,10 @@ def ticks_in_words(ticks: int, expected: int) -> str:
 
 def _rows(result: JsonObject) -> dict[str, str]:
     late, tick = result["lateness_us"], result["tick_us"]
+    warned: dict[str, list[int]] = {}
+    for item in result["warnings"]:
+        warned.setdefault(item["what"], []).append(item["count"])
+    warnings = [f"{what} ({len(its)} x, {sum(its)} ticks)" for what, its in warned.items()]
     return {
         "stopped": result["stopped"],
         "ticks": ticks_in_words(result["ticks"], result["expected_ticks"])
@@ -140,7 +136,7 @@ def _rows(result: JsonObject) -> dict[str, str]:
         f"{result['ring_dropped']} rows dropped",
         "watchdog": f"{result['watchdog_trips']} trips"
         + (", latched" if result["latched"] else ""),
-        "warnings": _warned(result["warnings"]),
+        "warnings": "; ".join(warnings) or "none",
         "scheduler": result["scheduler"],
         "log": result["log"] or "none",
         **({"edited C": ", ".join(result["edited"])} if result["edited"] else {}),

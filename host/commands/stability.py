@@ -74,13 +74,10 @@ def _figures(outcome: Outcome) -> str:
             f"after 5 ms; "
             f"{1e3 * found.returned_j:.1f} mJ returned of {1e3 * found.stored_j:.1f} stored"
         )
+    slow_mps = outcome.vibration.lf_speed_mps
+    below = "" if slow_mps is None else f"{1e3 * slow_mps:.2f} below, "
     return (
         f"{1e3 * outcome.max_depth_m:.2f} mm, {outcome.max_force_n:.2f} N, "
-        f"{1e3 * outcome.hf_speed_mps:.2f} mm/s above 15 Hz, {_sway(outcome)}"
+        f"{1e3 * outcome.hf_speed_mps:.2f} mm/s above 15 Hz, {below}"
         f"{outcome.fidelity_percent:.1f} % fidelity error"
     )
-
-
-def _sway(outcome: Outcome) -> str:
-    slow_mps = outcome.vibration.lf_speed_mps
-    return "" if slow_mps is None else f"{1e3 * slow_mps:.2f} below, "

@@ -94,11 +94,16 @@ def train(
     **of_fit: Any,  # options of the same names as fields of FitOptions
 ) -> None:
     """Fit a model on RECORDINGS (files or folders)."""
-    _require_model_file(out)  # before minutes of work
-    from springpot.codegen.model.model_file import write_model
+    from springpot.codegen.files import require_place
+    from springpot.codegen.model.model_file import MODEL_SUFFIX, write_model
     from springpot.host.quality import report_quality
     from springpot.trainer.recordings.recording_file import given_recordings
 
+    if out.suffix != MODEL_SUFFIX:
+        raise UsageError(
+            f"--out {out}: model files end in {MODEL_SUFFIX}: give a name like x{MODEL_SUFFIX}"
+        )
+    require_place(out)  # before minutes of work
     options = FitOptions(**of_fit)
     testing = given_recordings(validation)
     report = report_quality(recordings)
@@ -115,17 +120,6 @@ def train(
     if figures.get("seen"):
         say(seen_line(figures["seen"], len(testing)))
     print_result(result, as_json, training_rows(fit, result, found, len(testing)))
-
-
-def _require_model_file(out: Path) -> None:
-    from springpot.codegen.files import require_place
-    from springpot.codegen.model.model_file import MODEL_SUFFIX
-
-    if out.suffix != MODEL_SUFFIX:
-        raise UsageError(
-            f"--out {out}: model files end in {MODEL_SUFFIX}: give a name like x{MODEL_SUFFIX}"
-        )
-    require_place(out)
 
 
 def training_result(fit: Fit) -> JsonObject:

@@ -58,11 +58,12 @@ class DhdDevice(OpenedDevice):
                 f"{self._url}: its watchdog waits {1e3 * _WATCHDOG_STEP_S * _MAX_STEPS:.0f} ms at "
                 "most, which needs at least 63 Hz: raise runtime.rate_hz"
             )
-        number = None if address.place == "" else _number(address)
+        if address.place and not address.place.isdecimal():
+            raise UsageError(f"{address.url}: {address.place!r} is no device's number: use dhd://0")
         self._sdk = DhdLibrary(address.url, address.settings.get("library"))
         self._link: CData = None
         self._owners: list[CData] = []
-        self.id = self._sdk.open(number)
+        self.id = self._sdk.open(int(address.place) if address.place else None)
         try:
             self._require_usable()
             self._set_up()
@@ -100,7 +101,9 @@ class DhdDevice(OpenedDevice):
             )
             for member, name in _LINKED.items()
         }
-        required = self._required
+        required, place = self._required, ffi.new("double[3]")
+        if self._sdk.c.dhdGetPosition(place, place + 1, place + 2, self.id) < 0:
+            raise self._sdk.error("gives no position", "check cable and power")
         settings = ffi.new(
             "sp_dhd *",
             {
@@ -110,7 +113,7 @@ class DhdDevice(OpenedDevice):
                 "sign": self._sign,
                 "surface_m": address.number("surface_mm", 1e3 * required.surface_m, -1e3, 1e3)
                 / 1e3,
-                "line_m": self._position_m(),
+                "line_m": list(place),
                 "wall_npm": self._walls_npm,
                 "max_n": required.max_n,
                 "weight_n": self._weight_n,
@@ -225,12 +228,6 @@ class DhdDevice(OpenedDevice):
             time.sleep(_LOOK_S)
         self._enable_force()
 
-    def _position_m(self) -> list[float]:
-        place = self._sdk.ffi.new("double[3]")
-        if self._sdk.c.dhdGetPosition(place, place + 1, place + 2, self.id) < 0:
-            raise self._sdk.error("gives no position", "check cable and power")
-        return list(place)
-
     def _positions_until(self, until_s: float) -> int:
         """How many new positions come; forces of zero keep its watchdog quiet."""
         place, count = self._sdk.ffi.new("double[3]"), 0
@@ -251,9 +248,3 @@ def _axis(address: Address) -> tuple[int, float]:
             f"{address.url}: axis={name}: give the way into the object: {', '.join(_AXES)}"
         )
     return _AXES[name]
-
-
-def _number(address: Address) -> int:
-    if not address.place.isdecimal():
-        raise UsageError(f"{address.url}: {address.place!r} is no device's number: use dhd://0")
-    return int(address.place)

@@ -103,10 +103,15 @@ def felt_notices(plan: Plan) -> list[str]:
         )
     if felt_npm >= FELT_SHARE * object_npm:
         return notices
+    why = "the scene states that coupling"
+    if plan.scene.coupling.mode == "auto":
+        late = plan.loop_device.delay_samples
+        behind = f", {number_of(late, 'sample')} late," if late else ""
+        why = f"a loop at {1.0 / plan.dt_s:g} Hz{behind} holds no stiffer one"
     return [
         *notices,
         f"warning: the hand feels {1e-3 * felt_npm:.3g} of the object's {1e-3 * object_npm:.3g} "
-        f"N/mm, for {_why(plan)}: {_remedy(plan)}",
+        f"N/mm, for {why}: {_remedy(plan)}",
     ]
 
 
@@ -119,14 +124,6 @@ def rate_notices(plan: Plan) -> list[str]:
         f"{1.0 / plan.model.dt_s:g} Hz a hand would feel less than {100 * FELT_SHARE:g} % of the "
         "object's stiffness: if the device is served at another rate, state [runtime] rate_hz"
     ]
-
-
-def _why(plan: Plan) -> str:
-    if plan.scene.coupling.mode != "auto":
-        return "the scene states that coupling"
-    late = plan.loop_device.delay_samples
-    behind = f", {number_of(late, 'sample')} late," if late else ""
-    return f"a loop at {1.0 / plan.dt_s:g} Hz{behind} holds no stiffer one"
 
 
 def _remedy(plan: Plan) -> str:

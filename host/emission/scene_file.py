@@ -93,14 +93,7 @@ def read_scene(path: File) -> Scene:
 
 def scene_to_json(scene: Scene) -> str:
     """All keys of the scene, defaults included."""
-    return json.dumps(dataclasses.asdict(scene), indent=2, default=_plain_number) + "\n"
-
-
-def _plain_number(value: object) -> object:
-    """A number of numpy as Python's. Raises TypeError for anything else."""
-    if isinstance(value, np.generic):
-        return value.item()
-    raise TypeError(f"{value!r} is no number")
+    return json.dumps(dataclasses.asdict(scene), indent=2, default=np.generic.item) + "\n"
 
 
 def checked_scene(scene: Scene) -> Scene:

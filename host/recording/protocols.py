@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, model_validator
@@ -111,7 +111,11 @@ def from_file(path: Path, seed: int) -> list[Profile]:
     Raises UsageError with the key that is wrong.
     """
     content = toml_as_json(path, _MAX_BYTES, "protocol file")
-    checked = checked_keys(TypeAdapter(_ProtocolFile), content, str(path), _known_keys)
+    keys = {True: [*_ProfileTable.model_fields], False: [*_ProtocolFile.model_fields]}
+    adapter = TypeAdapter(_ProtocolFile)
+    checked = checked_keys(
+        adapter, content, str(path), lambda place: keys[place[:1] == ("profile",)]
+    )
     presses = load_protocol(checked.protocol, seed) if checked.protocol else []
     presses += [_from_table(table) for table in checked.profile]
     places: list[tuple[float, float] | None] = [*checked.places_m] or [None]
@@ -171,11 +175,6 @@ class _ProtocolFile(BaseModel):
         if bool(self.profile) == (self.protocol is not None):
             raise ValueError("give either [[profile]] tables or the name of a protocol")
         return self
-
-
-def _known_keys(place: tuple[Any, ...]) -> list[str]:
-    of_profile = place[:1] == ("profile",)
-    return [*(_ProfileTable if of_profile else _ProtocolFile).model_fields]
 
 
 def _from_table(table: _ProfileTable) -> Profile:

@@ -69,6 +69,7 @@ class CLoop:
         steps, stated = self._steps, asdict(self._settings)
         real_time = stated.pop("real_time")
         pointer = self._library.pointer
+        cpus = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
         config = self._ffi.new(
             "sp_loop_config *",
             {
@@ -80,7 +81,7 @@ class CLoop:
                 **stated,
                 "latched_note": LATCHED,
                 "priority": _PRIORITY if real_time else 0,
-                "cpu": _spare_cpu(),
+                "cpu": cpus[-1] if len(cpus) > 1 else -1,  # the last one is spare
                 "rows": self._rows(self._ring),
                 "capacity": len(self._ring),
             },
@@ -185,9 +186,3 @@ def _link(device: OpenedDevice, library: CLibrary) -> CData:
     if not (link and link.read and link.write and link.reset):
         raise TypeError("returns no sp_link that has read, write and reset")
     return link
-
-
-def _spare_cpu() -> int:
-    """The last processor that this process may use, or -1 where there is only one."""
-    cpus = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
-    return cpus[-1] if len(cpus) > 1 else -1

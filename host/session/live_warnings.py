@@ -60,7 +60,11 @@ class LiveWarnings:
         called = (rows[:, COLUMN["call"]].astype(int) & NONE) == 0
         notes = np.where(called & (notes > 0), notes, 0)  # negative ones are errors
         position_m, force_n = rows[:, COLUMN["position_m"]], rows[:, COLUMN["returned_n"]]
-        speed_mps = self._speeds(np.where(notes & HELD, np.nan, position_m))
+        # Mean over the last ticks at each row; NaN where a position is not known.
+        seen_m = np.concatenate((self._recent_m, np.where(notes & HELD, np.nan, position_m)))
+        before = len(self._recent_m)
+        speed_mps = np.abs(seen_m[before:] - seen_m[:-before]) / (before * self._dt_s)
+        self._recent_m = seen_m[-before:]
         inside = position_m > 0.0 if self._contact else np.isfinite(position_m)
         fast = called & inside & (speed_mps > self._fast_mps) & (self._fast_mps > 0.0)
         joined = np.concatenate((self._last_n, force_n))
@@ -82,12 +86,6 @@ class LiveWarnings:
         if held.sum() > HELD_SHARE * self._ticks:
             self._note(NOTE_WORDS[HELD], time_s[held])
         self._note(NOTE_WORDS[LATCHED], time_s[latched], "")
-
-    def _speeds(self, position_m: Samples) -> Samples:
-        """Mean speed of the last ticks at each row, m/s; NaN where a position is not known."""
-        before, joined = len(self._recent_m), np.concatenate((self._recent_m, position_m))
-        self._recent_m = joined[-before:]
-        return np.asarray(np.abs(joined[before:] - joined[:-before]) / (before * self._dt_s))
 
     def _note(self, what: str, time_s: Samples, words: str | None = None) -> None:
         """Count ticks with a condition; alarm where it begins. words: in place of `what`."""

@@ -123,16 +123,12 @@ def notes_in_words(counts: Mapping[str, int], low: int = 0, min_n: float = 0.0) 
 
     low: of those clamped, how many at the lower limit, min_n, N.
     """
-    all_words = {**_WORDS, "clamped": _clamped_words(counts.get("clamped", 0), low, min_n)}
+    high = counts.get("clamped", 0) - low
+    # At 0, where an object ends to push and does not pull, nothing is amiss.
+    lower = f"{LOWER} of {min_n:.3g} N" if min_n else "at 0 N: the object does not pull"
+    both = f"{low} {lower}; {high} {UPPER}" if low else UPPER
+    all_words = {**_WORDS, "clamped": both if high else lower}
     parts = [
         f"{name} {counts[name]} ({words})" for name, words in all_words.items() if counts.get(name)
     ]
     return ", ".join(parts) or "none"
-
-
-def _clamped_words(count: int, low: int, min_n: float) -> str:
-    """At which limit; at 0, where an object ends to push and does not pull, nothing is amiss."""
-    lower = f"{LOWER} of {min_n:.3g} N" if min_n else "at 0 N: the object does not pull"
-    if low == count:
-        return lower
-    return f"{low} {lower}; {count - low} {UPPER}" if low else UPPER

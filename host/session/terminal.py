@@ -75,7 +75,10 @@ def stopping_on_sigterm() -> Iterator[None]:
         for again in before:
             signal.signal(again, signal.SIG_IGN)
         if signal.Signals(number).name == "SIGHUP":
-            _write_nowhere(terminals)
+            nowhere = os.open(os.devnull, os.O_RDWR)
+            for stream in terminals:  # an error of theirs must not stop the end
+                os.dup2(nowhere, stream)
+            os.close(nowhere)
         raise KeyboardInterrupt(signal.Signals(number).name)  # Python's own of Ctrl-C says nothing
 
     before = {
@@ -90,14 +93,6 @@ def stopping_on_sigterm() -> Iterator[None]:
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
-
-
-def _write_nowhere(streams: list[int]) -> None:
-    """Let these streams take and give nothing: an error of theirs must not end what is left."""
-    nowhere = os.open(os.devnull, os.O_RDWR)
-    for stream in streams:
-        os.dup2(nowhere, stream)
-    os.close(nowhere)
 
 
 @contextlib.contextmanager

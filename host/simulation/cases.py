@@ -6,7 +6,7 @@ Of those in which samples stay away, at every phase of the strokes.
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Indices, Samples
+from springpot.codegen.arrays import Samples
 from springpot.codegen.coupling.linear_loop import Hand
 from springpot.codegen.plan import Plan
 from springpot.host.simulation.hand_loop import Scenario
@@ -56,9 +56,15 @@ def _of_speed(plan: Plan, force: Force, hand: Hand, suffix: str, speed: float) -
     """The case without a loss, then those that lose samples of the same strokes."""
     space = Workspace.of(plan)
     longest = max(1, round(plan.watchdog_s / plan.dt_s) - 1)
-    trained_ticks = 2.0 * _stroke_ticks(space, speed)
+    half_m = 0.5 * (space.at(_SHARE) - space.free_m)
+    stroke_s = np.pi * half_m / (speed * space.max_mps)  # at that top speed
+    trained_ticks = 2.0 * max(stroke_s / space.dt_s, _MIN_STROKE_TICKS)
     cycle_ticks = min(trained_ticks, _LONGEST_CYCLE_S / plan.dt_s)
-    motion = _strokes(space, 0.5 * cycle_ticks)
+    per_s = np.pi / (0.5 * cycle_ticks * space.dt_s)
+
+    def motion(t: Samples) -> Samples:
+        return space.free_m + half_m * (1.0 - np.cos(per_s * t))
+
     seconds = max(_SECONDS, _CYCLES * cycle_ticks * plan.dt_s)
     beyond = suffix != "" or cycle_ticks < trained_ticks
     found: list[Case] = []
@@ -98,22 +104,6 @@ def phase_gap(begins: NDArray[np.int64], cycle_ticks: float) -> float:
     return float(np.diff(phases, append=phases[0] + 1.0).max())
 
 
-def _stroke_ticks(space: Workspace, speed: float) -> float:
-    """Ticks of a stroke, in or out, at a top speed of so many times the trained one."""
-    half_m = 0.5 * (space.at(_SHARE) - space.free_m)
-    return max(np.pi * half_m / (speed * space.max_mps) / space.dt_s, _MIN_STROKE_TICKS)
-
-
-def _strokes(space: Workspace, stroke_ticks: float) -> Motion:
-    half_m = 0.5 * (space.at(_SHARE) - space.free_m)
-    per_s = np.pi / (stroke_ticks * space.dt_s)
-
-    def motion(t: Samples) -> Samples:
-        return space.free_m + half_m * (1.0 - np.cos(per_s * t))
-
-    return motion
-
-
 def stiff_case(plan: Plan, force: Force, hand: Hand) -> Case:
     """Hold at three depths of an object made stiffer."""
     space = Workspace.of(plan)
@@ -147,7 +137,11 @@ def cases(plan: Plan, force: Force, hand: Hand) -> list[Case]:
     at = np.arange(round(1.0 / space.dt_s), len(glitches.dt_s), max(1, round(0.25 / space.dt_s)))
     glitches.error_m[at] = GLITCH_M * np.where(np.arange(len(at)) % 2, -1.0, 1.0)
     lost = press(single, seconds)
-    lost.error_m[_bursts(plan, at)] = np.nan
+    # Bursts, each longer than the last, all shorter than the watchdog waits.
+    longest = max(1, round(plan.watchdog_s / plan.dt_s) - 2)
+    lengths = np.unique(np.linspace(1, longest, len(at)).astype(int))
+    for begin, length in zip(at.tolist(), lengths.tolist(), strict=False):
+        lost.error_m[begin : min(begin + length, round(3.0 / plan.dt_s))] = np.nan
     drops = press(tap, 3.0)
     drops.dropped[:] = np.random.default_rng(2).uniform(size=len(drops.dropped)) < DROPPED
     return [
@@ -162,13 +156,3 @@ def cases(plan: Plan, force: Force, hand: Hand) -> list[Case]:
         Case("glitch", glitches, still_ticks(space, 1, 2.6)),
         Case("nan", lost, still_ticks(space, 1, 2.6)),
     ]
-
-
-def _bursts(plan: Plan, at: Indices) -> Indices:
-    """Ticks of bursts, each longer than the last, all shorter than the watchdog waits."""
-    longest = max(1, round(plan.watchdog_s / plan.dt_s) - 2)
-    lengths = np.unique(np.linspace(1, longest, len(at)).astype(int))
-    found = np.concatenate(
-        [begin + np.arange(n) for begin, n in zip(at, lengths, strict=False)]
-    )  # fmt: skip
-    return np.asarray(found[found < round(3.0 / plan.dt_s)])

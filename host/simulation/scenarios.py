@@ -133,8 +133,9 @@ def pressing(
     rng = np.random.default_rng(1)
     dt_s = space.dt_s * (1.0 + jitter * rng.uniform(-1.0, 1.0, n))
     end_s = np.cumsum(dt_s)
-    x = motion(end_s)
-    v, a = _derivatives(motion, end_s, space.dt_s)
+    before, x, after = motion(end_s - space.dt_s), motion(end_s), motion(end_s + space.dt_s)
+    v = (after - before) / (2.0 * space.dt_s)
+    a = (after - 2.0 * x + before) / space.dt_s**2
     mass_kg = hand.mass_kg + space.device.mass_kg
     damping_nspm = hand.damping_nspm + space.device.viscous_nspm
     needed_n = force(x) + damping_nspm * v + mass_kg * a
@@ -154,8 +155,3 @@ def pushing(space: Workspace) -> Scenario:
 def _undisturbed(dt_s: Samples, intended_m: Samples, push_n: Samples) -> Scenario:
     n = len(dt_s)
     return Scenario(dt_s, intended_m, push_n, np.zeros(n), np.zeros(n, dtype=np.uint8))
-
-
-def _derivatives(motion: Motion, t: Samples, step_s: float) -> tuple[Samples, Samples]:
-    before, here, after = motion(t - step_s), motion(t), motion(t + step_s)
-    return (after - before) / (2.0 * step_s), (after - 2.0 * here + before) / step_s**2

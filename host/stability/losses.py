@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
-from numpy.typing import NDArray
 
 from springpot.codegen import notes
 from springpot.codegen.arrays import Flags, Samples, runs
@@ -62,11 +61,16 @@ def losses_of(
     plan: Plan, library: SceneLibrary, scenario: Scenario, trace: Trace, clean: Trace
 ) -> Losses:
     """Compare strokes that lost samples as `scenario` says with those that lost none."""
-    whole_n = _loss_free(library, trace)
+    # The force of the same scene, with every sample of that motion.
+    seen_m = np.where(np.isfinite(trace.seen_m), trace.seen_m, trace.position_m)
+    whole_n = library.new_state().run(seen_m, trace.seen_mps)[0].astype(np.float64)
     least_n, most_n = _within_a_tick(whole_n)
     error_n = np.maximum(least_n - trace.force_n, trace.force_n - most_n)
     above_n = np.abs(trace.force_n) - _within_a_tick(np.abs(whole_n))[1]
-    good_s = _good_ticks(scenario) * plan.dt_s
+    # Samples that have come one after the other, this one too; many before the first loss.
+    good = _accepted(scenario)
+    at = np.arange(len(good))
+    good_s = plan.dt_s * (at - np.maximum.accumulate(np.where(good, -len(good), at)))
     late = good_s >= RIGHT_S - 0.5 * plan.dt_s
     later = good_s >= NOT_ABOVE_S - 0.5 * plan.dt_s
     peak_n = float(np.abs(whole_n).max(initial=0.0))
@@ -107,14 +111,6 @@ def longest_silence_ticks(scenario: Scenario) -> int:
     return int(np.diff(np.flatnonzero(accepted)).max()) - 1
 
 
-def _good_ticks(scenario: Scenario) -> NDArray[np.int64]:
-    """Samples that have come one after the other, this one too; many before the first loss."""
-    good = _accepted(scenario)
-    at = np.arange(len(good))
-    last = np.maximum.accumulate(np.where(good, -len(good), at))
-    return np.asarray(at - last)
-
-
 def _growth_n(plan: Plan, scenario: Scenario, trace: Trace) -> float:
     """How far |force| grew beyond what it may: a slew for each sample that came, 0 without one."""
     dropped = scenario.dropped
@@ -122,13 +118,6 @@ def _growth_n(plan: Plan, scenario: Scenario, trace: Trace) -> float:
     came[1:] += (dropped[:-1] == LATE) & (dropped[1:] == TAKEN)
     size_n = np.abs(trace.force_n)
     return float((np.diff(size_n, prepend=0.0) - float(plan.output.slew_n) * came).max())
-
-
-def _loss_free(scene: SceneLibrary, trace: Trace) -> Samples:
-    """The force of the same scene, with every sample of that motion, N."""
-    seen_m = np.where(np.isfinite(trace.seen_m), trace.seen_m, trace.position_m)
-    force_n, _ = scene.new_state().run(seen_m, trace.seen_mps)
-    return force_n.astype(np.float64)
 
 
 def _within_a_tick(force_n: Samples) -> tuple[Samples, Samples]:

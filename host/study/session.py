@@ -113,8 +113,13 @@ def _rated_trial(plan: StudyPlan, trial: Trial, url: str) -> tuple[object, ...]:
     )
     say(f"session {trial.session}, trial {trial.trial}: place the objects, lift the tool. {_KEYS}")
     begin_s = time.monotonic()
+    folder = plan.folder(trial.participant)
+    stem = f"session-{trial.session}-trial-{trial.trial:0>2}"
+    # A trial that was begun before has left a log.
+    names = (stem if attempt == 1 else f"{stem}-again-{attempt}" for attempt in count(1))
+    log = next(folder / f"{name}.h5" for name in names if not any(folder.glob(f"{name}.*")))
     session = Session(
-        place, url, _free_name(plan.folder(trial.participant), trial), viewers=[watch.append],
+        place, url, log, viewers=[watch.append],
         report=lambda line: say(line) if line != session.line else None,
     )  # fmt: skip
     with session:
@@ -164,10 +169,3 @@ def _rating(word: str) -> float | None:
     except ValueError:
         return None
     return rating if 0.0 <= rating <= 100.0 else None
-
-
-def _free_name(folder: Path, trial: Trial) -> Path:
-    """Return a name for a log; a trial that was begun before has left one."""
-    stem = f"session-{trial.session}-trial-{trial.trial:0>2}"
-    names = (stem if attempt == 1 else f"{stem}-again-{attempt}" for attempt in count(1))
-    return next(folder / f"{name}.h5" for name in names if not any(folder.glob(f"{name}.*")))

@@ -83,7 +83,12 @@ class Recording:
     def __post_init__(self) -> None:
         require_recording_name(self.name)
         object.__setattr__(self, "zero", zero_word(self.zero))
-        object.__setattr__(self, "dt_s", _seconds(self.dt_s, self.name))
+        number = isinstance(self.dt_s, int | float | np.number) and not isinstance(self.dt_s, bool)
+        if not number or not (np.isfinite(self.dt_s) and self.dt_s > 0.0):
+            raise DataError(
+                f"{self.name}: dt_s={self.dt_s!r} is not a time step: give seconds, above 0"
+            )
+        object.__setattr__(self, "dt_s", float(self.dt_s))
         for channel in ("position_m", "force_n"):
             object.__setattr__(self, channel, frozen_numbers(getattr(self, channel), channel))
         channels = {"position": self.position_m, "force": self.force_n, **self.channels}
@@ -222,14 +227,6 @@ def zero_word(given: Any) -> Zero:
     raise UsageError(
         f"zero={repr(given)[:60]}: give {', '.join(map(repr, words[:-1]))} or {words[-1]!r}"
     )
-
-
-def _seconds(given: Any, name: str) -> float:
-    """A time step, s. Raises DataError for what is none."""
-    number = isinstance(given, int | float | np.number) and not isinstance(given, bool)
-    if not number or not (np.isfinite(given) and given > 0.0):
-        raise DataError(f"{name}: dt_s={given!r} is not a time step: give seconds, above 0")
-    return float(given)
 
 
 def require_recording_name(name: Any, where: str = "") -> None:

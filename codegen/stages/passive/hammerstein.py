@@ -233,7 +233,12 @@ def hammerstein_stage(model: Hammerstein, ticks: SceneTicks, follows: str) -> Ha
     spring[-1] = curve_nodes(springs_n, growth)[-1].sum(axis=1)  # each stop's grows as its curve
     flow = None if model.flow is None else flow_branches(model.flow, ticks)
     damage = None if model.damage is None else damage_curves(model.damage, growth, ticks)
-    stops = curve_nodes(model.stop_n, growth).astype(dtype)
+    stops, start = curve_nodes(model.stop_n, growth).astype(dtype), None
+    if remembers:
+        flow_n, deepest = model.memory.flow, model.memory.deepest
+        flow_n = flow_n if model.flow is None else flow_n[power_order(model.flow)]
+        deepest = deepest if model.damage is None else deepest[power_order(model.damage)]
+        start = StartMemory(held_n.astype(dtype), flow_n.astype(dtype), deepest.astype(dtype))
     return HammersteinStage(
         config=HammersteinConfig(
             origin_m=dtype(model.origin_m),
@@ -256,15 +261,8 @@ def hammerstein_stage(model: Hammerstein, ticks: SceneTicks, follows: str) -> Ha
         pulls=not ticks.surface,
         follows=follows,
         placed=placed_curves(model, curves_of, dtype),
-        start=_start(model, held_n, dtype) if remembers else None,
+        start=start,
     )
-
-
-def _start(model: Hammerstein, held_n: Reals, dtype: RealType) -> StartMemory:
-    memory = model.memory
-    flow = memory.flow if model.flow is None else memory.flow[power_order(model.flow)]
-    deepest = memory.deepest if model.damage is None else memory.deepest[power_order(model.damage)]
-    return StartMemory(held_n.astype(dtype), flow.astype(dtype), deepest.astype(dtype))
 
 
 def _surface(

@@ -149,20 +149,15 @@ class PassiveMotion:
     def _still(self, u: Reals, spring_n: Reals) -> Reals:
         """Force of spring, stops and bias, (n,), N; moves the plays."""
         still_n: Reals = spring_n + self._stage.config.bias_n
-        place = curve_place(self._played(u), self._stage.config.n_pieces)
+        played = np.empty((len(u), len(self._play)), dtype=u.dtype)
+        for k, begin in enumerate(numbers(self._play)):
+            played[:, k] = play(u, begin, self._stage.radius[k])
+        self._play = played[-1]
+        place = curve_place(played, self._stage.config.n_pieces)
         for stop_n in curve_values(self._stops, place).T:
             # A stop is P(u) - P(play); its P(u) is part of the spring's curve already.
             still_n = still_n - stop_n
         return still_n
-
-    def _played(self, u: Reals) -> Reals:
-        """Play of each stop, (n, stops)."""
-        radius = self._stage.radius
-        found = np.empty((len(u), len(radius)), dtype=u.dtype)
-        for k, begin in enumerate(numbers(self._play)):
-            found[:, k] = play(u, begin, radius[k])
-        self._play = found[-1]
-        return found
 
 
 def _summed(held: Reals) -> Reals:

@@ -47,7 +47,16 @@ def fit_map(data: TrainingSet, options: FitOptions) -> MapFit:
             f"{data.recordings[0].name}: a map needs presses from the surface at {FEWEST_SITES} "
             f"places, these are of {len(sites)}: record more places, or leave the places out"
         )
-    of_sites = [_part(data, numbers) for numbers in sites.values()]
+    of_sites = [
+        replace(
+            data,
+            recordings=tuple(data.recordings[k] for k in numbers),
+            depths_m=tuple(data.depths_m[k] for k in numbers),
+            warnings=(),
+            _found={},
+        )
+        for numbers in sites.values()
+    ]
     longest_s = max(part.rows_total for part in of_sites)
     full = [k for k, part in enumerate(of_sites) if part.rows_total >= _FULL * longest_s]
     grid = grid_of(list(sites))
@@ -61,13 +70,6 @@ def fit_map(data: TrainingSet, options: FitOptions) -> MapFit:
     usual = choice.model(alike)
     model = replace(model, recovers=usual.recovers, growth=usual.growth)
     return MapFit(model, sum(its.rows for its in problem.sites), error_n, choice.law, len(sites))
-
-
-def _part(data: TrainingSet, numbers: Sequence[int]) -> TrainingSet:
-    """Some recordings of a set, of the same trained range."""
-    recordings = tuple(data.recordings[k] for k in numbers)
-    depths_m = tuple(data.depths_m[k] for k in numbers)
-    return replace(data, recordings=recordings, depths_m=depths_m, warnings=(), _found={})
 
 
 def _alike(of_sites: Sequence[TrainingSet], chosen: Sequence[int], amounts: Samples) -> TrainingSet:

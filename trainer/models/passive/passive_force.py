@@ -1,6 +1,5 @@
 """Force of a fitted passive model along a motion, in float64: the reference of its C."""
 
-from collections.abc import Iterator
 from dataclasses import replace
 from functools import cache
 
@@ -39,9 +38,12 @@ def model_along(
     for end, seconds in (*motion.pauses, (len(u), 0.0)):
         force_n[begin:end], at[begin:end] = passive.along(u[begin:end])
         if end < len(u):
-            for step_s in _rest_steps_s(seconds, dt_s):
+            step_s, left_s = dt_s, seconds  # steps of a rest, each twice as long as the one before
+            while left_s > 0.0:
+                step_s = min(2.0 * step_s, left_s)
                 passive = passive.on(stage_of(step_s))
                 passive.along(u[end : end + 1])
+                left_s -= step_s
             passive = passive.on(stage)
             force_n[end], at[end] = 0.0, passive.u
         begin = end + 1
@@ -75,12 +77,3 @@ def with_memory(model: Hammerstein, data: TrainingSet) -> Hammerstein:
     rested = replace(model, conditioned=memory, starts_conditioned=False)
     worn = replace(rested, starts_conditioned=True)
     return worn if error_n(worn) < _CLEARLY * error_n(rested) else rested
-
-
-def _rest_steps_s(seconds: float, dt_s: float) -> Iterator[float]:
-    """Steps of a rest at one depth, each twice as long as the one before."""
-    step_s = dt_s
-    while seconds > 0.0:
-        step_s = min(2.0 * step_s, seconds)
-        yield step_s
-        seconds -= step_s

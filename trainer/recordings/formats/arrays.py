@@ -117,7 +117,8 @@ def _choose(
 def _load(path: Path, kind: str) -> list[_Array]:
     """Vectors of a file, and columns of its matrices. Raises DataError where there are none."""
     try:
-        arrays = [array for found in _stored(path, kind) for array in _vectors(*found)]
+        stored = _of_hdf5(path) if kind == "hdf5" else _of_matlab(path)
+        arrays = [array for found in stored for array in _vectors(*found)]
     except ModuleNotFoundError:
         raise
     except Exception as error:  # whatever the libraries raise on a damaged file
@@ -131,9 +132,7 @@ def _load(path: Path, kind: str) -> list[_Array]:
     return arrays
 
 
-def _stored(path: Path, kind: str) -> list[_Stored]:
-    if kind == "hdf5":
-        return _of_hdf5(path)
+def _of_matlab(path: Path) -> list[_Stored]:
     from scipy.io import loadmat
 
     return list(_nested("", loadmat(path, simplify_cells=True)))
