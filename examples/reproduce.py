@@ -56,7 +56,9 @@ def measured(name: str, folder: Path, every: int = 1, n: int = 10, trees: int = 
 
     def checked(place: str, fit: springpot.Fit) -> dict[str, Any]:
         springpot.emit(folder / place, model=fit, scene=scene, accept_unsafe=True)
-        return springpot.validate(folder / place, signals[:1], paced_s=0.2).as_dict()
+        found = [springpot.validate(folder / place, signals[:1], paced_s=0.2).as_dict()
+                 for _ in range(2)]  # fmt: skip
+        return min(found, key=lambda one: float(one["tick_ns"]["hot_median"]))
 
     validated = {kind: checked(kind, fit) for kind, fit in fits.items()}
     loaded = {kind: springpot.load(folder / kind) for kind in KINDS}
@@ -75,7 +77,8 @@ def measured(name: str, folder: Path, every: int = 1, n: int = 10, trees: int = 
         PAST: forest(past_positions=True),
         OWN: train("rf-fd"),
     }  # fmt: skip
-    again = [{kind: train(kind, **as_chosen.get(kind, LETTER[kind])) for kind in KINDS}, fits]
+    again = [fits, *({kind: train(kind, **as_chosen.get(kind, LETTER[kind])) for kind in KINDS}
+                     for _ in range(2))]  # fmt: skip
     times_s = {kind: min(each[kind].feature_s + each[kind].fit_s for each in again)
                for kind in KINDS}  # fmt: skip
     small = {"rf-fd": forest(trees=10), "rbf-pv": train("rbf-pv", n_centers=10, **LETTER["rbf-pv"])}
