@@ -4,7 +4,6 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import gamma
 
 Samples = NDArray[np.float64]
 TAPS = 171  # of equation (16)
@@ -35,14 +34,8 @@ def change_of_step(order: float, step_s: float) -> float:
     return rms(np.interp(time_s[0], time_s[1], other) - right) / rms(right)
 
 
-def last_coefficient() -> int:
-    """Largest k of which equation (15) has a finite coefficient in double precision."""
-    return max(k for k in range(1000) if gamma(k + 1.0) < np.inf)
-
-
-def coupled_n(
-    tool_m: Samples, model_n: Callable[[int, float, float], float], sign: float = -1.0
-) -> Samples:
+def coupled_n(tool_m: Samples, model_n: Callable[[int, float, float], float],
+              sign: float = -1.0) -> Samples:  # fmt: skip
     """Return f_VC of Algorithm 1, (n,), N.
 
     tool_m: depths, (n,). model_n: f_M, out of the object, of the tick, the tool's depth and the

@@ -28,19 +28,16 @@ Line = tuple[str, Samples, Samples, str, str]  # label, x, y, color, style
 def headline(found: Sequence[Claim]) -> str:
     """Count the claims that can come out either way."""
     count = Counter(claim.verdict for claim in found)
-    return (
-        f"{count['agrees']} of the {count['agrees'] + count['differs']} claims that are tested "
-        f"agree, {count['differs']} differ. {count['not shown']} are not shown; "
-        f"{count['by construction']} hold by construction and are not counted."
-    )
+    return (f"{count['agrees']} of the {count['agrees'] + count['differs']} claims that are tested "
+            f"agree, {count['differs']} differ. {count['not shown']} are not shown; "
+            f"{count['by construction']} hold by construction and are not counted.")  # fmt: skip
 
 
 def page(found: Sequence[Claim], results: Sequence[Result]) -> str:
     """One HTML file."""
     head = "".join(f"<th>{name}" for name in Claim.__dataclass_fields__)
-    cells = [(one.verdict, "".join(f"<td>{escape(cell)}" for cell in vars(one).values()))
-             for one in found]  # fmt: skip
-    rows = "".join(f'<tr class="{verdict}">{row}' for verdict, row in cells)
+    rows = "".join(f'<tr class="{one.verdict}">' + "".join(
+        f"<td>{escape(cell)}" for cell in vars(one).values()) for one in found)  # fmt: skip
     drawn = {number: panels(number, results) for number in (5, 7, 8, 11, 13, 14, 17)}
     drawn |= {9: bars(results), 19: derivatives()}
     shown = "".join(framed(number, drawn[number]) for number in sorted(drawn))

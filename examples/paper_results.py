@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from paper_formulas import Samples, coupled_n, rms
+from paper_formulas import Samples, coupled_n
 from scipy.signal import lfilter
 
 OBJECTS = ("ecoflex-00-10", "ecoflex-00-30", "ecoflex-00-50", "dragon-skin-fx", "dragon-skin-10")
@@ -37,16 +37,17 @@ class Hands:
 class Result:
     """One object. By kind: modelling_s without a search, `validate --json` of one signal.
 
-    total_s: of the presses. press: command, force, N, and position, m, at 10 N and 1 Hz. pairs: of
-    orders, by how rbf-fd chose. importance: of ORDERS. rmse_n, nodes: of further fits too.
-    small_ns: of a tick with ten trees or centres. slow: time, s,
-    force of rf-fd in ticks of SLOW_S, and of 1 ms, N. measured_n, position_m: the signals, one
-    after the other; predicted_n: by kind. shown: samples of the one with rf-fd's median error.
+    total_s: of the presses. beyond: share of the signals, deeper or faster than these. press:
+    command, force, N, and position, m, at 10 N and 1 Hz. pairs: of orders, by how rbf-fd chose.
+    importance: of ORDERS. rmse_n, nodes: of further fits too. small_ns: of a tick with ten trees or
+    centres. slow: time, s, force of rf-fd in ticks of SLOW_S, and of 1 ms, N. measured_n,
+    position_m, predicted_n: the signals, one after the other. shown: that of rf-fd's median error.
     """
 
     name: str
     total_s: float
     depth_m: float
+    beyond: float
     press: tuple[Samples, Samples, Samples]
     pairs: Mapping[str, Sequence[float]]
     importance: Samples
@@ -62,12 +63,6 @@ class Result:
     position_m: Samples
     predicted_n: Mapping[str, Samples]
     shown: slice
-
-    @property
-    def slow_change(self) -> float:
-        """RMS change of rf-fd's force where a tick takes SLOW_S, relative."""
-        _, slow_n, force_n = self.slow
-        return rms(slow_n - force_n) / rms(force_n)
 
     def tick_ns(self, kind: str) -> float:
         """Time of a tick of the emitted C."""

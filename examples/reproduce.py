@@ -20,6 +20,7 @@ from typing import Any
 import numpy as np
 from paper_claims import Claim, claims
 from paper_formulas import Samples, rms
+from paper_formulas import press as command
 from paper_page import headline, page
 from paper_results import COUPLED, KINDS, OBJECTS, ORDERS, OWN, PAST, SLOW_S, Hands, Result
 
@@ -55,7 +56,9 @@ def measured(name: str, folder: Path, every: int = 1, n: int = 10, trees: int = 
 
     def checked(place: str, fit: springpot.Fit) -> dict[str, Any]:
         springpot.emit(folder / place, model=fit, scene=scene, accept_unsafe=True)
-        return springpot.validate(folder / place, signals[:1], paced_s=0.2).as_dict()
+        found = [springpot.validate(folder / place, signals[:1], paced_s=0.2).as_dict()
+                 for _ in range(2)]  # fmt: skip
+        return min(found, key=lambda one: float(one["tick_ns"]["hot_median"]))
 
     validated = {kind: checked(kind, fit) for kind, fit in fits.items()}
     loaded = {kind: springpot.load(folder / kind) for kind in KINDS}
@@ -69,14 +72,23 @@ def measured(name: str, folder: Path, every: int = 1, n: int = 10, trees: int = 
         **{f"{kind}, all rows": train(kind, fraction=1.0, **as_chosen.get(kind, LETTER[kind]))
            for kind in KINDS},
         "rbf-fd, by cross-validation": train("rbf-fd", orders=pairs["cv"]),
-        "five orders": forest(orders=[ORDERS[k] for k in sorted(np.argsort(importance)[-5:])]),
+        "important orders": forest(orders=np.array(ORDERS)[importance > 0.1].tolist()),
         "orders to 1": forest(orders=(*ORDERS, *(0.5 + order for order in ORDERS))),
         PAST: forest(past_positions=True),
         OWN: train("rf-fd"),
     }  # fmt: skip
+    again = [fits, *({kind: train(kind, **as_chosen.get(kind, LETTER[kind])) for kind in KINDS}
+                     for _ in range(2))]  # fmt: skip
+    times_s = {kind: min(each[kind].feature_s + each[kind].fit_s for each in again)
+               for kind in KINDS}  # fmt: skip
     small = {"rf-fd": forest(trees=10), "rbf-pv": train("rbf-pv", n_centers=10, **LETTER["rbf-pv"])}
     small_ns = {kind: checked("small", fit)["tick_ns"]["hot_median"] for kind, fit in small.items()}
     length = len(signals[0].force_n)
+    trained, tested = (  # depth, m, and speed, m/s
+        np.hstack([(one.position_m, np.abs(np.gradient(one.position_m, one.dt_s))) for one in each])
+        for each in ([averaged(one) for one in presses], signals)
+    )
+    press = next(one for one in presses if one.name.endswith("-10n-1hz"))
     median = int(np.argsort(errors_n(signals, predicted_n["rf-fd"]))[len(signals) // 2])
     forces_n = {kind: [predict(fit, one) for one in signals] for kind, fit in more.items()}
     own = springpot.emit(folder / "own", model=more[OWN], scene=scene, accept_unsafe=True)
@@ -84,10 +96,11 @@ def measured(name: str, folder: Path, every: int = 1, n: int = 10, trees: int = 
         name=name,
         total_s=sum(len(press.force_n) * press.dt_s for press in presses),
         depth_m=max(float(press.position_m.max()) for press in presses),
-        press=commanded(presses),
+        beyond=float(np.mean(np.any(trained.max(axis=1) < tested.T, axis=1))),
+        press=(5.0 * command(), press.force_n, press.position_m),
         pairs=pairs,
         importance=importance,
-        modelling_s={kind: fit.feature_s + fit.fit_s for kind, fit in {**fits, **more}.items()},
+        modelling_s={kind: fit.feature_s + fit.fit_s for kind, fit in more.items()} | times_s,
         validated=validated,
         rmse_n={kind: errors_n(signals, found_n).mean() for kind, found_n in
                 {**forces_n, **predicted_n}.items()},
@@ -106,18 +119,9 @@ def measured(name: str, folder: Path, every: int = 1, n: int = 10, trees: int = 
 
 def averaged(recording: springpot.Recording) -> springpot.Recording:
     """Position and force by a zero-phase moving average over 25 samples (III-C)."""
-    position_m, force_n = (
-        np.convolve(np.pad(channel, 12, "edge"), np.full(25, 1 / 25), "valid")
-        for channel in (recording.position_m, recording.force_n)
-    )
+    position_m, force_n = (np.convolve(np.pad(channel, 12, "edge"), np.full(25, 1 / 25), "valid")
+                           for channel in (recording.position_m, recording.force_n))  # fmt: skip
     return replace(recording, position_m=position_m, force_n=force_n)
-
-
-def commanded(presses: Sequence[springpot.Recording]) -> tuple[Samples, Samples, Samples]:
-    """Command of equation (1), force and position of the press at 10 N and 1 Hz."""
-    press = next(one for one in presses if one.name.endswith("-10n-1hz"))
-    time_s = press.dt_s * np.arange(len(press.force_n))
-    return 5.0 * (1.0 - np.cos(2.0 * np.pi * time_s)), press.force_n, press.position_m
 
 
 def in_hands(fit: springpot.Fit, scene: springpot.Scene) -> Hands:
@@ -142,8 +146,7 @@ def in_hands(fit: springpot.Fit, scene: springpot.Scene) -> Hands:
 
 def errors_n(signals: Sequence[springpot.Recording], forces_n: Sequence[Samples]) -> Samples:
     """RMSE of forces on each signal, (signals,), N."""
-    pairs = zip(signals, forces_n, strict=True)
-    return np.array([rms(force_n - one.force_n) for one, force_n in pairs])
+    return np.array([rms(each - one.force_n) for one, each in zip(signals, forces_n, strict=True)])
 
 
 def slow_ticks(loaded: Any, position_m: Samples) -> tuple[Samples, Samples, Samples]:
