@@ -5,11 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from springpot.codegen.files import (
-    folder_written_aside,
-    write_file,
-    written_aside,
-)
+from springpot.codegen.files import folder_written_aside, write_file, written_aside
 
 
 @pytest.mark.parametrize("options", [{}, {"overwrite": False}, {"durable": True}])
@@ -32,8 +28,7 @@ def test_the_old_content_stands_until_the_new_one_is_whole(tmp_path: Path) -> No
         aside.write_bytes(b"new")
         assert path.read_bytes() == b"old"
         assert aside.parent == path.parent  # renamed within one file system
-    assert path.read_bytes() == b"new"
-    assert list(tmp_path.iterdir()) == [path]
+    assert path.read_bytes() == b"new" and list(tmp_path.iterdir()) == [path]
 
 
 def test_a_file_that_came_meanwhile_is_kept(tmp_path: Path) -> None:
@@ -46,8 +41,7 @@ def test_a_file_that_came_meanwhile_is_kept(tmp_path: Path) -> None:
 
     with pytest.raises(FileExistsError):
         write()
-    assert path.read_text() == "theirs"
-    assert list(tmp_path.iterdir()) == [path]
+    assert path.read_text() == "theirs" and list(tmp_path.iterdir()) == [path]
 
 
 def test_what_is_to_last_is_on_the_disk_before_its_name(

@@ -61,8 +61,7 @@ def test_a_new_place_is_believed_before_the_watchdog_latches(
 ) -> None:
     """Two samples that agree at least, five at most."""
     guard = guard_config(model(trained), watchdog_ticks / rate_hz, ticks(rate_hz))
-    assert 2 <= guard.resync_ticks <= 5
-    assert guard.resync_ticks < watchdog_ticks
+    assert 2 <= guard.resync_ticks <= 5 and guard.resync_ticks < watchdog_ticks
     assert guard.resync_ticks == 5 or guard.resync_ticks + 2 > watchdog_ticks - 1e-9
 
 

@@ -82,8 +82,7 @@ def test_a_flooded_bus_does_not_keep_a_tick(link_of, tmp_path):
     assert link.read() == 512
     while link.read() >= 0:  # a file that is read to its end is a bus that is gone
         pass
-    assert link.c.samples == 4000
-    assert link.c.crc_errors == 0
+    assert link.c.samples == 4000 and link.c.crc_errors == 0
     with Path("/dev/zero").open("rb") as endless:
         os.dup2(endless.fileno(), link.near.fileno())
     assert link.read() == 0
@@ -123,8 +122,7 @@ def test_arming_heartbeats_and_torques(family, link_of):
     assert 0x18 in frames
     limits = decode("Axis0_Set_Limits", frames[0x0F])
     assert limits == {"Velocity_Limit": 40.0, "Current_Limit": 5.0}
-    assert list(frames).index(0x0F) < list(frames).index(0x07)
-    assert link.c.ready == 0
+    assert list(frames).index(0x0F) < list(frames).index(0x07) and link.c.ready == 0
 
     heartbeat = database.get_message_by_name("Axis0_Heartbeat")
 
@@ -135,8 +133,7 @@ def test_arming_heartbeats_and_torques(family, link_of):
     link.give(1, beat(1))
     assert link.read() == 0  # not armed yet: no trip
     link.give(1, beat(CLOSED_LOOP, Trajectory_Done_Flag=1))
-    assert link.read() == 0
-    assert link.c.ready == 1
+    assert link.read() == 0 and link.c.ready == 1
     assert parse_heartbeat(beat(8, Trajectory_Done_Flag=1), name).failed is False
     if name == "0.5":
         link.give(1, beat(CLOSED_LOOP, Encoder_Error_Flag=1))

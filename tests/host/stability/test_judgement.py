@@ -83,8 +83,7 @@ def usual(*instead: Outcome) -> list[Outcome]:
 )
 def test_grades(found: Outcome, grade: Grade, words: str) -> None:
     judged = judge(found)
-    assert judged.grade == grade
-    assert words in judged.words
+    assert judged.grade == grade and words in judged.words
 
 
 def test_the_gravest_hand_speaks_for_a_case() -> None:

@@ -70,8 +70,7 @@ def test_a_first_row_that_is_out_of_step_is_cut(first_s: float, tmp_path: Path) 
     """Interpolation onto it would blur every other sample, and lower the noise floor."""
     time_s = np.append(0.0, first_s + 4e-3 * np.arange(399))
     whole, found = (load(tmp_path, rows(its, "%.5f")) for its in (4e-3 * np.arange(400), time_s))
-    assert sampling_notes(whole) == []
-    assert "row 2 comes" in sampling_notes(found)[0]
+    assert sampling_notes(whole) == [] and "row 2 comes" in sampling_notes(found)[0]
     np.testing.assert_array_equal(found.force_n, whole.force_n[1:])
     assert found.dt_s == pytest.approx(4e-3)
 
@@ -99,8 +98,7 @@ def test_zero(tmp_path: Path, zero: str, position: list[float]) -> None:
     file = tmp_path / "a.csv"
     file.write_text("time_s,position_m,force_N\n0,5,1\n1,4,2\n2,6,3\n")
     recording = import_file(file, zero=zero)[0]  # type: ignore[arg-type]
-    assert recording.zero == zero
-    assert recording.position_m.tolist() == position
+    assert recording.zero == zero and recording.position_m.tolist() == position
     assert recording.force_n.tolist() == [0.0, 1.0, 2.0]
     assert recording.details["zero_position_m"] == (5.0 if zero == "first" else 4.0)
 
