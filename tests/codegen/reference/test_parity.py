@@ -48,8 +48,7 @@ def plan_of(shape: str, number: str = "float32") -> Plan:
 def test_same_bits_on_hostile_motion(number: str, shape: str, seed: int) -> None:
     plan = plan_of(shape, number)
     force_n, _ = require_same_bits(plan, wandering(seed))
-    assert np.all((force_n >= 0) & (force_n <= plan.output.max_n))
-    assert force_n.max() > 1.0
+    assert np.all((force_n >= 0) & (force_n <= plan.output.max_n)) and force_n.max() > 1.0
 
 
 @pytest.mark.few(0, 4)
@@ -203,6 +202,5 @@ def test_silence_beyond_the_watchdog_is_latched_at_zero(mode: str) -> None:
     longest = round(plan.watchdog_s / plan.dt_s)
     position[200 : 201 + longest] = np.nan
     force_n, notes = require_same_bits(plan, position)
-    assert not notes[199 + longest] & LATCHED
-    assert np.all(notes[200 + longest :] & LATCHED)
+    assert not notes[199 + longest] & LATCHED and np.all(notes[200 + longest :] & LATCHED)
     assert not force_n[220 + longest :].any()

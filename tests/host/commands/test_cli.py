@@ -169,8 +169,7 @@ def test_a_pipe_or_device_is_refused_at_once(command: str, tmp_path: Path) -> No
     out = ["--out", str(tmp_path / "out")] if command == "import" else []
     for file in (str(pipe), "/dev/zero"):
         done = run(command, file, *out, env={})
-        assert done.returncode == 3
-        assert "a pipe or device, not a file" in done.stderr
+        assert done.returncode == 3 and "a pipe or device, not a file" in done.stderr
 
 
 @contextmanager

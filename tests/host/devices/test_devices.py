@@ -117,8 +117,7 @@ def test_a_drive_over_slcan(tmp_path, folder, firmware, sign):
         session = ended(folder, drive.url, log, seconds=1.5)
         time.sleep(0.05)
     result = session.result()
-    assert session.scheduler().startswith("C thread")
-    assert abs(result["ticks"] - 1500) <= 2
+    assert session.scheduler().startswith("C thread") and abs(result["ticks"] - 1500) <= 2
     assert result["ring_dropped"] == result["crc_errors"] == 0
     assert result["samples"] > 1400
     read = faithful(folder, log)
@@ -155,8 +154,7 @@ def test_recording_needs_the_torques_of_firmware_0_6():
     command_n = 2 * np.sin(np.linspace(0, np.pi, 300)) ** 2
     with peer("slcan_odrive", "--on-object", "--object", "dragon-skin-fx") as drive:
         position_m, force_n = open_press_device(drive.url).press(command_n)
-    assert np.sqrt(np.mean((force_n - command_n) ** 2)) < 0.2
-    assert position_m.max() > 5e-4
+    assert np.sqrt(np.mean((force_n - command_n) ** 2)) < 0.2 and position_m.max() > 5e-4
     with peer("udp_odrive", "--port", 43221, "--on-object") as drive:
         position_m, force_n = open_press_device(drive.url).press(command_n)
     assert np.sqrt(np.mean((force_n - command_n) ** 2)) < 0.2

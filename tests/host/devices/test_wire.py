@@ -43,8 +43,7 @@ def c_end():
 def test_one_table_for_both_ends(c_end):
     _, lib = c_end
     assert lib.sp_wire_layout() == layout()
-    assert lib.sp_wire_crc32c(b"123456789", 9) == 0xE3069283
-    assert len(messages()) == 6
+    assert lib.sp_wire_crc32c(b"123456789", 9) == 0xE3069283 and len(messages()) == 6
 
 
 @pytest.mark.parametrize("name", list(messages()))
@@ -149,8 +148,7 @@ def test_a_device_that_starts_again_is_heard_from_its_hello_on(c_end):
     hello = {"layout": 0, "rate_hz": 1.0, "max_n": 1.0}
     content = numbered(100_000) + numbered(0, "hello", **hello) + numbered(1) + numbered(2)
     told, gaps = both_ends(c_end, content)
-    assert told == [(100_000, False), (0, False), (1, False), (2, False)]
-    assert gaps == 0
+    assert told == [(100_000, False), (0, False), (1, False), (2, False)] and gaps == 0
     # one that was only overtaken starts nothing
     content = numbered(100) + numbered(99, "hello", **hello) + numbered(98) + numbered(101)
     assert [old for _, old in both_ends(c_end, content)[0]] == [False, True, True, False]

@@ -63,8 +63,7 @@ def test_calls_that_fail_for_a_moment(folder, tmp_path):
     with peer("dhd_device", "--fail-after", 0.6, "--fail-for", 0.05) as device:
         result, said, read = felt(folder, tmp_path, device, 1.4)
         assert device.named("tripped")[0]["was_n"] > 0.05
-    assert "gone (communication error), force zero" in said
-    assert "force ramps in" in said
+    assert "gone (communication error), force zero" in said and "force ramps in" in said
     assert result["disconnects"] == result["resets"] == 1
     (zero,) = np.nonzero(read.channels["notes"].astype(int) & LATCHED)
     again = read.force_n[zero[-1] + 1 :]

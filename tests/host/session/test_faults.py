@@ -64,8 +64,7 @@ def test_host_killed_in_a_press(tmp_path, folder, round_, kind):
     assert tripped["was_n"] > 0 and tripped["at_s"] - killed_s < 0.050
     read = faithful(folder, host.log)
     started_s = device.named("start")[-1]["at_s"]
-    assert read.duration_s > killed_s - started_s - 1.0
-    assert "recovered" in read.details
+    assert read.duration_s > killed_s - started_s - 1.0 and "recovered" in read.details
 
 
 @pytest.mark.realtime

@@ -53,8 +53,7 @@ def test_a_bare_scene_is_its_model(tmp_path: Path) -> None:
     assert found.rendering_n < found.model_rmse_n
     assert found.accuracy.rmse_n == pytest.approx(found.model_rmse_n, rel=0.1)
     rows = validation_rows(found)
-    assert "the hand feels" not in rows["RMSE, the model alone"]
-    assert "signs" not in rows
+    assert "the hand feels" not in rows["RMSE, the model alone"] and "signs" not in rows
     parts_n = list(map(float, re.findall(r"([\d.e-]+) N\b", rows["RMSE, the model alone"])))
     assert parts_n == pytest.approx([found.model_rmse_n, found.rendering_n], rel=1e-3)
     deeper = recording("deeper", press(1.0, 0.018))
@@ -137,8 +136,7 @@ def test_two_training_recordings_of_one_name_are_both_seen() -> None:
     """Folders of two days may hold the same names."""
     twins = [replace(item, name="press") for item in training()[:2]]
     model = fit_model("hammerstein", "x", [*twins, *training()[2:4]], FitOptions()).model
-    assert seen_by(model, twins) == 2
-    assert len(check_recordings(twins).recordings) == 2
+    assert seen_by(model, twins) == 2 and len(check_recordings(twins).recordings) == 2
     speeds = {figures["max_speed_mps"] for figures in check_recordings(twins).recordings}
     assert len(speeds) == 2
 

@@ -40,8 +40,7 @@ def test_a_plain_spring_needs_no_forest(caplog):
     assert list(said) == [f"{k} of {len(tried)}: {n}" for k, n in enumerate(tried, 1)]
     steps = [(record.done, record.total) for record in caplog.records]
     assert steps == sorted(steps) and steps[-1][0] <= steps[-1][1]
-    assert fit.metadata["chosen"] == "hammerstein"
-    assert fit.model.regressor is None
+    assert fit.metadata["chosen"] == "hammerstein" and fit.model.regressor is None
     other, forest = spring("other", press(2.4, 0.008)), fit_model("rf-fd", "x", presses, OPTIONS)
     assert rmse_n(fit.model, other) < 0.1 * rmse_n(forest.model, other)
 
@@ -59,8 +58,7 @@ def test_what_it_chooses_beats_the_papers_kinds_and_trees_are_for_what_is_felt()
     scores = {score["name"]: score["mean_n"] for score in fit.metadata["scores"]}
     felt_n = auto.FORCE_TOLERANCE * fit.model.trained.max_n
     assert scores["hammerstein"] - min(scores.values()) < felt_n
-    assert fit.metadata["chosen"] == "hammerstein"
-    assert active_cells(fit.model) == 0
+    assert fit.metadata["chosen"] == "hammerstein" and active_cells(fit.model) == 0
 
 
 def test_a_forest_that_gives_energy_is_passed_over(monkeypatch):
