@@ -63,7 +63,6 @@ def test_nothing_is_overwritten(tmp_path, short):
     before = {file: file.read_bytes() for file in (tmp_path / "o").iterdir()}
     min(before).unlink()
     result = run(*arguments)
-    assert isinstance(result.exception, UsageError)
-    assert str(second) in str(result.exception)
+    assert isinstance(result.exception, UsageError) and str(second) in str(result.exception)
     assert [*(tmp_path / "o").iterdir()] == [second]
     assert second.read_bytes() == before[second]

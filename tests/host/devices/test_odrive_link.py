@@ -118,8 +118,7 @@ def test_arming_heartbeats_and_torques(family, link_of):
     decode = functools.partial(database.decode_message, decode_choices=False)
     assert decode("Axis0_Set_Axis_State", frames[0x07])["Axis_Requested_State"] == CLOSED_LOOP
     mode = decode("Axis0_Set_Controller_Mode", frames[0x0B])
-    assert (int(mode["Control_Mode"]), int(mode["Input_Mode"])) == (1, 1)
-    assert 0x18 in frames
+    assert (int(mode["Control_Mode"]), int(mode["Input_Mode"])) == (1, 1) and 0x18 in frames
     limits = decode("Axis0_Set_Limits", frames[0x0F])
     assert limits == {"Velocity_Limit": 40.0, "Current_Limit": 5.0}
     assert list(frames).index(0x0F) < list(frames).index(0x07) and link.c.ready == 0

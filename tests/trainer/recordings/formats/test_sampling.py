@@ -21,8 +21,7 @@ def test_jitter_needs_resampling(tmp_path: Path) -> None:
     time_s = np.arange(100) * 0.01
     time_s[42] += 0.001
     message = refusal(tmp_path, rows(time_s))
-    assert "row 44: the time step is 0.011 s" in message
-    assert "--resample-hz 100" in message
+    assert "row 44: the time step is 0.011 s" in message and "--resample-hz 100" in message
     found = load(tmp_path, rows(time_s), resample_hz=100.0)
     assert (found.dt_s, found.details["resampled_hz"]) == (0.01, 100.0)
     np.testing.assert_allclose(found.position_m[42], np.interp(0.42, time_s, np.arange(100) * 1e-4))
@@ -109,8 +108,7 @@ def test_compression_files_of_another_laboratory(shared_data: Path) -> None:
     assert len(files) == 30
     for file in files:
         recording, _ = import_file(file)
-        assert recording.rate_hz == pytest.approx(10.0)
-        assert len(recording.position_m) == 1201
+        assert recording.rate_hz == pytest.approx(10.0) and len(recording.position_m) == 1201
         assert recording.position_m[-1] == pytest.approx(20e-3, rel=1e-3)
         assert recording.force_n[-1] > 400.0
         tail = recording.details["sampling"]["tail"]
