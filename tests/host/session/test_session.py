@@ -20,7 +20,7 @@ from springpot.host.emission.emission import emit
 from springpot.host.native.c_library import COLUMN, IDLE, NONE, RESET, SILENT, UNSENT, empty_rows
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.session.live_warnings import LiveWarnings
-from springpot.host.session.outcome import LoopSettings, LoopState, expected_ticks
+from springpot.host.session.outcome import NOTE_WORDS, LoopSettings, LoopState, expected_ticks
 from springpot.host.validation.validation import validate
 from springpot.trainer.recordings.hdf5_file import write_recording
 from springpot.trainer.recordings.recording_file import read_recording
@@ -120,8 +120,9 @@ def test_pause_reset_resume_stop(log, folder):
     paused = np.flatnonzero(call & NONE)
     assert len(paused) > 100 and np.all(call[paused] & SILENT)
     assert np.all(read.force_n[paused] == 0)
-    assert np.flatnonzero(call & RESET)[0] == paused[-1] + 1
-    assert np.count_nonzero(call & RESET) == 2
+    resets = np.flatnonzero(call & RESET)
+    assert resets[0] == paused[-1] + 1 and len(resets) == 2
+    assert sum(map(len, session._ticks_s)) == np.count_nonzero((call & (IDLE | NONE)) == 0)
 
 
 def test_an_exception_ends_it_with_zero_force(log, folder):
@@ -144,8 +145,7 @@ def test_limits_end_it_before_the_force_is_sent(tmp_path, folder):
         assert says in session.line and isinstance(session.error, SpringpotError)
         assert exit_status(session.error) == 1
         read = faithful(folder, log)
-        assert read.force_n[-1] == 0
-        assert read.force_n.max() <= limits.get("max_force_n", 99)
+        assert read.force_n[-1] == 0 and read.force_n.max() <= limits.get("max_force_n", 99)
 
 
 @pytest.mark.realtime
@@ -248,11 +248,12 @@ def test_what_lasts_is_told_once():
     rows[1000:4000, COLUMN["notes"]] = OUTSIDE
     rows[1000:4000, COLUMN["position_m"]] = np.linspace(0.0121, 0.0134, 3000)
     rows[4000:, COLUMN["position_m"]] = np.linspace(0.0134, 0.005, 2000)
-    said, events = watched(rows)
-    ((at, first),) = said
-    assert 1000 < at <= 1100
-    assert first.endswith("s: warning: deeper than was recorded, 12.12 of 12 mm")
-    assert events == [{"time_s": 1.0, "what": "deeper than was recorded", "count": 3000}]
+    rows[5000:5200, COLUMN["notes"]] = HELD | LATCHED  # which another message says
+    ((at, first), (_, latched)), events = watched(rows)
+    assert 1000 < at <= 1100 and latched == ""
+    assert first.endswith(f"s: warning: {DEEP}, 12.12 of 12 mm")
+    assert events == [{"time_s": 1.0, "what": DEEP, "count": 3000},
+                      {"time_s": 5.0, "what": NOTE_WORDS[LATCHED], "count": 200}]  # fmt: skip
 
 
 def test_what_belongs_to_a_session_is_no_warning():
@@ -296,5 +297,4 @@ def test_a_session_deeper_than_trained_warns_and_its_log_keeps_it(folder, log, t
     assert deeper["count"] == outside.sum() > 200
     first_s = read.channels["time_s"][np.argmax(outside)]
     assert deeper["time_s"] == pytest.approx(first_s, abs=1e-3)
-    assert any(DEEP in line for line in said)
-    assert read.details["end"]["warnings"] == warnings
+    assert any(DEEP in line for line in said) and read.details["end"]["warnings"] == warnings
