@@ -5,11 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from springpot.codegen.files import (
-    folder_written_aside,
-    write_file,
-    written_aside,
-)
+from springpot.codegen.files import folder_written_aside, write_file, written_aside
 
 
 @pytest.mark.parametrize("options", [{}, {"overwrite": False}, {"durable": True}])
@@ -21,8 +17,7 @@ def test_a_write_that_fails_leaves_nothing_aside(tmp_path: Path, options: dict[s
 
     with pytest.raises(OSError, match="No space") as failed:
         write(tmp_path / "a")
-    assert failed.value.filename == str(tmp_path / "a")
-    assert list(tmp_path.iterdir()) == []
+    assert failed.value.filename == str(tmp_path / "a") and list(tmp_path.iterdir()) == []
 
 
 def test_the_old_content_stands_until_the_new_one_is_whole(tmp_path: Path) -> None:
@@ -32,8 +27,7 @@ def test_the_old_content_stands_until_the_new_one_is_whole(tmp_path: Path) -> No
         aside.write_bytes(b"new")
         assert path.read_bytes() == b"old"
         assert aside.parent == path.parent  # renamed within one file system
-    assert path.read_bytes() == b"new"
-    assert list(tmp_path.iterdir()) == [path]
+    assert path.read_bytes() == b"new" and list(tmp_path.iterdir()) == [path]
 
 
 def test_a_file_that_came_meanwhile_is_kept(tmp_path: Path) -> None:
@@ -46,8 +40,7 @@ def test_a_file_that_came_meanwhile_is_kept(tmp_path: Path) -> None:
 
     with pytest.raises(FileExistsError):
         write()
-    assert path.read_text() == "theirs"
-    assert list(tmp_path.iterdir()) == [path]
+    assert path.read_text() == "theirs" and list(tmp_path.iterdir()) == [path]
 
 
 def test_what_is_to_last_is_on_the_disk_before_its_name(

@@ -40,11 +40,18 @@ def test_steps_in_the_slope_show_and_an_offset_does_not() -> None:
     assert 2.0 < stepped.median_percent < stepped.p95_percent
 
 
+def test_slopes_that_noise_hides_are_not_counted() -> None:
+    """Only a quarter of the way is noisy: what is known elsewhere is known exactly."""
+    hidden, noise = DEPTH_M / DEPTH_M.max(), np.random.default_rng(1).normal(size=len(DEPTH_M))
+    noise_n = np.where((hidden > 0.5) & (hidden < 0.75), 0.3 * noise, 0.0)
+    found = slope_errors([Recording("x", DEPTH_M, FORCE_N + noise_n, DT_S)], [FORCE_N])
+    assert found.p95_percent < 1e-6
+
+
 def test_the_ramp_at_the_start_is_no_error() -> None:
     ramped = FORCE_N * np.minimum(np.arange(len(FORCE_N)) / 500.0, 1.0)
     counted, not_counted = (slope_errors([recorded()], [ramped], ramps) for ramps in (None, [500]))
-    assert counted.p95_percent > 10.0
-    assert not_counted.p95_percent < 1e-6
+    assert counted.p95_percent > 10.0 and not_counted.p95_percent < 1e-6
     assert 0 < not_counted.windows <= counted.windows
 
 
@@ -53,5 +60,8 @@ def test_first_presses_err_apart_from_later_ones() -> None:
     item = Recording("three", np.tile(press_m, 3), 1e3 * np.tile(press_m, 3), 1e-3)
     predicted_n = item.force_n + np.repeat([9.0, 0.3, 0.1, 0.1], [100, 400, 500, 500])  # a ramp
     assert press_errors_n([item], [predicted_n], [100]) == pytest.approx((0.3, 0.1), abs=1e-3)
+    late_n = item.force_n + np.repeat([9.0, 0.1], [600, 900])  # a ramp into the second press
+    both = press_errors_n([item, item], [predicted_n, late_n], [100, 600])
+    assert both == pytest.approx((0.3, 0.1), abs=1e-3)
     once = Recording("one", press_m, 1e3 * press_m, 1e-3)
     assert press_errors_n([once], [once.force_n], [0]) is None

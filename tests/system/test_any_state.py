@@ -55,8 +55,7 @@ def test_memory_that_init_never_saw_is_refused(name: str, number: str) -> None:
         calls.bytes[:] = any_bytes if fill is None else fill
         before = calls.bytes.copy()
         for found, force_n in calls.all(0.002):
-            assert found == STATE
-            assert force_n == 0.0
+            assert found == STATE and force_n == 0.0
         np.testing.assert_array_equal(calls.bytes, before)
 
 
@@ -95,5 +94,4 @@ def test_a_damaged_state_gives_a_force_within_its_limits_and_ends(name: str, num
         longer_s = float(random.choice([1e-3, 0.015, 1e6]))
         for at_m in (0.003, 0.0031, np.nan, 0.0035, -0.001, 0.002):
             for found, force_n in calls.all(at_m, longer_s):
-                assert found >= 0
-                assert min_n <= force_n <= float(planned.output.max_n)
+                assert found >= 0 and min_n <= force_n <= float(planned.output.max_n)

@@ -139,7 +139,4 @@ def test_a_wheel_is_whole_and_has_one_name_only(tmp_path: Path) -> None:
     package = tmp_path / "installed" / "springpot"
     result = subprocess.run([sys.executable, "-c", script], capture_output=True, text=True,
                             check=True, env={"PYTHONPATH": str(package.parent)})  # fmt: skip
-    assert result.stdout.split() == [
-        str(package / "__init__.py"),
-        str(package / "host/loaded.py"),
-    ]
+    assert result.stdout.split() == [str(package / "__init__.py"), str(package / "host/loaded.py")]

@@ -48,8 +48,7 @@ def test_documents() -> None:
 
 
 def test_names_commands_and_kinds() -> None:
-    assert len(dir(springpot)) <= 24
-    assert len(COMMANDS) <= 16
+    assert len(dir(springpot)) <= 24 and len(COMMANDS) <= 16
     assert len(kind_names()) <= 6  # five, and auto
 
 

@@ -53,8 +53,7 @@ def test_the_example_in_the_documentation(tmp_path, cxx):
         else:
             expected = state.step(-float(z), -0.01)[0]
         assert float(force) == expected
-    assert lines[300] == ["0"]
-    assert len(lines) == 301
+    assert lines[300] == ["0"] and len(lines) == 301
     assert max(float(force) for _, force in lines[:300]) > 1.0
 
 
@@ -95,7 +94,6 @@ def test_a_session_on_it_repeats_bit_for_bit(tmp_path: Path) -> None:
                       "--log", log, "--json")  # fmt: skip
     result = json.loads(done.stdout)
     assert done.returncode == 0, done.stderr
-    assert abs(result["ticks"] - 3000) < 30
-    assert not result["crc_errors"]
+    assert abs(result["ticks"] - 3000) < 30 and not result["crc_errors"]
     checked = json.loads(spring("validate", tmp_path / "c", "--recording", log, "--json").stdout)
     assert checked["mismatches"] == 0

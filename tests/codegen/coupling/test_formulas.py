@@ -12,7 +12,12 @@ from scipy.linalg import expm
 from scipy.signal import cont2discrete
 
 from springpot.codegen.coupling.auto import STIFFNESS_MARGIN_PROXY, choose_coupling
-from springpot.codegen.coupling.gains import couple_config, require_plausible_damping, transition
+from springpot.codegen.coupling.gains import (
+    couple_config,
+    max_published_damping_nspm,
+    require_plausible_damping,
+    transition,
+)
 from springpot.codegen.coupling.gains import transition as exact_step
 from springpot.codegen.coupling.linear_loop import CHECKED, DESIGN_HAND, HAND_MODELS, LinearLoop
 from springpot.codegen.coupling.loop_device import DEVICE_DAMPING_NSPM, DEVICE_MASS_KG, LoopDevice
@@ -126,6 +131,16 @@ def test_the_printed_damping_is_refused_as_a_unit_error() -> None:
         require_plausible_damping(Coupling(mode="tool", stiffness_npm=1.5e6))
     with pytest.raises(UnsafeError, match="the paper's gains"):
         require_plausible_damping(Coupling(mode="tool", mass_kg=1e-9))
+
+
+@given(st.floats(1.0, 1e4), st.floats(0.01, 1.0), st.floats(1e-4, 1e-3))
+def test_the_published_step_is_stable_up_to_its_damping(k: float, m: float, dt: float) -> None:
+    assert max_published_damping_nspm(Coupling("tool", 1e6, 1.0, 0.01), 1e-3) == 0.0
+    most_nspm = max_published_damping_nspm(Coupling("tool", k, 1.0, m), dt)
+    for b in (0.999 * most_nspm, 1.001 * most_nspm):
+        grow = np.array([[1.0, 0.0], [-k * dt / m, 1.0 - b * dt / m]])  # the speed, then the way
+        step = np.array([[1.0, dt], [0.0, 1.0]]) @ grow
+        assert (np.abs(np.linalg.eigvals(step)).max() < 1.0) == (b < most_nspm)
 
 
 def test_the_exact_step_is_stable_at_any_gains() -> None:

@@ -26,8 +26,7 @@ def test_a_compiler_alone_gives_the_forces_of_every_tick(tmp_path: Path) -> None
     along_m = np.interp(pictures, range(len(words)), 1e-3 * depth_m)
     plan = soft_pad()
     force_n = built(plan).new_state().run(along_m, np.gradient(along_m, plan.dt_s))[0]
-    assert given_n.max() > 3.0
-    assert np.abs(given_n - force_n[ticks - 1 :: ticks]).max() < 2e-3
+    assert given_n.max() > 3.0 and np.abs(given_n - force_n[ticks - 1 :: ticks]).max() < 2e-3
 
 
 def test_advance_refuses_misuse(tmp_path: Path) -> None:

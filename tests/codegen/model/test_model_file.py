@@ -32,8 +32,7 @@ def refused(folder: Path, content: bytes) -> str:
     with pytest.raises(DataError) as error:
         read(folder, content)
     line = str(error.value)
-    assert line.isprintable()
-    assert line.startswith(f"{folder / 'x.spm'}: ")
+    assert line.isprintable() and line.startswith(f"{folder / 'x.spm'}: ")
     return line
 
 

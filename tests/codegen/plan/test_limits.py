@@ -61,8 +61,7 @@ def test_a_new_place_is_believed_before_the_watchdog_latches(
 ) -> None:
     """Two samples that agree at least, five at most."""
     guard = guard_config(model(trained), watchdog_ticks / rate_hz, ticks(rate_hz))
-    assert 2 <= guard.resync_ticks <= 5
-    assert guard.resync_ticks < watchdog_ticks
+    assert 2 <= guard.resync_ticks <= 5 and guard.resync_ticks < watchdog_ticks
     assert guard.resync_ticks == 5 or guard.resync_ticks + 2 > watchdog_ticks - 1e-9
 
 
@@ -80,8 +79,7 @@ def test_a_watchdog_waits_20_ms_or_three_ticks_and_one_bad_sample_never_latches(
     assert f"give at least {3 * tick_ms:g}," in str(refused.value)
     assert watchdog_s_of(scene(watchdog_ms=2.5), 1e-3) == 0.0025
     silence = silence_config(0.02, ticks(rate_hz))
-    assert silence.dt_s * silence.per_dt == near(1.0)
-    assert silence.dt_s == 1.0 / rate_hz
+    assert silence.dt_s * silence.per_dt == near(1.0) and silence.dt_s == 1.0 / rate_hz
     with pytest.raises(FrozenInstanceError):
         silence.dt_s = 0.0  # type: ignore[misc]
     assert silence.watchdog_s - 0.02 == near(0.5 / rate_hz)

@@ -48,8 +48,7 @@ def plan_of(shape: str, number: str = "float32") -> Plan:
 def test_same_bits_on_hostile_motion(number: str, shape: str, seed: int) -> None:
     plan = plan_of(shape, number)
     force_n, _ = require_same_bits(plan, wandering(seed))
-    assert np.all((force_n >= 0) & (force_n <= plan.output.max_n))
-    assert force_n.max() > 1.0
+    assert np.all((force_n >= 0) & (force_n <= plan.output.max_n)) and force_n.max() > 1.0
 
 
 @pytest.mark.few(0, 4)
@@ -175,6 +174,26 @@ def test_the_reference_gives_the_same_bits_with_the_devices_own_velocity() -> No
     assert np.all(notes[300:304] & HELD)
 
 
+def test_a_silence_does_not_hurry_a_ramp() -> None:
+    """After a start at depth, of a tool that withdraws while no sample comes."""
+    plan, position = silent_plan("hammerstein", "off"), np.repeat([8e-3, 5e-3], [10, 50])
+    whole_n, _ = require_same_bits(plan, position)
+    position[10:14] = np.nan
+    force_n, notes = require_same_bits(plan, position)
+    assert np.all(notes[14:40] & RAMPED) and np.all(force_n[14:40] < whole_n[14:40])
+
+
+def test_samples_far_away_are_believed_only_in_a_row() -> None:
+    plan = silent_plan("hammerstein", "off")
+    position = np.full(200, 5e-3)
+    position[100:104] = position[105:109] = 0.09  # a fifth in a row is taken as true
+    position[104] = np.nan
+    _, notes = require_same_bits(plan, position)
+    assert np.all(notes[100:109] & HELD) and not np.any(notes[1:] & RESYNC)
+    position[109] = 0.09
+    assert require_same_bits(plan, position)[1][109] & RESYNC
+
+
 @pytest.mark.few(1)
 @pytest.mark.parametrize("mode", MODES)
 def test_silence_beyond_the_watchdog_is_latched_at_zero(mode: str) -> None:
@@ -183,6 +202,5 @@ def test_silence_beyond_the_watchdog_is_latched_at_zero(mode: str) -> None:
     longest = round(plan.watchdog_s / plan.dt_s)
     position[200 : 201 + longest] = np.nan
     force_n, notes = require_same_bits(plan, position)
-    assert not notes[199 + longest] & LATCHED
-    assert np.all(notes[200 + longest :] & LATCHED)
+    assert not notes[199 + longest] & LATCHED and np.all(notes[200 + longest :] & LATCHED)
     assert not force_n[220 + longest :].any()

@@ -49,8 +49,7 @@ def test_a_model_alone_is_a_scene_of_defaults(tmp_path):
     assert json.loads(told.stdout)["hash"] == emission.hash
     for command in (("emit", "--out", tmp_path / "no"), ("stability",)):
         refused = spring(*command)
-        assert refused.returncode == 2
-        assert "give --model" in refused.stderr
+        assert refused.returncode == 2 and "give --model" in refused.stderr
 
 
 def test_run_takes_lists_and_velocities(folder):
@@ -75,8 +74,7 @@ def test_run_says_that_positions_are_millimetres(folder):
 def test_predict_is_the_model_above_zero():
     rec = training()[-1]
     force_n = springpot.predict(passive_model(), list(rec.position_m), dt_s=DT_S)
-    assert force_n.shape == rec.force_n.shape
-    assert np.max(np.abs(force_n - rec.force_n)) < 1.0
+    assert force_n.shape == rec.force_n.shape and np.max(np.abs(force_n - rec.force_n)) < 1.0
     moved = replace(passive_model(), contact="always")
     assert springpot.predict(moved, rec.position_m).shape == rec.force_n.shape
     memory = springpot.train(training(), "springpot").model
@@ -110,8 +108,7 @@ def test_good_news_is_logged_and_doubts_are_warnings(tmp_path, caplog, capsys):
     np.savetxt(file, rows, "%.9g", ",", header="t,x,f", comments="")
     with pytest.warns(UserWarning, match="force has steps of 1 N") as warned:
         springpot.import_recordings(file, "time=t:s,position=x:mm,force=f:N")
-    assert {each.filename for each in warned} == {__file__}
-    assert capsys.readouterr().err == ""
+    assert {each.filename for each in warned} == {__file__} and capsys.readouterr().err == ""
     done = spring("import", file, "--map", "time=t:s,position=x:mm,force=f:N", "--out", tmp_path)
     assert "clockwise" in done.stderr
 

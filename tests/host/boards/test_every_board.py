@@ -43,11 +43,7 @@ OF_DEPTH = {
 }
 MEMORY = {"conditioned": Memory(np.full(8, -0.01), *np.zeros((2, 0))), "starts_conditioned": True}
 OF_DEPTH["conditioned"] = OF_DEPTH["rates by depth"] | MEMORY
-SHAPES = {
-    "off": {},
-    "tool": {"mode": "tool", "smoothing_s": 1e-3},
-    "proxy": {"mode": "proxy"},
-}
+SHAPES = {"off": {}, "tool": {"mode": "tool", "smoothing_s": 1e-3}, "proxy": {"mode": "proxy"}}
 
 FIRST = [("rf-fd", "proxy"), ("hammerstein", "tool"), ("rbf-pv", "proxy"), ("rf-fd deep", "off"),
          ("flow", "off"), ("damage", "off"), ("conditioned", "off"), ("linear", "off")]  # fmt: skip
@@ -113,8 +109,7 @@ def test_ten_branches_and_three_stops_take_640_instructions_and_4400_bytes(tmp_p
     batch = run_batch(tmp_path / "c", BOARDS["mps2-an386"], calls)
     restarts = (batch.notes & RESYNC) != 0
     most = int(batch.instructions[~restarts & ~after_silence(batch.notes)].max())
-    assert most <= 640
-    assert emission.footprint.flash_bytes <= 4400
+    assert most <= 640 and emission.footprint.flash_bytes <= 4400
 
 
 def test_fit_makes_it_fit(tmp_path: Path) -> None:

@@ -52,23 +52,19 @@ def test_train_emit_build_validate_report(job: Path) -> None:
                   "--out", job / "c", "--json")  # fmt: skip
     assert emitted.returncode == 0, emitted.stderr
     metadata = json.loads(emitted.stdout)
-    assert metadata["flash_bytes"] > 10_000
-    assert 0 < metadata["ram_bytes"] < 2000
-    assert 0 < metadata["stack_bytes"] < 2000
-    assert metadata["compile_s"] > 0
+    assert metadata["flash_bytes"] > 10_000 and 0 < metadata["ram_bytes"] < 2000
+    assert 0 < metadata["stack_bytes"] < 2000 and metadata["compile_s"] > 0
     assert Path(run("build", job / "c").stdout.strip()).suffix == ".so"
     validated = run("validate", job / "c", "--recording", job / "rec", "--json")
     assert validated.returncode == 0, validated.stderr
     result = json.loads(validated.stdout)
-    assert result["mismatches"] == 0
-    assert result["hash"] == metadata["hash"]
+    assert result["mismatches"] == 0 and result["hash"] == metadata["hash"]
     assert result["notes"]["resync"] == len(training())
     assert 0 < result["tick_ns"]["hot_median"] <= result["tick_ns"]["max"]
     reported = run("report", job / "c", "--json")
     assert reported.returncode == 0, reported.stderr
     page = Path(json.loads(reported.stdout)["report"]).read_text()
-    assert page.count("<svg") == 3
-    assert metadata["hash"] in page
+    assert page.count("<svg") == 3 and metadata["hash"] in page
     assert set(re.findall(r"https?://[\w.]+", page)) <= {"http://www.w3.org"}
 
 
@@ -119,8 +115,7 @@ def words_of(group: click.Group, above: tuple[str, ...] = ()) -> Iterator[tuple[
 def test_no_command_takes_an_empty_word(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     given = list(words_of(command_line))
-    assert ("import", "") in given
-    assert ("study", "plan", "--out=") in given
+    assert ("import", "") in given and ("study", "plan", "--out=") in given
     for words in given:
         done = spring(*words)
         assert done.returncode == 2, words
@@ -142,8 +137,7 @@ def test_a_log_is_compared_with_the_c_and_leaves_the_validation_alone(job: Path)
     assert felt.returncode == 0, felt.stderr
     words = " ".join(felt.stdout.split())
     assert "what was felt is what the model says" in words
-    assert "not with a measured object" in words
-    assert "RMSE" not in words
+    assert "not with a measured object" in words and "RMSE" not in words
     assert (job / "c" / "validation" / "result.json").read_text() == before
     other = spring("run", "--scene", job / "c", "--device", "sim://ecoflex-00-30?variant=b")
     assert other.returncode == 2 and "leave them out where a scene is rendered" in other.stderr
@@ -175,8 +169,7 @@ def test_a_pipe_or_device_is_refused_at_once(command: str, tmp_path: Path) -> No
     out = ["--out", str(tmp_path / "out")] if command == "import" else []
     for file in (str(pipe), "/dev/zero"):
         done = run(command, file, *out, env={})
-        assert done.returncode == 3
-        assert "a pipe or device, not a file" in done.stderr
+        assert done.returncode == 3 and "a pipe or device, not a file" in done.stderr
 
 
 @contextmanager
@@ -225,5 +218,4 @@ def test_nothing_is_left_and_what_was_there_stands(
     with files_of_at_most(1000):
         done = spring(*arguments)
     assert done.returncode == 2, done.stderr
-    assert "choose another " in done.stderr.splitlines()[-1]
-    assert content(tmp_path) == before
+    assert "choose another " in done.stderr.splitlines()[-1] and content(tmp_path) == before

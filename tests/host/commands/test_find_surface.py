@@ -34,14 +34,11 @@ def test_the_surface_of_a_force_dimension_device(tmp_path: Path) -> None:
 def test_a_tool_that_moves_is_no_touch(tmp_path: Path) -> None:
     with peer("serial_device", "--presses-hz", 1) as device:
         result = recorded(device, tmp_path)
-    assert result.returncode == 1
-    assert "the tool moved by" in result.stderr
-    assert "keep it still" in result.stderr
-    assert not (tmp_path / "out").exists()
+    assert result.returncode == 1 and "the tool moved by" in result.stderr
+    assert "keep it still" in result.stderr and not (tmp_path / "out").exists()
 
 
 def test_nobody_there(tmp_path: Path) -> None:
     with peer("serial_device") as device:
         result = recorded(device, tmp_path, keys="")
-    assert result.returncode == 2
-    assert "run it in a terminal" in result.stderr
+    assert result.returncode == 2 and "run it in a terminal" in result.stderr

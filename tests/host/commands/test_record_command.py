@@ -53,8 +53,7 @@ def test_the_seed_draws_commands_and_noise(tmp_path, short):
         return [r.content_hash for r in read_recordings([out])]
 
     one, same, other = (recorded(number, seed) for number, seed in enumerate((1, 1, 2)))
-    assert one == same
-    assert set(one).isdisjoint(other)
+    assert one == same and set(one).isdisjoint(other)
 
 
 def test_nothing_is_overwritten(tmp_path, short):
@@ -64,7 +63,6 @@ def test_nothing_is_overwritten(tmp_path, short):
     before = {file: file.read_bytes() for file in (tmp_path / "o").iterdir()}
     min(before).unlink()
     result = run(*arguments)
-    assert isinstance(result.exception, UsageError)
-    assert str(second) in str(result.exception)
+    assert isinstance(result.exception, UsageError) and str(second) in str(result.exception)
     assert [*(tmp_path / "o").iterdir()] == [second]
     assert second.read_bytes() == before[second]

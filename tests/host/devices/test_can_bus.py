@@ -117,8 +117,7 @@ def test_damaged_lines_of_an_adapter_are_no_frames():
         frames = [bus.receive(until_s) for _ in range(300)]
         bus.close()
     good = [frame for frame in frames if frame and frame[0] == identifier(0, 9)]
-    assert len(good) > 150
-    assert all(len(data) <= 8 for _, data in filter(None, frames))
+    assert len(good) > 150 and all(len(data) <= 8 for _, data in filter(None, frames))
 
 
 def test_a_raw_can_socket_carries_the_same_frames(monkeypatch):

@@ -43,8 +43,7 @@ def test_stop_is_new_however_many_forces_the_loop_sent():
         if frame.name == "ask":
             far.restart()
         new.append((frame.name, frame.old))
-    assert ("command", False) in new
-    assert ("command", True) not in new
+    assert ("command", False) in new and ("command", True) not in new
 
 
 @pytest.mark.realtime
@@ -100,8 +99,7 @@ def test_a_device_that_tripped_takes_forces_after_a_reset(folder):
             wait_until(lambda: session.state.resets == 1, 5, "no reset")
             at = session.state.ticks
             wait_until(lambda: session.state.ticks > at + 300, 5, "no ticks")
-            assert session.state.watchdog_trips == 1
-            assert not session.state.tripped
+            assert session.state.watchdog_trips == 1 and not session.state.tripped
         assert len(device.named("reset")) == 1
         device.wait_for("stop")
         assert any(event["was_n"] > 0 for event in device.named("zero"))
@@ -119,10 +117,8 @@ def test_a_drive_over_slcan(tmp_path, folder, firmware, sign):
         session = ended(folder, drive.url, log, seconds=1.5)
         time.sleep(0.05)
     result = session.result()
-    assert session.scheduler().startswith("C thread")
-    assert abs(result["ticks"] - 1500) <= 2
-    assert result["ring_dropped"] == result["crc_errors"] == 0
-    assert result["samples"] > 1400
+    assert session.scheduler().startswith("C thread") and abs(result["ticks"] - 1500) <= 2
+    assert result["ring_dropped"] == result["crc_errors"] == 0 and result["samples"] > 1400
     read = faithful(folder, log)
     assert read.position_m.max() > 3e-3
     assert [event["state"] for event in drive.named("state")] == [8, 8, 1]
@@ -135,8 +131,7 @@ def test_a_drive_over_udp_multicast(tmp_path, folder):
     log = tmp_path / "a.h5"
     with peer("udp_odrive", "--port", 43219) as drive:
         session = ended(folder, drive.url, log, seconds=1.0)
-    assert session.scheduler().startswith("C thread")
-    assert session.result()["samples"] > 800
+    assert session.scheduler().startswith("C thread") and session.result()["samples"] > 800
     faithful(folder, log)
 
 
@@ -157,8 +152,7 @@ def test_recording_needs_the_torques_of_firmware_0_6():
     command_n = 2 * np.sin(np.linspace(0, np.pi, 300)) ** 2
     with peer("slcan_odrive", "--on-object", "--object", "dragon-skin-fx") as drive:
         position_m, force_n = open_press_device(drive.url).press(command_n)
-    assert np.sqrt(np.mean((force_n - command_n) ** 2)) < 0.2
-    assert position_m.max() > 5e-4
+    assert np.sqrt(np.mean((force_n - command_n) ** 2)) < 0.2 and position_m.max() > 5e-4
     with peer("udp_odrive", "--port", 43221, "--on-object") as drive:
         position_m, force_n = open_press_device(drive.url).press(command_n)
     assert np.sqrt(np.mean((force_n - command_n) ** 2)) < 0.2
@@ -210,5 +204,4 @@ def test_a_rate_that_falls_in_a_session(folder):
         assert device.wait_for("stop")["force_n"] == 0
     assert session.state.reason == Stop.RATE
     assert "for a fifth of the last 100 periods of 1 ms no sample came" in session.line
-    assert "set its firmware to 1000 Hz" in session.line
-    assert exit_status(session.error) == 5
+    assert "set its firmware to 1000 Hz" in session.line and exit_status(session.error) == 5

@@ -55,8 +55,7 @@ class Sdk:
 def test_walls_pull_nowhere_before_the_first_place_and_hold_after_it() -> None:
     sdk = Sdk(wall_npm=1000.0)
     sdk.answer, sdk.place_m = 1, (9.0, 9.0, 9.0)  # read before, and said so
-    assert sdk.tick(1) == 0
-    assert sdk.forces[-1] == (0.0, 0.0, 0.0)
+    assert sdk.tick(1) == 0 and sdk.forces[-1] == (0.0, 0.0, 0.0)
     sdk.answer, sdk.place_m = 0, (0.031, 0.01, 0.05)
     assert sdk.tick(1001, 2.0) == 1
     assert sdk.forces[-1] == pytest.approx((-1.0, 0.0, 2.0))  # axis -z: the object pushes up

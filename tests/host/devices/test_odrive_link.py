@@ -82,8 +82,7 @@ def test_a_flooded_bus_does_not_keep_a_tick(link_of, tmp_path):
     assert link.read() == 512
     while link.read() >= 0:  # a file that is read to its end is a bus that is gone
         pass
-    assert link.c.samples == 4000
-    assert link.c.crc_errors == 0
+    assert link.c.samples == 4000 and link.c.crc_errors == 0
     with Path("/dev/zero").open("rb") as endless:
         os.dup2(endless.fileno(), link.near.fileno())
     assert link.read() == 0
@@ -119,12 +118,10 @@ def test_arming_heartbeats_and_torques(family, link_of):
     decode = functools.partial(database.decode_message, decode_choices=False)
     assert decode("Axis0_Set_Axis_State", frames[0x07])["Axis_Requested_State"] == CLOSED_LOOP
     mode = decode("Axis0_Set_Controller_Mode", frames[0x0B])
-    assert (int(mode["Control_Mode"]), int(mode["Input_Mode"])) == (1, 1)
-    assert 0x18 in frames
+    assert (int(mode["Control_Mode"]), int(mode["Input_Mode"])) == (1, 1) and 0x18 in frames
     limits = decode("Axis0_Set_Limits", frames[0x0F])
     assert limits == {"Velocity_Limit": 40.0, "Current_Limit": 5.0}
-    assert list(frames).index(0x0F) < list(frames).index(0x07)
-    assert link.c.ready == 0
+    assert list(frames).index(0x0F) < list(frames).index(0x07) and link.c.ready == 0
 
     heartbeat = database.get_message_by_name("Axis0_Heartbeat")
 
@@ -135,8 +132,7 @@ def test_arming_heartbeats_and_torques(family, link_of):
     link.give(1, beat(1))
     assert link.read() == 0  # not armed yet: no trip
     link.give(1, beat(CLOSED_LOOP, Trajectory_Done_Flag=1))
-    assert link.read() == 0
-    assert link.c.ready == 1
+    assert link.read() == 0 and link.c.ready == 1
     assert parse_heartbeat(beat(8, Trajectory_Done_Flag=1), name).failed is False
     if name == "0.5":
         link.give(1, beat(CLOSED_LOOP, Encoder_Error_Flag=1))

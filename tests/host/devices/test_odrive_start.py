@@ -4,7 +4,6 @@ import contextlib
 import dataclasses
 import math
 import struct
-import types
 from dataclasses import dataclass, field
 from unittest import mock
 
@@ -17,12 +16,7 @@ from springpot.host.devices import odrive, odrive_device
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.drivers import parse_device
 from springpot.host.devices.odrive import Drive, DriveLimits, Heartbeat, identifier, parse_heartbeat
-from springpot.host.devices.odrive_device import (
-    OdriveDevice,
-    Transmission,
-    _transmission,
-    require_fast_bus,
-)
+from springpot.host.devices.odrive_device import OdriveDevice, Transmission, require_fast_bus
 
 NODE = 5
 CLEAR, LIMITS, MODE, STATE, TORQUE = 0x18, 0x0F, 0x0B, 0x07, 0x0E
@@ -53,14 +47,12 @@ class SimulatedDrive:
     code: int = 0
     fed_s: float = math.inf
     beat_s: float = 100.1
-    estimate_s: float = 100.0
     sent: list[tuple[int, bytes, bool]] = field(default_factory=list)
     waiting: list[tuple[int, bytes]] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         self.waiting = list(self.others)
-        if not self.estimates_hz:
-            self.estimate_s = math.inf
+        self.estimate_s = 100.0 if self.estimates_hz else math.inf
 
     def close(self) -> None:
         self.closed += 1
@@ -109,8 +101,7 @@ class SimulatedDrive:
 @pytest.fixture
 def drive_on(monkeypatch: pytest.MonkeyPatch):
     def made(simulated: SimulatedDrive, family: str | None = None) -> Drive:
-        clock = types.SimpleNamespace(monotonic=simulated.monotonic)
-        monkeypatch.setattr(odrive, "time", clock)
+        monkeypatch.setattr(odrive, "time", simulated)
         drive = Drive(simulated, NODE, "odrive://x", DriveLimits(40.0, 5.0))
         drive.family = simulated.family if family is None else family
         return drive
@@ -118,26 +109,21 @@ def drive_on(monkeypatch: pytest.MonkeyPatch):
     return made
 
 
-ARMING = [
-    (CLEAR, bytes(8), False),
-    (LIMITS, struct.pack("<ff", 40.0, 5.0), False),
-    (MODE, struct.pack("<II", 1, 1), False),
-    (TORQUE, bytes(8), False),
-    (STATE, struct.pack("<II", 8, 0), False),
-]
+ARMING = [(CLEAR, bytes(8), False), (LIMITS, struct.pack("<ff", 40.0, 5.0), False),
+          (MODE, struct.pack("<II", 1, 1), False), (TORQUE, bytes(8), False),
+          (STATE, struct.pack("<II", 8, 0), False)]  # fmt: skip
 NODES_3_AND_7 = tuple((identifier(node, 1), bytes(8)) for node in (7, 3, 7))
 SILENT = {"beats": False, "estimates_hz": 0.0}
 RESTING = [(TORQUE, bytes(8), False), (STATE, struct.pack("<II", 1, 0), False)]
 
 
 def test_heartbeats_are_read_by_family() -> None:
-    beat = struct.pack("<IB", 0x01020304, 8)
-    for flags in (bytes(3), b"\1\0\0", b"\0\1\0", b"\0\0\1", b"\2\4\xfe"):
-        flagged = flags in (b"\1\0\0", b"\0\1\0", b"\0\0\1")
+    beat, faults = struct.pack("<IB", 0x01020304, 8), (b"\1\0\0", b"\0\1\0", b"\0\0\1")
+    for flags in (bytes(3), *faults, b"\2\4\xfe"):
+        flagged = flags in faults
         assert parse_heartbeat(beat + flags, "0.5") == Heartbeat(0x01020304, 8, flagged)
         assert parse_heartbeat(beat + flags, "0.6") == Heartbeat(0x01020304, 8, False)
-    assert identifier(3, 9) == 0x69
-    assert odrive.ENCODER == 0x09
+    assert identifier(3, 9) == 0x69 and odrive.ENCODER == 0x09
 
 
 @pytest.mark.parametrize("family", ["0.5", "0.6"])
@@ -151,18 +137,15 @@ def test_a_drive_whose_watchdog_is_short_is_made_ready(drive_on, family: str) ->
     commands = [frame for frame in simulated.sent if frame[0] != 0]
     assert commands[:5] == ARMING  # once, then only torques of zero, then silence
     assert set(commands[5:]) == {(TORQUE, bytes(8), False)}
-    assert simulated.state == IDLE
-    assert simulated.now_s < 101.0
+    assert simulated.state == IDLE and simulated.now_s < 101.0
 
 
 @pytest.mark.parametrize("deaf", [0, 1, 2, 3])
 def test_an_answer_for_the_version_may_be_lost_twice(drive_on, deaf: int) -> None:
     simulated = SimulatedDrive("0.6", deaf=deaf, beat_s=math.inf)
-    begin_s = simulated.now_s
     assert drive_on(simulated)._firmware() == ("0.6" if deaf < 3 else "0.5")
-    asked = len(simulated.sent)
-    assert asked == min(deaf + 1, 3)
-    assert simulated.now_s - begin_s == pytest.approx(0.1 * deaf, abs=1e-3)
+    assert len(simulated.sent) == min(deaf + 1, 3)
+    assert simulated.now_s == pytest.approx(100.0 + 0.1 * deaf, abs=1e-3)
 
 
 ALL = "m_per_turn=0.05&max_torque_nm=0.4&nm_per_a=0.04"
@@ -170,19 +153,16 @@ NEEDS = DeviceRequirements(1000, 0.02, 12.0)
 
 
 def transmission(query: str = ALL, needs: DeviceRequirements = NEEDS) -> Transmission:
-    return _transmission(parse_device(f"odrive://slcan//dev/x?{query}"), needs)
+    return odrive_device._transmission(parse_device(f"odrive://slcan//dev/x?{query}"), needs)
 
 
 def test_a_transmission_is_that_of_the_address_or_the_scene() -> None:
-    scene = DeviceRequirements(
-        1000, 0.02, 12.0, surface_m=0.003, m_per_turn=0.05, sign=-1, zero_turns=0.25,
-        max_torque_nm=0.4, nm_per_a=0.04,
-    )  # fmt: skip
+    stated = {"m_per_turn": 0.05, "sign": -1, "max_torque_nm": 0.4, "nm_per_a": 0.04}
+    scene = dataclasses.replace(NEEDS, surface_m=0.003, zero_turns=0.25, **stated)
     assert transmission("", scene) == Transmission(0.05, -1, 0.25, 0.003, 0.4, 0.04)
     query = "m_per_turn=0.06&sign=1&zero_turns=-3&surface_mm=-7&max_torque_nm=0.5&nm_per_a=0.05"
     assert transmission(query, scene) == Transmission(0.06, 1, -3.0, -0.007, 0.5, 0.05)
-    assert transmission() == Transmission(0.05, 1, 0.0, 0.0, 0.4, 0.04)
-    found = transmission()
+    assert (found := transmission()) == Transmission(0.05, 1, 0.0, 0.0, 0.4, 0.04)
     assert found.max_n == pytest.approx(0.4 * 2 * math.pi / 0.05, rel=1e-12)
     assert found.limits.turns_per_s == pytest.approx(2 / 0.05 + 6 * 0.4 + 20)
     assert found.limits.current_a == pytest.approx(1.05 * 0.4 / 0.04)
@@ -235,17 +215,15 @@ def test_a_bus_carries_two_frames_a_tick() -> None:
 @pytest.fixture
 def opened(monkeypatch: pytest.MonkeyPatch):
     def made(simulated: SimulatedDrive, needs=NEEDS, url: str = "socketcan/can0") -> OdriveDevice:
-        clock = types.SimpleNamespace(monotonic=simulated.monotonic)
         for module in (odrive, odrive_device, device_module):
-            monkeypatch.setattr(module, "time", clock)
-        asked: list[tuple[str, int]] = []
-        monkeypatch.setattr(
-            odrive_device, "CanBus", lambda at, rate: (asked.append((at.url, rate)), simulated)[1]
-        )
+            monkeypatch.setattr(module, "time", simulated)
+        address = parse_device(f"odrive://{url}?node=5&{ALL}")
+        bus = mock.Mock(return_value=simulated)
+        monkeypatch.setattr(odrive_device, "CanBus", bus)
         try:
-            return OdriveDevice(parse_device(f"odrive://{url}?node=5&{ALL}"), needs)
+            return OdriveDevice(address, needs)
         finally:
-            assert asked == [(f"odrive://{url}?node=5&{ALL}", 1_000_000)]
+            bus.assert_called_once_with(address, 1_000_000)
 
     return made
 
@@ -256,12 +234,10 @@ def test_a_drive_is_opened_and_its_link_gets_what_was_agreed(opened, family: str
     needs = dataclasses.replace(NEEDS, sign=-1, zero_turns=0.25, surface_m=0.003)
     device = opened(simulated, needs)
     assert device.comes_back and device.failure == "pulled out"
-    library = types.SimpleNamespace(
-        ffi=types.SimpleNamespace(new=lambda *its: its), memory=lambda size: ("memory", size),
-        c=types.SimpleNamespace(
-            sp_link_odrive_size=lambda: 77, sp_link_odrive_init=lambda *its: its
-        ),
-    )  # fmt: skip
+    library = mock.Mock()
+    library.ffi.new = library.c.sp_link_odrive_init = lambda *its: its
+    library.memory = lambda size: ("memory", size)
+    library.c.sp_link_odrive_size.return_value = 77
     settings = {
         "node": 5, "with_torque": int(family == "0.6"), "m_per_turn": 0.05, "sign": -1,
         "zero_turns": 0.25, "surface_m": 0.003, "max_torque_nm": 0.4,
@@ -273,33 +249,32 @@ def test_a_drive_is_opened_and_its_link_gets_what_was_agreed(opened, family: str
     assert simulated.sent == RESTING and simulated.closed == 0
     device.close()
     assert simulated.closed == 1
-
     simulated.send = mock.Mock(side_effect=DeviceError("gone"))
     device.stop()  # its watchdog does it
 
 
 @pytest.mark.parametrize(
     ("fault", "rate_hz", "told"),
-    [
-        (SILENT, 1000, ["no heartbeat of node 5", "?bitrate="]),
-        ({**SILENT, "others": NODES_3_AND_7}, 1000, ["heard nodes [3, 7]: use ?node="]),
-        ({"arms": False}, 1000, ["node 5", "state 1, error 0x0", "calibrate"]),
-        ({"arms": False, "error": 0x40}, 1000, ["node 5", "state 1, error 0x40", "calibrate"]),
-        ({"error": 0x40}, 1000, ["node 5", "state 8, error 0x40", "calibrate"]),
-        ({"flags": b"\0\1\0", "family": "0.5"}, 1000, ["state 8, error 0x0", "calibrate"]),
-        ({"watchdog_s": math.inf}, 1000, ["node 5", "never", "0.2 s"]),
-        ({"watchdog_s": 0.33}, 1000, ["node 5", "0.41 s", "0.2 s"]),
-        *(
-            ({"family": family, "bite": bite}, 1000, [f"switched itself off with error 0x{bite:x}"])
-            for family, others in (("0.5", BITE["0.6"]), ("0.6", BITE["0.5"]))
-            for bite in (0, 1, 0x40, others)
-        ),
-        ({"family": "0.5"}, 500, ["samples a second", "500 Hz", "encoder_rate_ms = 2`"]),
-        ({}, 500, ["samples a second", "500 Hz", "encoder_msg_rate_ms = 2`"]),
-        ({}, 1000, ["samples a second", "1000 Hz", "encoder_msg_rate_ms = 1`"]),
-        ({}, 1001, ["samples a second", "1000 a second: set runtime.rate_hz"]),
-    ],
-)
+    [(SILENT, 1000, ["no heartbeat of node 5", "?bitrate="]),
+     ({**SILENT, "others": NODES_3_AND_7}, 1000, ["heard nodes [3, 7]: use ?node="]),
+     *((stuck, 1000, [*told, "calibrate"]) for stuck, told in (
+         ({"arms": False}, ["node 5", "state 1, error 0x0"]),
+         ({"arms": False, "error": 0x40}, ["node 5", "state 1, error 0x40"]),
+         ({"error": 0x40}, ["node 5", "state 8, error 0x40"]),
+         ({"flags": b"\0\1\0", "family": "0.5"}, ["state 8, error 0x0"]),
+     )),
+     *(({"watchdog_s": s}, 1000, ["node 5", after, "0.2 s"])
+       for s, after in ((math.inf, "never"), (0.33, "0.41 s"))),
+     *(({"family": family, "bite": bite}, 1000, [f"switched itself off with error 0x{bite:x}"])
+       for family, others in (("0.5", BITE["0.6"]), ("0.6", BITE["0.5"]))
+       for bite in (0, 1, 0x40, others)),
+     *((family, hz, ["samples a second", *told]) for family, hz, told in (
+         ({"family": "0.5"}, 500, ["500 Hz", "encoder_rate_ms = 2`"]),
+         ({}, 500, ["500 Hz", "encoder_msg_rate_ms = 2`"]),
+         ({}, 1000, ["1000 Hz", "encoder_msg_rate_ms = 1`"]),
+         ({}, 1001, ["1000 a second: set runtime.rate_hz"]),
+     ))],
+)  # fmt: skip
 def test_a_drive_that_cannot_be_used_is_closed_and_told(
     opened, fault: dict, rate_hz: float, told: list[str]
 ) -> None:
@@ -318,8 +293,7 @@ def test_a_slow_adapter_is_refused_before_it_is_opened(monkeypatch: pytest.Monke
     monkeypatch.setattr(odrive_device, "require_port", lambda _place: None)
     slow = mock.Mock(side_effect=DeviceError("slow"))
     monkeypatch.setattr(odrive_device, "require_fast_adapter", slow)
-    with pytest.raises(DeviceError, match="slow"):
-        OdriveDevice(parse_device(f"odrive://slcan//dev/x?{ALL}"), NEEDS)
-    with pytest.raises(DeviceError, match="250 kbit/s"):
-        OdriveDevice(parse_device(f"odrive://slcan//dev/x?{ALL}&bitrate=250000"), NEEDS)
+    for more, told in (("", "slow"), ("&bitrate=250000", "250 kbit/s")):
+        with pytest.raises(DeviceError, match=told):
+            OdriveDevice(parse_device(f"odrive://slcan//dev/x?{ALL}{more}"), NEEDS)
     slow.assert_called_once_with("/dev/x", 1000)

@@ -18,10 +18,8 @@ from springpot.host.devices.virtual import parse_url
 @given(st.floats(1e-9, 1e9))
 def test_a_limit_has_three_digits_and_is_within_what_it_limits(value: float) -> None:
     named = float(at_most(value))
-    assert named <= value * (1 + 1e-11)
-    assert named > value * (1 - 0.0101)
-    assert named == float(f"{named:.3g}")
-    assert at_most(named) == at_most(value)
+    assert named <= value * (1 + 1e-11) and named > value * (1 - 0.0101)
+    assert named == float(f"{named:.3g}") and at_most(named) == at_most(value)
 
 
 # Of every key of [device] that a driver reads: a value that is not its default.
@@ -60,8 +58,7 @@ def test_a_device_that_is_too_weak_is_refused_with_the_key_that_limits_the_force
     line = "x://: gives 5.678 N and the scene up to 12 N: set guard.max_force_n = 5.67"
     for other in ("", ", or take another gear"):
         error = too_weak("x://", "gives 5.678 N", required, 5.678, *([other] if other else []))
-        assert isinstance(error, DeviceError)
-        assert str(error) == line + other
+        assert isinstance(error, DeviceError) and str(error) == line + other
 
 
 @pytest.mark.parametrize(

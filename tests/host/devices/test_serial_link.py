@@ -88,8 +88,7 @@ def test_any_ack_of_the_wish_makes_ready(link, round_trip_ms):
         link.read(now_ms * MS)
         if ready_ms is None and link.c.ready:
             ready_ms = now_ms
-    assert ready_ms == round_trip_ms
-    assert sent == 1 + round_trip_ms // 51
+    assert ready_ms == round_trip_ms and sent == 1 + round_trip_ms // 51
 
 
 def test_an_ack_of_another_wish_is_none(link):
@@ -116,14 +115,12 @@ def test_a_device_that_floods_does_not_keep_a_tick(link: SerialLink, tmp_path: P
     with flood.open("rb") as file:
         os.dup2(file.fileno(), link.near.fileno())
     per_call = (1 << 16) // len(frames[0])
-    assert link.read() == per_call
-    assert link.c.samples == per_call
+    assert link.read() == per_call and link.c.samples == per_call
     calls = 1
     while link.read() >= 0:  # a file that is read to its end is a device that is gone
         calls += 1
     assert calls == math.ceil(len(frames) * len(frames[0]) / (1 << 16))
-    assert link.c.samples == len(frames)
-    assert link.c.sequence_gaps == link.c.crc_errors == 0
+    assert link.c.samples == len(frames) and link.c.sequence_gaps == link.c.crc_errors == 0
     with Path("/dev/zero").open("rb") as endless:
         os.dup2(endless.fileno(), link.near.fileno())
     assert link.read() == 0

@@ -158,12 +158,9 @@ def test_a_device_is_asked_started_and_proved(opened: Opened) -> None:
     assert simulated.heard[0][1] == {"layout": layout()}
     assert simulated.heard[2][1] == {"force_n": 0.0}
     for _, values, _ in (simulated.heard[1], simulated.heard[3]):
-        assert values["watchdog_s"] == pytest.approx(0.15)
-        assert values["rate_hz"] == 1000.0
-    assert simulated.closed == 0
-    assert simulated.looked == simulated.slept > 0
-    assert device.comes_back
-    assert device.failure == ""
+        assert values["watchdog_s"] == pytest.approx(0.15) and values["rate_hz"] == 1000.0
+    assert simulated.closed == 0 and simulated.looked == simulated.slept > 0
+    assert device.comes_back and device.failure == ""
     device.stop()
     assert simulated.names[4:] == ["ask", "STOP"]
     assert simulated._receiver.crc_errors == simulated._receiver.gaps == 0

@@ -43,8 +43,7 @@ def c_end():
 def test_one_table_for_both_ends(c_end):
     _, lib = c_end
     assert lib.sp_wire_layout() == layout()
-    assert lib.sp_wire_crc32c(b"123456789", 9) == 0xE3069283
-    assert len(messages()) == 6
+    assert lib.sp_wire_crc32c(b"123456789", 9) == 0xE3069283 and len(messages()) == 6
 
 
 @pytest.mark.parametrize("name", list(messages()))
@@ -63,8 +62,7 @@ def test_each_message_both_ways(c_end, name):
         count = getattr(lib, f"sp_wire_send_{name}")(sequence, given, room)
         by_c = bytes(room[0:count])
         by_python = sender.encode(name, **values)
-        assert by_c == by_python
-        assert len(by_c) == message.wire_bytes
+        assert by_c == by_python and len(by_c) == message.wire_bytes
         (read,) = receiver.feed(by_c)
         assert (read.name, read.sequence, read.old) == (name, k, False)
         body = message.body
@@ -108,8 +106,7 @@ def test_both_ends_count_alike(c_end):
     found, receiver = heard(c_end, bytes(stream))
     assert whole <= {sequence for sequence, _, _ in found}
     assert all(body == struct.pack("<f", float(sequence)) for sequence, _, body in found)
-    assert receiver.crc_errors > 100
-    assert receiver.gaps > 100
+    assert receiver.crc_errors > 100 and receiver.gaps > 100
 
 
 def heard(c_end, content: bytes) -> tuple[list[tuple[int, bool, bytes]], Receiver]:
@@ -151,8 +148,7 @@ def test_a_device_that_starts_again_is_heard_from_its_hello_on(c_end):
     hello = {"layout": 0, "rate_hz": 1.0, "max_n": 1.0}
     content = numbered(100_000) + numbered(0, "hello", **hello) + numbered(1) + numbered(2)
     told, gaps = both_ends(c_end, content)
-    assert told == [(100_000, False), (0, False), (1, False), (2, False)]
-    assert gaps == 0
+    assert told == [(100_000, False), (0, False), (1, False), (2, False)] and gaps == 0
     # one that was only overtaken starts nothing
     content = numbered(100) + numbered(99, "hello", **hello) + numbered(98) + numbered(101)
     assert [old for _, old in both_ends(c_end, content)[0]] == [False, True, True, False]
@@ -168,8 +164,7 @@ def test_another_version_is_told_not_read(c_end):
     assert (receiver.other_versions, receiver.other_version) == (1, 9)
     state = ffi.new("sp_wire_receiver *")
     assert [lib.sp_wire_receive(state, byte, frame) for byte in content] == [0] * len(content)
-    assert (state.other_versions, state.other_version) == (1, 9)
-    assert constant("VERSION") == 2
+    assert (state.other_versions, state.other_version) == (1, 9) and constant("VERSION") == 2
 
 
 @pytest.mark.skipif(shutil.which("nm") is None, reason="no nm")

@@ -149,8 +149,7 @@ def test_emission_never_overwrites_what_a_user_changed(tmp_path: Path, name: str
     (tmp_path / "c.old").mkdir()
     with pytest.raises(UsageError, match=name):
         emit(SHAPES["plain"], model, tmp_path / "c")
-    assert (tmp_path / "c" / name).read_text() == "mine"
-    assert (tmp_path / "c.old").exists()
+    assert (tmp_path / "c" / name).read_text() == "mine" and (tmp_path / "c.old").exists()
 
 
 def test_budget_is_kept(tmp_path: Path) -> None:

@@ -61,8 +61,7 @@ def test_a_late_motor_on_a_stiff_object(sensor_s: float) -> None:
     for mass_kg, wrong in product((0.1, 0.8), (0.8, 1.2)):
         tool = PressedTool(mass_kg, sensor_s, 0.004, 0.3, 0.0, wrong, spring_npm=5000.0)
         held = tool.press(10.0 * HELD)
-        assert held.peak < 1.1
-        assert np.ptp(held.force_n[-400:]) < 0.3
+        assert held.peak < 1.1 and np.ptp(held.force_n[-400:]) < 0.3
 
 
 @pytest.mark.parametrize("late_s", [0.001, 0.02])
@@ -72,8 +71,7 @@ def test_friction_is_given_to_the_motor_too(late_s: float) -> None:
         tool = PressedTool(sensor_s=late_s, coulomb_n=0.3, gains=gains)
         force_n = tool.press(3.0 * HELD).force_n
         left_n[bool(gains)] = abs(force_n[-500:].mean() - 3.0)
-    assert left_n[True] > 0.2
-    assert left_n[False] < 0.05
+    assert left_n[True] > 0.2 and left_n[False] < 0.05
 
 
 def test_a_tick_without_a_sample_goes_on() -> None:
@@ -107,8 +105,7 @@ def test_a_position_that_cannot_be_ends_in_no_force(position_m: float, observed:
         assert np.isfinite(position_m) or out[0] <= 0.0, k  # never out of the object
         assert press.at == 301 + k
     if observed or not np.isfinite(position_m):
-        assert press.latched
-        assert out[0] == 0.0
+        assert press.latched and out[0] == 0.0
 
 
 @dataclass(frozen=True)

@@ -40,8 +40,7 @@ def test_the_line_below_late_arrivals(rate: float) -> None:
 def test_a_sample_has_the_sign_and_scale_of_the_url() -> None:
     sensor = heard((0.001, 5.0, 1.0))
     ForceSensor._take(sensor, 0.002, {"status": constant("LOAD_CELL"), "measured_n": 3.0})
-    assert sensor._samples[-3] == 0.002
-    assert sensor._samples[-1] == -6.0
+    assert sensor._samples[-3] == 0.002 and sensor._samples[-1] == -6.0
 
 
 @pytest.mark.parametrize(
@@ -78,6 +77,5 @@ def test_a_load_cell_on_a_serial_line() -> None:
         time.sleep(0.3)
         times_s, forces_n = sensor.samples()
         sensor.close()
-    assert len(times_s) > 300
-    assert np.diff(times_s) == pytest.approx(1e-3, rel=0.05)
+    assert len(times_s) > 300 and np.diff(times_s) == pytest.approx(1e-3, rel=0.05)
     assert np.std(forces_n) == pytest.approx(0.02, rel=0.3)

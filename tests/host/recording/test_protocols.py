@@ -38,10 +38,8 @@ def test_validation_signals_peak_at_10_n_and_end_at_zero():
     assert [len(profile.command_n) for profile in profiles] == [15_000] * 10
     for profile in profiles:
         command_n = profile.command_n
-        assert command_n[0] == 0
-        assert command_n.min() >= 0
-        assert command_n.max() == pytest.approx(10)
-        assert command_n[-1] < 0.01
+        assert command_n[0] == 0 and command_n.min() >= 0
+        assert command_n.max() == pytest.approx(10) and command_n[-1] < 0.01
         last_zero_s = max(
             np.floor(15 * frequency_hz) / frequency_hz
             for frequency_hz in profile.metadata["frequency_hz"]
@@ -60,8 +58,7 @@ def test_a_users_file(tmp_path):
     cycles, hold = protocols.load_protocol(str(file), 0)
     assert len(cycles.command_n) == 1200
     assert cycles.command_n[[200, 400, 600]] == pytest.approx([4, 0, 4])
-    assert len(hold.command_n) == 8000
-    assert hold.command_n[250] == 5
+    assert len(hold.command_n) == 8000 and hold.command_n[250] == 5
     assert hold.command_n[125] == pytest.approx(2.5)
 
 
@@ -97,6 +94,5 @@ def test_a_wrong_file_names_the_key(tmp_path, text, named):
     with pytest.raises(UsageError) as caught:
         protocols.load_protocol(str(file), 0)
     message = str(caught.value)
-    assert named in message
-    assert str(file) in message
+    assert named in message and str(file) in message
     assert "\n" not in message

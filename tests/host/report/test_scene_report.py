@@ -43,8 +43,7 @@ def test_the_page_has_the_numbers_of_the_validation(
     found, manifest = validation.accuracy, json.loads((emitted / "manifest.json").read_text())
     for number in (found.rmse_n, found.max_abs_error_n, found.p99_abs_error_n, *found.interval_n):
         assert f" {number:.4g} " in words
-    assert "0 ticks differ" in words
-    assert f"{manifest['state_bytes']} bytes of state" in words
+    assert "0 ticks differ" in words and f"{manifest['state_bytes']} bytes of state" in words
     assert re.search(r"flash\s+\d+ bytes  host ", words)
     for item in manifest["left_out"]:
         assert item["what"] in words

@@ -76,8 +76,7 @@ def test_every_command_that_moves_a_device_is_left_with_statements(
     arguments = [str(item) for item in (*MOVING[command](tmp_path), "--device", DEVICE)]
     with _same_terminal():
         CliRunner().invoke(springpot, arguments)
-    assert command in COMMANDS
-    assert raised == [number.name for number in ENDING]
+    assert command in COMMANDS and raised == [number.name for number in ENDING]
 
 
 @contextlib.contextmanager
@@ -152,8 +151,7 @@ def test_a_session_is_ended_while_its_device_is_gone(folder: Path) -> None:
         returning.join(10)
         assert not returning.is_alive()
     line = "stopped by the user; the device was gone: plug it in and start again"
-    assert session.line == told[-1] == line
-    assert exit_status(session.error) == 5
+    assert session.line == told[-1] == line and exit_status(session.error) == 5
     assert not any("gone for" in line for line in told)
 
 
@@ -176,6 +174,5 @@ def test_a_signal_is_named(folder: Path, tmp_path: Path, number: int, who: str) 
 def test_a_session_without_a_tick_leaves_no_log(folder: Path, tmp_path: Path) -> None:
     with Session(folder, "sim://ecoflex-00-30", tmp_path / "a.h5", report=[].append) as session:
         pass
-    assert session.result()["log"] is None
-    assert session.error is None
+    assert session.result()["log"] is None and session.error is None
     assert not [*tmp_path.glob("a.*")]

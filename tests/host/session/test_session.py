@@ -2,6 +2,7 @@
 
 import ctypes
 from dataclasses import replace
+from itertools import chain
 
 import numpy as np
 import pytest
@@ -16,9 +17,10 @@ from springpot.codegen.notes import CLAMPED, HELD, LATCHED, OUTSIDE, RAMPED, RES
 from springpot.codegen.scene import Guard
 from springpot.host.cli import exit_status
 from springpot.host.emission.emission import emit
-from springpot.host.native.c_library import COLUMN, IDLE, NONE, RESET, SILENT, empty_rows
+from springpot.host.native.c_library import COLUMN, IDLE, NONE, RESET, SILENT, UNSENT, empty_rows
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.session.live_warnings import LiveWarnings
+from springpot.host.session.outcome import NOTE_WORDS, LoopSettings, LoopState, expected_ticks
 from springpot.host.validation.validation import validate
 from springpot.trainer.recordings.hdf5_file import write_recording
 from springpot.trainer.recordings.recording_file import read_recording
@@ -28,16 +30,19 @@ from springpot.trainer.recordings.recording_file import read_recording
 def folders(tmp_path_factory):
     """The same small scene in both number types."""
     base = tmp_path_factory.mktemp("scenes")
-    found = {}
     for number in ("float32", "float64"):
         emit(scene(number), model_file(base), base / number)
-        found[number] = base / number
-    return found
+    return base
 
 
 @pytest.fixture
 def folder(folders):
-    return folders["float32"]
+    return folders / "float32"
+
+
+@pytest.fixture
+def log(tmp_path):
+    return tmp_path / "a.h5"
 
 
 def calls(file):
@@ -45,25 +50,25 @@ def calls(file):
 
 
 @pytest.mark.parametrize("number", ["float32", "float64"])
-def test_a_simulated_hand(tmp_path, folders, number):
-    log = tmp_path / "a.h5"
-    told = []
-    url = "sim://ecoflex-00-30?hand=firm&seed=3"
-    session = ended(folders[number], url, log, seconds=1.0, report=told.append)
+def test_a_simulated_hand(log, folders, number):
+    told, url = [], "sim://ecoflex-00-30?hand=firm&seed=3"
+    session = ended(folders / number, url, log, seconds=1.0, report=told.append)
     result = session.result()
-    assert abs(result["ticks"] - 1000) <= 1
-    assert result["expected_ticks"] == 1000
+    assert abs(result["ticks"] - 1000) <= 1 and result["expected_ticks"] == 1000
     assert result["ring_dropped"] == result["stale_samples"] == result["watchdog_trips"] == 0
     assert told[-1] == "ran for 1 s"
-    read = faithful(folders[number], log)
-    assert len(read.position_m) == result["ticks"]
-    assert read.force_n.max() > 0.5
+    read = faithful(folders / number, log)
+    assert len(read.position_m) == result["ticks"] and read.force_n.max() > 0.5
     assert read.details["end"]["stopped"] == "ran for 1 s"
 
 
-def test_a_log_that_was_altered_does_not_validate(tmp_path, folder):
+def test_a_tick_begins_a_session_and_each_of_its_periods():
+    expected = [expected_ticks(LoopState(elapsed_s=s), LoopSettings(1e-3)) for s in (0, 4e-4, 1e-2)]
+    assert expected == [0, 1, 11]
+
+
+def test_a_log_that_was_altered_does_not_validate(log, folder):
     """Inputs, forces and notes are compared; forces to the last bit."""
-    log = tmp_path / "a.h5"
     ended(folder, "sim://ecoflex-00-30", log, seconds=0.5)
     read = faithful(folder, log)
     # A tick whose force was sent in its own period: on a busy machine some are not.
@@ -71,36 +76,32 @@ def test_a_log_that_was_altered_does_not_validate(tmp_path, folder):
     for channel, change in (("returned_n", 1e-6), ("input_m", 3e-4), ("notes", 1.0)):
         values = read.channels[channel].copy()
         values[at] += change
-        changed = {**read.channels, channel: values}
-        altered = type(read)(**{**read.__dict__, "channels": changed})
+        altered = replace(read, channels={**read.channels, channel: values})
         assert validate(folder, [altered], paced_s=0.01).mismatches >= 1, channel
     felt = read.force_n.copy()
     felt[at] += 1e-6
-    altered = type(read)(**{**read.__dict__, "force_n": felt})
-    assert validate(folder, [altered], paced_s=0.01).mismatches == 1
+    assert validate(folder, [replace(read, force_n=felt)], paced_s=0.01).mismatches == 1
+    call = read.channels["call"].copy()
+    call[at] += UNSENT  # what a tick left unsent was not felt, and is no other force
+    altered = replace(read, force_n=felt, channels={**read.channels, "call": call})
+    assert validate(folder, [altered], paced_s=0.01).mismatches == 0
 
 
-def test_a_replay_gives_the_forces_of_validation(tmp_path, folder):
+def test_a_replay_gives_the_forces_of_validation(tmp_path, log, folder):
     """replay:// runs through the same loop, and ends with the recording."""
-    file = tmp_path / "press.h5"
-    write_recording(file, recording("press", press(2.0)))
-    log = tmp_path / "log.h5"
-    session = ended(folder, f"replay://{file}", log)
+    played = recording("press", press(2.0))
+    write_recording(tmp_path / "press.h5", played)
+    session = ended(folder, f"replay://{tmp_path}/press.h5", log)
     assert "no more samples" in session.line
-    read = faithful(folder, log)
+    returned_n = faithful(folder, log).channels["returned_n"]
     # What the scene returned: a period that began late sends nothing, and the last force stays.
-    np.testing.assert_array_equal(
-        read.channels["returned_n"],
-        validate(folder, [recording("press", press(2.0))], 0.01).predicted_n[0],
-    )
+    np.testing.assert_array_equal(returned_n, validate(folder, [played], 0.01).predicted_n[0])
+    write_recording(tmp_path / "slow.h5", replace(played, dt_s=0.002))
     with pytest.raises(DataError, match="resample"):
-        slow = recording("slow", press(2.0))
-        write_recording(tmp_path / "slow.h5", type(slow)(**{**slow.__dict__, "dt_s": 0.002}))
         Session(folder, f"replay://{tmp_path}/slow.h5", report=list).__enter__()
 
 
-def test_pause_reset_resume_stop(tmp_path, folder):
-    log = tmp_path / "a.h5"
+def test_pause_reset_resume_stop(log, folder):
     with Session(folder, "sim://ecoflex-00-30", log, report=list) as session:
         session.start()
         wait_until(lambda: session.state.ticks > 300, 5, "no ticks")
@@ -115,18 +116,16 @@ def test_pause_reset_resume_stop(tmp_path, folder):
         session.stop()
         assert session.over
     assert session.line == "stopped by the user"
-    read = faithful(folder, log)
-    call = calls(log)
+    read, call = faithful(folder, log), calls(log)
     paused = np.flatnonzero(call & NONE)
-    assert len(paused) > 100
-    assert np.all(call[paused] & SILENT)
+    assert len(paused) > 100 and np.all(call[paused] & SILENT)
     assert np.all(read.force_n[paused] == 0)
-    assert np.flatnonzero(call & RESET)[0] == paused[-1] + 1
-    assert np.count_nonzero(call & RESET) == 2
+    resets = np.flatnonzero(call & RESET)
+    assert resets[0] == paused[-1] + 1 and len(resets) == 2
+    assert sum(map(len, session._ticks_s)) == np.count_nonzero((call & (IDLE | NONE)) == 0)
 
 
-def test_an_exception_ends_it_with_zero_force(tmp_path, folder):
-    log = tmp_path / "a.h5"
+def test_an_exception_ends_it_with_zero_force(log, folder):
     with (
         peer("serial_device", "--presses-hz", 4) as device,
         pytest.raises(ZeroDivisionError),
@@ -142,21 +141,17 @@ def test_an_exception_ends_it_with_zero_force(tmp_path, folder):
 
 def test_limits_end_it_before_the_force_is_sent(tmp_path, folder):
     for limits, says in (({"max_force_n": 0.4}, "force reached"), ({"max_depth_m": 2e-3}, "deep")):
-        log = tmp_path / f"{says}.h5"
-        session = ended(folder, "sim://ecoflex-00-30", log, **limits)
-        assert says in session.line
-        assert isinstance(session.error, SpringpotError)
+        session = ended(folder, "sim://ecoflex-00-30", log := tmp_path / f"{says}.h5", **limits)
+        assert says in session.line and isinstance(session.error, SpringpotError)
         assert exit_status(session.error) == 1
         read = faithful(folder, log)
-        assert read.force_n[-1] == 0
-        assert read.force_n.max() <= limits.get("max_force_n", 99)
+        assert read.force_n[-1] == 0 and read.force_n.max() <= limits.get("max_force_n", 99)
 
 
 @pytest.mark.realtime
-def test_python_stands_still_for_300_ms(tmp_path, folder):
+def test_python_stands_still_for_300_ms(log, folder):
     """The loop does not care, and the log has every row."""
     with peer("serial_device") as device:
-        log = tmp_path / "a.h5"
         with Session(folder, device.url, log, seconds=1.5, report=list) as session:
             session.start()
             for _ in range(2):
@@ -172,18 +167,13 @@ def test_python_stands_still_for_300_ms(tmp_path, folder):
     assert len(faithful(folder, log).position_m) == result["ticks"] >= 1498
 
 
-def test_damage_on_the_line_is_never_a_force(tmp_path, folder):
-    options = ("--damage", 0.02, "--drop", 0.02, "--duplicate", 0.05, "--reorder", 0.01,
-               "--delay-ms", 0.5)  # fmt: skip
-    log = tmp_path / "a.h5"
-    with peer("serial_device", *options) as device:
+def test_damage_on_the_line_is_never_a_force(log, folder):
+    share = {"--damage": 0.02, "--drop": 0.02, "--duplicate": 0.05, "--reorder": 0.01}
+    with peer("serial_device", *chain(*share.items()), "--delay-ms", 0.5) as device:
         session = ended(folder, device.url, log, seconds=1.5)
-    result = session.result()
-    assert result["crc_errors"] > 10
-    assert result["sequence_gaps"] > 30
-    read = faithful(folder, log)
-    assert read.position_m.min() + 1e-3 >= 0
-    assert read.position_m.max() < 0.03
+    result, read = session.result(), faithful(folder, log)
+    assert result["crc_errors"] > 10 and result["sequence_gaps"] > 30
+    assert read.position_m.min() + 1e-3 >= 0 and read.position_m.max() < 0.03
 
 
 WATCHDOG_MS = 200  # longer than a busy machine holds everything up
@@ -192,25 +182,23 @@ LOSSES = ("--drop", 0.01, "--late", 0.02, "--presses-hz", 2)
 
 @pytest.mark.realtime
 @pytest.mark.parametrize(("device", "mode"), [("serial_device", "proxy"), ("slcan_odrive", "off")])
-def test_losses_are_not_felt(tmp_path, device, mode):
-    folder, log = tmp_path / "c", tmp_path / "a.h5"
+def test_losses_are_not_felt(tmp_path, log, device, mode):
+    folder = tmp_path / "c"
     waits = replace(scene(mode=mode), guard=Guard(watchdog_ms=WATCHDOG_MS))
     emit(waits, model_file(tmp_path), folder, accept_unsafe=True)
     with peer(device, *LOSSES) as lossy:
         session = ended(folder, lossy.url, log, seconds=4.0)
     assert session.line == "ran for 4 s"
     result, read = session.result(), faithful(folder, log)
-    assert result["watchdog_trips"] == 0
     call, notes = (read.channels[name].astype(int) for name in ("call", "notes"))
-    assert not np.any(notes & LATCHED)
+    assert result["watchdog_trips"] == 0 and not np.any(notes & LATCHED)
     assert len(call) == result["ticks"] == pytest.approx(4000, abs=2)
     idle = np.count_nonzero(call & IDLE)
     assert idle >= 10
     # Each sample that came was stepped once, apart from those of periods settled without one
     # while the machine held the peer up.
     if result["lateness_us"]["max"] <= 3000:
-        assert result["unused_samples"] <= 40
-        assert idle <= 80
+        assert result["unused_samples"] <= 40 and idle <= 80
         if device == "serial_device":  # it numbers its frames: only what was lost is missing
             assert abs(idle - result["sequence_gaps"]) <= 4 + result["unused_samples"]
     clean_n = loss_free_n(folder, read)
@@ -248,8 +236,7 @@ def rows_of(ticks, begin=0, position_m=0.005, notes=0):
 
 def watched(rows, drain=20):
     """Return warnings on rows, `drain` at a time: lines with their tick, and events."""
-    said = []
-    plan = make_plan(passive_model(), scene())
+    said, plan = [], make_plan(passive_model(), scene())
     warnings = LiveWarnings(plan, lambda line: said.append((at + drain, line)))
     for at in range(0, len(rows), drain):
         warnings.append(rows[at : at + drain])
@@ -261,11 +248,12 @@ def test_what_lasts_is_told_once():
     rows[1000:4000, COLUMN["notes"]] = OUTSIDE
     rows[1000:4000, COLUMN["position_m"]] = np.linspace(0.0121, 0.0134, 3000)
     rows[4000:, COLUMN["position_m"]] = np.linspace(0.0134, 0.005, 2000)
-    said, events = watched(rows)
-    ((at, first),) = said
-    assert 1000 < at <= 1100
-    assert first.endswith("s: warning: deeper than was recorded, 12.12 of 12 mm")
-    assert events == [{"time_s": 1.0, "what": "deeper than was recorded", "count": 3000}]
+    rows[5000:5200, COLUMN["notes"]] = HELD | LATCHED  # which another message says
+    ((at, first), (_, latched)), events = watched(rows)
+    assert 1000 < at <= 1100 and latched == ""
+    assert first.endswith(f"s: warning: {DEEP}, 12.12 of 12 mm")
+    assert events == [{"time_s": 1.0, "what": DEEP, "count": 3000},
+                      {"time_s": 5.0, "what": NOTE_WORDS[LATCHED], "count": 200}]  # fmt: skip
 
 
 def test_what_belongs_to_a_session_is_no_warning():
@@ -283,42 +271,30 @@ def test_what_belongs_to_a_session_is_no_warning():
 
 def test_a_fast_press_is_told_and_a_glitch_or_free_air_is_not():
     trained_mps = passive_model().trained.max_mps
-    fast = 5.0 * trained_mps * 1e-3 * np.arange(60)
-    rows = rows_of(3000)
-    rows[1000:1060, COLUMN["position_m"]] = 0.001 + fast
-    rows[1060:, COLUMN["position_m"]] = 0.001 + fast[-1]
+    fast = 5.0 * trained_mps * 1e-3 * np.minimum(np.arange(2000), 59)
+    rows, slower, glitch = (rows_of(3000) for _ in range(3))
+    rows[1000:, COLUMN["position_m"]] = 0.001 + fast
     said, events = watched(rows)
     assert [event["what"] for event in events] == ["faster than four times the recorded speed"]
     assert 40 <= events[0]["count"] <= 80
     assert f"{5 * trained_mps:.4g} of {4 * trained_mps:.4g} m/s" in said[0][1]
     rows[:, COLUMN["position_m"]] -= 1.0  # the same in free air
-    assert watched(rows) == ([], [])
-    slower = rows_of(3000)
-    slower[1000:1060, COLUMN["position_m"]] = 0.001 + 0.7 * fast
-    slower[1060:, COLUMN["position_m"]] = 0.001 + 0.7 * fast[-1]
-    assert watched(slower) == ([], [])
-    glitch = rows_of(3000)
-    glitch[500, COLUMN["position_m"]] = 0.5
-    glitch[500, COLUMN["notes"]] = HELD
-    assert watched(glitch) == ([], [])
+    slower[1000:, COLUMN["position_m"]] = 0.001 + 0.7 * fast
+    glitch[500, [COLUMN["position_m"], COLUMN["notes"]]] = 0.5, HELD
+    assert [watched(each) for each in (rows, slower, glitch)] == 3 * [([], [])]
 
 
-def test_a_session_deeper_than_trained_warns_and_its_log_keeps_it(folder, tmp_path):
+def test_a_session_deeper_than_trained_warns_and_its_log_keeps_it(folder, log, tmp_path):
     """A recording a third deeper than the training, through the whole session."""
     deep = np.concatenate([np.zeros(200), press(1.0, 1.33 * DEPTH_M), np.zeros(800)])
     write_recording(tmp_path / "deep.h5", recording("deep", deep))
-    said = []
-    log = tmp_path / "log.h5"
-    session = ended(folder, f"replay://{tmp_path}/deep.h5", log, alarm=said.append)
-    warnings = session.result()["warnings"]
-    deeper = [item for item in warnings if item["what"] == DEEP]
+    said, url = [], f"replay://{tmp_path}/deep.h5"
+    warnings = ended(folder, url, log, alarm=said.append).result()["warnings"]
+    (deeper,) = (item for item in warnings if item["what"] == DEEP)
     read = read_recording(log)
     outside = (read.channels["notes"].astype(int) & OUTSIDE) > 0
     outside &= (read.channels["call"].astype(int) & NONE) == 0
-    assert len(deeper) == 1
-    assert deeper[0]["count"] == outside.sum() > 200
-    assert deeper[0]["time_s"] == pytest.approx(
-        read.channels["time_s"][np.argmax(outside)], abs=1e-3
-    )
-    assert any(DEEP in line for line in said)
-    assert read.details["end"]["warnings"] == warnings
+    assert deeper["count"] == outside.sum() > 200
+    first_s = read.channels["time_s"][np.argmax(outside)]
+    assert deeper["time_s"] == pytest.approx(first_s, abs=1e-3)
+    assert any(DEEP in line for line in said) and read.details["end"]["warnings"] == warnings

@@ -62,6 +62,15 @@ def test_a_loop_that_stands_still_makes_no_device_silent(looking):
     assert not failed
 
 
+def test_what_tripped_while_the_device_was_gone_is_not_told(looking):
+    supervised, told = looking
+    supervised._loop.get_status = lambda: LoopState(connected=1, watchdog_trips=1)
+    supervised.poll(supervised._go_on(fake_device()), 0.0)
+    assert not told
+    supervised.poll(LoopState(connected=1, watchdog_trips=2), 0.0)
+    assert told == ["no sample for the watchdog's time: force zero until reset (r), or stop"]
+
+
 def test_an_impatient_second_ctrl_c_leaves_no_force():
     device = mock.Mock(stop=mock.Mock(side_effect=[KeyboardInterrupt, KeyboardInterrupt, None]))
     session = SessionRunner(None, "serial://x", None, None)

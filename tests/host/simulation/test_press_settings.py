@@ -41,8 +41,7 @@ def test_rate_drift_and_glitch_change_what_is_kept_alone() -> None:
     assert np.array_equal(drifted_m, position_m)
     assert drifted_n - force_n == pytest.approx(1e-5 * np.arange(500))
     glitch_m, glitch_n = pressed("?glitch=1")
-    assert np.array_equal(glitch_m[1:], position_m[1:])
-    assert glitch_m[0] == 0.0
+    assert np.array_equal(glitch_m[1:], position_m[1:]) and glitch_m[0] == 0.0
     assert np.array_equal(glitch_n, force_n)
 
 

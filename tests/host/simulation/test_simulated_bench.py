@@ -51,11 +51,9 @@ def test_no_closed_press_gives_energy(simulated):
         position_m = np.interp(np.arange(0, times_s[-1], 1 / 16000), times_s, depths_m)
         force_n = ObjectMotion(simulated, dt_s=1 / 16000, substeps=1).move(position_m)
         work_j = energy_j(position_m, force_n)
-        assert force_n.min() >= 0
-        assert np.all(force_n[position_m <= 0] == 0)
+        assert force_n.min() >= 0 and np.all(force_n[position_m <= 0] == 0)
         # On the way too it gives no more than it took, but for the trapezoids' own error.
-        assert work_j.min() > -1e-4 * work_j.max()
-        assert work_j[-1] > 0.01 * work_j.max()
+        assert work_j.min() > -1e-4 * work_j.max() and work_j[-1] > 0.01 * work_j.max()
 
 
 def test_a_small_fast_cycle_on_a_recovering_surface_gives_no_energy():
@@ -79,8 +77,7 @@ def test_noise_is_what_its_seed_says():
         return SimulatedBench(parse_url(url.format(seed))).press(command_n)
 
     one, same, other = press(1), press(1), press(2)
-    assert np.array_equal(one, same)
-    assert not np.array_equal(one[0], other[0])
+    assert np.array_equal(one, same) and not np.array_equal(one[0], other[0])
     assert not np.array_equal(one[1], other[1])
     bench = SimulatedBench(parse_url(url.format(1)))
     assert not np.array_equal(bench.press(command_n)[1], bench.press(command_n)[1])
@@ -108,8 +105,7 @@ def test_substeps_converge(simulated):
         / finest_n.max()
         for n in (4, 16, 64)
     ]
-    assert errors[1] < 1e-3
-    assert errors[0] > 2.5 * errors[1] > 6 * errors[2]
+    assert errors[1] < 1e-3 and errors[0] > 2.5 * errors[1] > 6 * errors[2]
     command_n = protocols.training()[22].command_n
     usual, finer = (SimulatedBench(simulated, n).press(command_n) for n in (16, 128))
     assert np.abs(usual[0] - finer[0]).max() < 0.001 * np.ptp(finer[0]) + 30e-6
@@ -129,12 +125,9 @@ def test_a_wall_is_stable_up_to_what_damping_over_delay_allows():
         quarter = len(speeds_mps) // 4
         return max(speeds_mps[-quarter:]) > max(speeds_mps[quarter : 2 * quarter])
 
-    assert not grows(6400, 0.001, 1)
-    assert grows(6900, 0.001, 1)
-    assert not grows(19_000, 0.001, 0)
-    assert grows(20_800, 0.001, 0)
-    assert not grows(25_500, 0.00025, 1)
-    assert grows(27_700, 0.00025, 1)
+    assert not grows(6400, 0.001, 1) and grows(6900, 0.001, 1)
+    assert not grows(19_000, 0.001, 0) and grows(20_800, 0.001, 0)
+    assert not grows(25_500, 0.00025, 1) and grows(27_700, 0.00025, 1)
 
 
 def test_a_hand_presses_with_the_stiffness_of_its_name():

@@ -15,7 +15,7 @@ from springpot.host.simulation.hand_loop import Scenario, Trace
 from springpot.host.simulation.scenarios import Case
 from springpot.host.stability.closed_loop import Outcome, Vibration
 from springpot.host.stability.losses import Losses
-from springpot.host.stability.verdict import Grade, judge, judged_cases, why_unbounded
+from springpot.host.stability.verdict import Grade, judge, judged_cases, may_do, why_unbounded
 
 WHOLE = ("hold", "tap-4hz", "fast", "deep", "long-hold", "stiff")
 LOSING = ("lost-1", "lost-10-fast", "rate-50", "rate-10-fast")
@@ -83,8 +83,7 @@ def usual(*instead: Outcome) -> list[Outcome]:
 )
 def test_grades(found: Outcome, grade: Grade, words: str) -> None:
     judged = judge(found)
-    assert judged.grade == grade
-    assert words in judged.words
+    assert judged.grade == grade and words in judged.words
 
 
 def test_the_gravest_hand_speaks_for_a_case() -> None:
@@ -124,3 +123,11 @@ def a_plan(regressor: bool = False, mode: str = "auto", **device: float) -> Any:
         max_force_n=12.0, dt_s=1e-3,
         loop_device=replace(ASSUMED_DEVICE, delay_samples=int(1e3 * (scene.device.delay_s or 0))),
     )  # fmt: skip
+
+
+@pytest.mark.parametrize(("reached_n", "limited"), [(11.999999, True), (11.9, False)])
+def test_a_higher_limit_is_offered_where_the_force_reached_its_own(
+    reached_n: float, limited: bool
+) -> None:
+    ways = may_do(a_plan(), [outcome("hold", max_force_n=reached_n)])
+    assert ("guard.max_force_n above 12 N" in ways) is limited

@@ -93,8 +93,7 @@ def test_the_loop_of_the_c_rings_from_the_predicted_stiffness_on(
         return elastic_plan(stiffness_npm, rate_hz, device, coupling)
 
     limit_npm = scene_loop(plan(1000.0), hand).max_stiffness_npm()
-    assert 150.0 < limit_npm < 1e5
-    assert not rings(plan(limit_npm / WITHIN), hand)
+    assert 150.0 < limit_npm < 1e5 and not rings(plan(limit_npm / WITHIN), hand)
     assert rings(plan(limit_npm * WITHIN), hand)
 
 
@@ -136,8 +135,7 @@ def test_dry_friction_holds_what_does_not_overcome_it() -> None:
 def test_dry_friction_lets_a_hand_rest_within_its_band() -> None:
     end_m = held(LoopDevice(coulomb_n=2.0), 0.02, 0.0, 4000)
     assert end_m[-1] == end_m[-500]  # at rest, not creeping
-    assert abs(end_m[-1] - 0.02) <= 2.0 / 400.0
-    assert abs(end_m[-1] - 0.02) > 1e-4
+    assert abs(end_m[-1] - 0.02) <= 2.0 / 400.0 and abs(end_m[-1] - 0.02) > 1e-4
     free_m = held(ASSUMED_DEVICE, 0.02, 0.0, 4000)
     assert free_m[-1] == pytest.approx(0.02, abs=1e-6)
 

@@ -29,13 +29,7 @@ from springpot.host.simulation.cases import HOLDS, NUDGE_N, NUDGE_S, cases, held
 from springpot.host.simulation.scenarios import Workspace, holding, pressing
 from springpot.host.stability import closed_loop
 from springpot.host.stability.check import Stability, stability
-from springpot.host.stability.closed_loop import (
-    Outcome,
-    band_rms,
-    case_outcome,
-    rendered,
-    vibration_of,
-)
+from springpot.host.stability.closed_loop import Outcome, band_rms, case_outcome, vibration_of
 from springpot.host.stability.linear import is_stable, require_stable, scene_loop, spectral_radius
 from springpot.host.stability.small_signal import small_signal_map
 from springpot.host.stability.verdict import Fault, Grade, judge, why_unbounded
@@ -62,10 +56,8 @@ def simulated_model(name: str, kind: str, trees: int = TREES, past: bool = False
     return fit_model(kind, name, paper_presses(name), options).model
 
 
-CASES = {
-    "hold", "tap-4hz", "tap-8hz", "fast", "deep", "stiff", "jitter", "drops", "long-hold",
-    "glitch", "nan",
-}  # fmt: skip
+CASES = {"hold", "tap-4hz", "tap-8hz", "fast", "deep", "stiff", "jitter", "drops", "long-hold",
+         "glitch", "nan"}  # fmt: skip
 
 
 @pytest.mark.few(0, 4)  # the stiffest first
@@ -117,9 +109,8 @@ def test_no_active_cells_for_passive_models_and_the_default_forest(name: str, ki
     if kind != "hammerstein" and name != "dragon-skin-10" and not SOAK:
         pytest.skip("make soak")
     model = stored_model(name) if kind == "hammerstein" else simulated_model(name, kind, 100)
-    plan = make_plan(model, dataclasses.replace(
-        PLAIN, guard=dataclasses.replace(PLAIN.guard, max_force_n=1000.0)
-    ))  # fmt: skip
+    guard = dataclasses.replace(PLAIN.guard, max_force_n=1000.0)
+    plan = make_plan(model, dataclasses.replace(PLAIN, guard=guard))
     found = small_signal_map(plan, built(plan), 0)
     assert found.active(outside=False) == (0, 30)
     assert found.active(outside=True) == (0, 18)
@@ -160,20 +151,17 @@ def test_proxy_gives_no_kick_at_contact_or_release() -> None:
 
     Faster taps feel the coupling's own mass, m + b dt, from the first tick: 0.5 N at 10 Hz here.
     """
-    motion = -0.001 + 0.5 * (0.6 * DEPTH_M + 0.001) * (
-        1 - np.cos(np.arange(1250) * 2 * np.pi / 250)
-    )
+    taps = 1 - np.cos(np.arange(1250) * 2 * np.pi / 250)
+    motion = -0.001 + 0.5 * (0.6 * DEPTH_M + 0.001) * taps
     coupled = dataclasses.replace(scene(), coupling=Coupling("proxy", 4000.0, 20.0, 0.02))
-    forces = []
-    for chosen in (coupled, scene()):
-        forces.append(built(make_plan(small_model(), chosen)).new_state().run(motion)[0])
-    force_n, bare_n = forces
+    force_n, bare_n = (
+        built(make_plan(small_model(), chosen)).new_state().run(motion)[0]
+        for chosen in (coupled, scene())
+    )
     assert np.all(force_n[motion <= 0.0] == 0.0)
     begins = np.flatnonzero((motion[1:] > 0.0) & (motion[:-1] <= 0.0)) + 1
-    assert len(begins) == 5
-    assert np.all(force_n[begins] == 0.0)
-    assert np.diff(force_n).max() <= np.diff(bare_n).max()
-    assert force_n.max() > 1.0
+    assert len(begins) == 5 and np.all(force_n[begins] == 0.0)
+    assert np.diff(force_n).max() <= np.diff(bare_n).max() and force_n.max() > 1.0
 
 
 @pytest.mark.few(1)
@@ -191,9 +179,8 @@ def test_the_rate_that_is_advised_is_stable(stiffer: float) -> None:
     advised = re.search(r"rate_hz to (\d+)", str(told.value))
     assert advised is not None or "stiffer than a device" in str(told.value)
     for rate_hz in [float(advised[1])] if advised else SERVED_HZ:
-        plan = make_plan(
-            model, dataclasses.replace(auto, runtime=Runtime(rate_hz=rate_hz)), accept_unsafe=True
-        )
+        at_it = dataclasses.replace(auto, runtime=Runtime(rate_hz=rate_hz))
+        plan = make_plan(model, at_it, accept_unsafe=True)
         assert is_stable(plan, scene_loop(plan, DESIGN_HAND)) == bool(advised)
 
 
@@ -226,9 +213,8 @@ def swinging(growth_per_s: float, size_mps: float = 5e-3, frequency_hz: float = 
 def test_even_growth_is_that_of_two_thirds_of_a_hold(growth_per_s: float) -> None:
     found = vibration_of([swinging(growth_per_s)], DT_S)
     ratio = np.exp(growth_per_s * HOLD_S * 2.0 / 3.0)
-    assert found.growth_ratio == pytest.approx(
-        max(ratio, found.growth_ratio * (ratio < 1)), rel=0.02
-    )
+    least = found.growth_ratio * (ratio < 1)
+    assert found.growth_ratio == pytest.approx(max(ratio, least), rel=0.02)
     assert found.grows is (growth_per_s > 0.1)
 
 
@@ -246,7 +232,7 @@ def test_slow_vibration_has_its_size(frequency_hz: float) -> None:
 
 def held(plan: Plan, hand: Hand, more_delay: int, name: str = "hold") -> Outcome:
     """The eleven holds, or another case."""
-    found = rendered(plan, built(plan))
+    found = closed_loop.rendered(plan, built(plan))
     played = next(case for case in cases(plan, found.force, hand) if case.name == name)
     return case_outcome(found, played, hand, more_delay)
 
@@ -257,15 +243,13 @@ def test_a_heavy_device_that_swings_up_slowly_is_seen() -> None:
     assert scene_loop(plan, DESIGN_HAND).spectral_radius(plan.stiffness_npm)[0] < 1.0
     assert scene_loop(plan, LIGHT).spectral_radius(plan.stiffness_npm)[0] > 1.0
     outcome = held(plan, LIGHT, 1)
-    assert judge(outcome).grade == Grade.BAD
-    assert outcome.vibration.grows
+    assert judge(outcome).grade == Grade.BAD and outcome.vibration.grows
     speeds = [outcome.trace.velocity_mps[part] for part in outcome.played.still]
     first = next(speed for speed in speeds if vibration_of([speed], plan.dt_s).grows)
     power = np.abs(np.fft.rfft(first * np.hanning(len(first))))
     assert np.fft.rfftfreq(len(first), plan.dt_s)[power.argmax()] == pytest.approx(3.0, abs=0.7)
     quiet = held(plan, DESIGN_HAND, 0)
-    assert judge(quiet).grade == Grade.GOOD
-    assert not quiet.vibration.grows
+    assert judge(quiet).grade == Grade.GOOD and not quiet.vibration.grows
 
 
 def test_a_tool_deeper_than_it_may_come_is_not_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -305,11 +289,8 @@ def test_a_loop_that_is_not_bounded_is_refused_by_name() -> None:
 @pytest.mark.slow
 def test_past_positions_vibrate_between_the_depths_that_were_looked_at_before() -> None:
     """A forest on past positions at 85 to 95 % of the depth, in the hand of a light holder."""
-    training = paper_presses("dragon-skin-10")
-    model: Model = fit_model(
-        "rf-fd", "x", training, FitOptions(trees=20, past_positions=True, smooth_s=0.025)
-    ).model
-    plan = make_plan(model, Scene(schema=1, name="x", model="x"))
+    options = FitOptions(trees=20, past_positions=True, smooth_s=0.025)
+    plan = make_plan(fit_model("rf-fd", "x", paper_presses("dragon-skin-10"), options).model, PLAIN)
     outcome = held(plan, LIGHT, 1)
     assert Fault.LOUD in judge(outcome).faults
     speeds = [

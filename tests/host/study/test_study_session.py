@@ -68,8 +68,7 @@ def test_sessions_to_the_last_question(plan: StudyPlan, monkeypatch: pytest.Monk
         (log,) = read_recordings(plan.folder("01") / row["log"])
         called = (log.channels["call"].astype(int) & NONE) == 0
         pressing = log.position_m > 1e-3
-        assert not log.force_n[~called].any()
-        assert (pressing & ~called).any()
+        assert not log.force_n[~called].any() and (pressing & ~called).any()
         if "rendered" in (row["left"], row["right"]):
             assert log.force_n[called & pressing].max() > 0.2
         else:
@@ -111,8 +110,7 @@ def test_no_side_is_felt_after_the_watchdog_until_reset(monkeypatch: pytest.Monk
     )  # fmt: skip
     trial = SimpleNamespace(left="rendered", right="real soft")
     types(monkeypatch, "l", "r", "30", seconds=0.0)
-    assert study_session._ask(trial, session) == 30.0
-    assert called == ["resume", "pause"]
+    assert study_session._ask(trial, session) == 30.0 and called == ["resume", "pause"]
     state.tripped = True
     types(monkeypatch, "l", "r", "50", "reset", "l", "r", "40", seconds=0.0)
     assert study_session._ask(trial, session) == 40.0
@@ -171,8 +169,7 @@ def test_the_paper_s_design(paper: StudyPlan) -> None:
     assert anova_df == {"Method": (3, 42), "Material": (4, 56), "Method:Material": (12, 168)}
     assert [(row["df1"], row["df2"]) for row in found["simple"]] == [(3, 42)] * 5  # as the paper's
     p = {row["effect"]: row["p"] for row in found["anova"]}
-    assert p["Method"] < 1e-6
-    assert min(p["Material"], p["Method:Material"]) > 0.01
+    assert p["Method"] < 1e-6 and min(p["Material"], p["Method:Material"]) > 0.01
     assert len(found["pairs"]) == 5 * 6
     for row in found["pairs"]:
         assert (row["p_tukey"] < 0.01) == ("RF-FD" in (row["first"], row["second"])), row

@@ -1,5 +1,6 @@
 """Validations: a scene's error in its parts, by place, of slower recordings and training ones."""
 
+import re
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -52,8 +53,12 @@ def test_a_bare_scene_is_its_model(tmp_path: Path) -> None:
     assert found.rendering_n < found.model_rmse_n
     assert found.accuracy.rmse_n == pytest.approx(found.model_rmse_n, rel=0.1)
     rows = validation_rows(found)
-    assert "the hand feels" not in rows["RMSE, the model alone"]
-    assert "signs" not in rows
+    assert "the hand feels" not in rows["RMSE, the model alone"] and "signs" not in rows
+    parts_n = list(map(float, re.findall(r"([\d.e-]+) N\b", rows["RMSE, the model alone"])))
+    assert parts_n == pytest.approx([found.model_rmse_n, found.rendering_n], rel=1e-3)
+    deeper = recording("deeper", press(1.0, 0.018))
+    beyond = replace(found, notes={"outside": 9}, recordings=(deeper, *found.recordings))
+    assert validation_rows(beyond)["ticks with notes"].endswith("; deepest: 18 of 8.399 mm")
     half = replace(found, notes={"latched": found.accuracy.samples // 2})
     with mock.patch.object(Validation, "felt", ["log"] * 3):
         assert "; 50 % of the ticks, latched" in validation_rows(half)["C against reference"]
@@ -66,8 +71,7 @@ def test_the_model_alone_is_judged_on_the_samples_of_the_scene(tmp_path: Path) -
     write_model(tmp_path / "m.spm", model)
     emit(scene(), tmp_path / "m.spm", tmp_path / "c")
     found = validate(tmp_path / "c", begun, paced_s=0.0)
-    assert all(found.ramped)
-    assert sum(found.ramped) == found.accuracy.ramped
+    assert all(found.ramped) and sum(found.ramped) == found.accuracy.ramped
     three = sorted((found.accuracy.rmse_n, found.model_rmse_n, found.rendering_n))
     assert three[2] <= (three[0] + three[1]) * (1.0 + 1e-9)
     pairs = zip(begun, found.ramped, strict=True)
@@ -132,8 +136,7 @@ def test_two_training_recordings_of_one_name_are_both_seen() -> None:
     """Folders of two days may hold the same names."""
     twins = [replace(item, name="press") for item in training()[:2]]
     model = fit_model("hammerstein", "x", [*twins, *training()[2:4]], FitOptions()).model
-    assert seen_by(model, twins) == 2
-    assert len(check_recordings(twins).recordings) == 2
+    assert seen_by(model, twins) == 2 and len(check_recordings(twins).recordings) == 2
     speeds = {figures["max_speed_mps"] for figures in check_recordings(twins).recordings}
     assert len(speeds) == 2
 
@@ -257,8 +260,7 @@ def test_figures_of_a_known_error() -> None:
 
 def test_one_recording_has_no_interval_and_weak_forces_no_score() -> None:
     found = accuracy([np.array([0.5, 1.0])], [np.array([0.5, 1.5])])
-    assert found.interval_n is None
-    assert found.ape_below_jnd is None
+    assert found.interval_n is None and found.ape_below_jnd is None
 
 
 def test_the_start_up_ramp_is_counted_apart() -> None:

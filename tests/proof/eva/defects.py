@@ -101,12 +101,7 @@ DEFECTS = (
         "sum[SP_TAPS_SUMS];",
         _RADIAL,
     ),
-    Defect(
-        "a pole that grows",
-        "sp_poles.h",
-        "h + (rise - loss * h)",
-        "h + (rise + loss * h)",
-    ),
+    Defect("a pole that grows", "sp_poles.h", "h + (rise - loss * h)", "h + (rise + loss * h)"),
     Defect(
         "a piece of a curve beyond the last",
         "sp_curve.h",

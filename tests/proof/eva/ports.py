@@ -30,9 +30,7 @@ PORT_DRIVERS = (
     Port(
         "wire",
         Precision(
-            {"whole": 200, "sp_wire_receive": 400, "receive": 400},
-            ("whole", "sp_wire_receive"),
-            {},
+            {"whole": 200, "sp_wire_receive": 400, "receive": 400}, ("whole", "sp_wire_receive"), {}
         ),
         ("-eva-min-loop-unroll", "64", "-eva-interprocedural-splits"),
     ),

@@ -100,8 +100,7 @@ def test_a_recorded_lump_is_felt_between_its_sites(tmp_path: Path) -> None:
     found = validate(tmp_path / "c", read_recordings([tmp_path / "test"]), paced_s=0.01)
     percents = np.array([error.rmse_percent_of_peak for error in found.places])
     assert found.mismatches == 0 and len(percents) == 20
-    assert np.exp(np.mean(np.log(percents))) < 2.4
-    assert percents.max() < 7.0
+    assert np.exp(np.mean(np.log(percents))) < 2.4 and percents.max() < 7.0
 
 
 WIDE_M, ROUGH = 0.03, 1e-3

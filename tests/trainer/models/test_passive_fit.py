@@ -27,6 +27,7 @@ from springpot.trainer.models.passive.passive_fit import (
     better,
     passive_choice,
 )
+from springpot.trainer.models.passive.passive_force import model_along, with_memory
 from springpot.trainer.models.passive.passive_terms import plain_terms, to_model
 from springpot.trainer.models.passive.term_values import term_columns
 from springpot.trainer.models.predict import predict_n
@@ -255,3 +256,17 @@ def test_how_recordings_begin_is_learnt_from_them(goes_on: bool) -> None:
     new = recordings[3]
     its_n, other_n = (np.abs(predict_n(each, new) - new.force_n).max() for each in (model, other))
     assert its_n < 0.5 * other_n
+
+
+@pytest.mark.parametrize(("rest_s", "starts"), [(0.05, True), (300.0, False)])
+def test_a_session_is_begun_as_its_later_presses_began(rest_s: float, starts: bool) -> None:
+    """Two presses of an object that forgets within minutes; the first is always a fresh one's."""
+    slow, depth_m = replace(LETS_GO, tau_s=np.array([1.0, 20.0]), recovers=False), press(2.0)
+    timed = [Recording(f"{k}", depth_m, depth_m, DT_S, session="one",
+                       start_s=k * (0.5 + rest_s)) for k in range(2)]  # fmt: skip
+    (motion,) = training_set(timed, 0.0).motions
+    forces_n = model_along(slow, motion, DT_S, surface=True)[0]
+    forces_n += np.random.default_rng(1).normal(0.0, 0.01, len(forces_n))
+    felt = [replace(each, force_n=forces_n[begin : begin + len(depth_m)])
+            for each, begin in zip(timed, motion.starts, strict=True)]  # fmt: skip
+    assert with_memory(slow, training_set(felt, 0.0)).starts_conditioned is starts

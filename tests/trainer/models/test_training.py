@@ -34,8 +34,7 @@ from springpot.trainer.recordings.signals import smoothed
 )  # fmt: skip
 def test_rows_follow_the_paper(rows: int, fraction: float | None, expected: int) -> None:
     chosen = choose_rows(rows, fraction, np.random.default_rng(0))
-    assert len(chosen) == len(set(chosen.tolist())) == expected
-    assert chosen.max() < rows
+    assert len(chosen) == len(set(chosen.tolist())) == expected and chosen.max() < rows
 
 
 @pytest.mark.parametrize(
@@ -146,6 +145,7 @@ def test_what_holds_the_tool_is_not_let_go() -> None:
     fit = fit_model("hammerstein", "x", glued, FitOptions(smooth_s=0.0))
     least_n = min(float(predict_n(fit.model, item).min()) for item in glued)
     assert least_n == pytest.approx(min(float(item.force_n.min()) for item in glued), rel=0.1)
+    assert not pulls([replace(item, force_n=item.force_n - 1.5 * least_n) for item in glued])
 
 
 @pytest.mark.parametrize("noise_share", [0.0, 0.03, 0.1])

@@ -30,8 +30,7 @@ def test_delays_are_metadata_unless_taken_out() -> None:
     assert (noted.force_delay_s, told) == (0.0025, [])
     assert noted.content_hash == late.content_hash
     aligned, told = condition(late, Conditioning(force_delay_s=0.0025, align=True))
-    assert aligned.force_delay_s == 0.0
-    assert aligned.details["aligned_s"] == 0.0025
+    assert aligned.force_delay_s == 0.0 and aligned.details["aligned_s"] == 0.0025
     assert "force shifted by 2.5 ms against position, 3 samples at the end cut" in told[0]
     np.testing.assert_allclose(aligned.force_n, 1000 * aligned.position_m, atol=1e-6)
     both, _ = condition(late, Conditioning(0.001, 0.0035, align=True))
@@ -112,8 +111,7 @@ def test_the_surface_becomes_position_0(surface_m: float, tare_n: float) -> None
     assert shifted.zero == "none"
     assert shifted.details["contact_position_m"] == pytest.approx(surface_m, abs=2e-4)
     assert np.interp(0.0, *np.sort([shifted.position_m, shifted.force_n])) < 0.2
-    assert "tare of" in told[0]
-    assert "surface at" in told[0]
+    assert "tare of" in told[0] and "surface at" in told[0]
 
 
 def test_a_stated_contact_force_and_tare() -> None:

@@ -37,8 +37,7 @@ def test_a_dented_object_is_not_put_at_0_press_by_press(seed: int) -> None:
     rng.shuffle(dents_m)
     presses = [press(dent_m, i, rng.uniform(1.0, 2.0)) for i, dent_m in enumerate(dents_m)]
     (found,) = contacts(presses)
-    assert "not at 0" not in found.what
-    assert "--rest-s" in found.to_do
+    assert "not at 0" not in found.what and "--rest-s" in found.to_do
     timed = [replace(item, start_s=float(5 * i)) for i, item in enumerate(presses)]
     timed[0] = replace(timed[0], position_m=timed[0].position_m - dents_m[0])
     assert contacts(timed) == []
@@ -50,8 +49,7 @@ def test_a_zero_that_is_not_the_surface_is_said_once_for_the_set(seed: int) -> N
     places_m = rng.uniform(2e-3, 3e-3, 5)
     presses = [press(place_m, i, rng.uniform(1.0, 2.0)) for i, place_m in enumerate(places_m)]
     (found,) = contacts(presses)
-    assert found.where == "5 recordings"
-    assert "not at 0" in found.what
+    assert found.where == "5 recordings" and "not at 0" in found.what
     assert "--contact-force auto" in found.to_do
 
 
@@ -60,8 +58,7 @@ def test_a_zero_that_is_not_the_surface_is_said_once_for_the_set(seed: int) -> N
 def test_a_session_on_a_simulated_object_needs_no_other_zero(name: str, tmp_path: Path) -> None:
     """Its position 0 is the surface; it does not recover between the presses."""
     recordings = recorded(f"sim://{name}?rest=2", "third-repeat", tmp_path / "a")
-    assert any(item.start_s for item in recordings)
-    assert contacts(list(recordings)) == []
+    assert any(item.start_s for item in recordings) and contacts(list(recordings)) == []
 
 
 def test_the_doubt_covers_the_surface_of_any_power_law() -> None:
@@ -76,6 +73,17 @@ def test_the_doubt_covers_the_surface_of_any_power_law() -> None:
             continue
         missed += abs(found.position_m - surface_m) > found.uncertainty_m + 2e-5
     assert missed <= 9
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_an_object_that_stiffens_exponentially_has_a_surface(seed: int) -> None:
+    """As tissue does: the law has none, and where force is seen it is not far above."""
+    item = press(0.0, seed)
+    depth_m = np.maximum(item.position_m, 0.0)
+    noise_n = np.random.default_rng(seed).normal(0.0, 0.01, len(depth_m))
+    tissue = replace(item, force_n=12.0 * np.expm1(1e3 * depth_m) / np.expm1(7.0) + noise_n)
+    found = find_contact(tissue)
+    assert abs(found.position_m) < found.uncertainty_m and abs(found.position_m) < 1e-3
 
 
 @pytest.mark.parametrize("rate_hz", [20.0, 50.0, 100.0, 1000.0])

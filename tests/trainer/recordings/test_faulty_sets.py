@@ -92,8 +92,7 @@ def kinds(recordings: list[Recording]) -> set[str]:
 
 
 def test_right_ones_have_no_finding(recwarn: pytest.WarningsRecorder) -> None:
-    assert kinds(presses(right)) == set()
-    assert error(presses(right)) < 0.006
+    assert kinds(presses(right)) == set() and error(presses(right)) < 0.006
     assert not recwarn.list
 
 
@@ -104,8 +103,7 @@ def test_a_drift_is_named_with_its_bound_and_taken_off() -> None:
     drift = [finding for finding in findings if finding.kind == "drift"]
     assert len(drift) == 3 and drift[0].to_do == "import with --tare auto"
     slope, bound = (float(drift[0].what.split()[at]) for at in (-4, -2))
-    assert abs(slope - 6.0) < bound < 0.2
-    assert error(drifting) > 0.05
+    assert abs(slope - 6.0) < bound < 0.2 and error(drifting) > 0.05
     mended = [condition(each, Conditioning(tare="auto"))[0] for each in drifting]
     assert "drift" not in kinds(mended)
     assert mended[2].details["tare_n"] == pytest.approx(0.4, abs=0.02)

@@ -155,8 +155,7 @@ def test_stiffness_of_the_real_sinusoids(mach1_file: Path) -> None:
     assert [round(c["frequency_hz"], 1) for c in cycles] == [0.1, 0.2, 0.5, 1.0, 2.0]
     stiffness = [c["stiffness_npm"] * 1e-3 for c in cycles]
     assert stiffness == sorted(stiffness)
-    assert stiffness[::4] == pytest.approx([912, 1035], abs=1)
-    assert report.findings == []
+    assert stiffness[::4] == pytest.approx([912, 1035], abs=1) and report.findings == []
     assert cycles[-1]["loss"]["angle_uncertainty_rad"] < 0.2
 
 
@@ -171,16 +170,16 @@ def test_skew_is_estimated_with_its_uncertainty(skew_ms: int) -> None:
     assert report.skew.uncertainty_s < 3e-3
     found = [finding for finding in report.findings if finding.kind == "alignment"]
     assert bool(found) == (abs(skew_ms) > 2)
-    stated = check_recordings([replace(r, force_delay_s=skew_ms * 1e-3) for r in recordings])
+    delays_s = {"force_delay_s": (skew_ms + 3) * 1e-3, "position_delay_s": 3e-3}
+    stated = check_recordings([replace(r, **delays_s) for r in recordings])
     assert "alignment" not in {finding.kind for finding in stated.findings}
     for metadata in stated.recordings:
         loss = metadata["cycles"]["loss"]
         true_rad = 0.06 + 0.01 * np.log(metadata["cycles"]["frequency_hz"])
-        assert abs(loss["angle_rad"] - true_rad) < loss["angle_uncertainty_rad"]
+        assert abs(loss["angle_rad"] - true_rad) < min(loss["angle_uncertainty_rad"], 0.02)
     # Of one frequency nothing can be told, and no loss is quoted.
     alone = check_recordings(recordings[:1])
-    assert alone.skew is None
-    assert alone.recordings[0]["cycles"]["loss"] is None
+    assert alone.skew is None and alone.recordings[0]["cycles"]["loss"] is None
 
 
 @pytest.mark.slow
@@ -262,8 +261,7 @@ def test_an_object_that_settles_within_its_cycles_is_no_noise() -> None:
     left = np.exp(-np.arange(len(cycles.force_n)) * DT_S / 2.0)
     settling_n = cycles.force_n * (1.0 + 0.1 * left) + normal(0.01, 0, len(left))
     found = find_noise_floor([replace(cycles, force_n=settling_n)])
-    assert found.source == "cycles"
-    assert 0.009 < found.rms_n < 0.03
+    assert found.source == "cycles" and 0.009 < found.rms_n < 0.03
 
 
 def test_repeats_of_one_session_are_no_noise() -> None:

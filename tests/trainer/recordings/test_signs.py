@@ -200,3 +200,11 @@ def test_a_tear_is_named_and_hides_no_sign(law: str, after: str, air_m: float) -
         report = check_recordings([item])
         assert "tear" in {found.kind for found in report.findings}
         assert report.refused == (position_sign < 0 or force_sign < 0)
+
+
+@pytest.mark.parametrize("power", [0.5, 1.0, 2.0])
+@pytest.mark.parametrize("side", [1, -1])
+def test_a_single_way_in_shows_its_side_though_the_object_relaxes(power: float, side: int) -> None:
+    share = np.linspace(0.0, 1.0, 2000)
+    found = find_signs(Recording("x", 0.01 * side * share, side * (5.0 * share**power + 1.0), 1e-3))
+    assert found.evidence and (found.position_sign, found.force_sign) == (side, side)

@@ -5,6 +5,7 @@ from support.messages import refusing
 
 from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.recordings.formats.column_map import Column, parse_map
+from springpot.trainer.recordings.formats.importing import parse_place
 from springpot.trainer.recordings.formats.units import Quantity, factor_to_si
 
 
@@ -17,6 +18,9 @@ from springpot.trainer.recordings.formats.units import Quantity, factor_to_si
      ("mN", "force", 1e-3), ("18N", "force", 18.0), ("gf", "force", 9.80665e-3),
      ("kgf", "force", 9.80665), ("lbf", "force", 4.4482216152605), ("kg", "force", 9.80665),
      ("n", "force", 1.0), ("KN", "force", 1e3), ("Millimetre", "position", 1e-3),
+     ("cm", "position", 1e-2), ("um", "position", 1e-6), ("nm", "position", 1e-9),
+     ("uN", "force", 1e-6), ("ns", "time", 1e-9), ("h", "time", 3600.0),
+     ("ozf", "force", 0.27801385095378125), ("lb", "force", 4.4482216152605),
      ("-1 MM", "position", -1e-3)],  # both signs that stand for micro: its own, and the Greek mu
 )  # fmt: skip
 def test_factor(unit: str, quantity: Quantity, factor: float) -> None:
@@ -35,6 +39,13 @@ def test_factor(unit: str, quantity: Quantity, factor: float) -> None:
 def test_refused_units(unit: str, quantity: Quantity, message: str) -> None:
     with refusing(DataError, "x.csv, column 2: ", message):
         factor_to_si(unit, quantity, "x.csv, column 2")
+
+
+def test_a_place_has_one_unit_or_two() -> None:
+    for text in ("5,10mm", "5mm,1cm", "0.5cm,10mm"):
+        assert parse_place(text) == pytest.approx((0.005, 0.01))
+    with pytest.raises(UsageError, match="no unit of position"):
+        parse_place("5mm,10")
 
 
 def test_map() -> None:

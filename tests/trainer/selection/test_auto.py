@@ -1,15 +1,18 @@
 """Kind `auto`: chosen by cross-validation on the training recordings, and why."""
 
 import logging
+from dataclasses import replace
 
 import numpy as np
 import pytest
-from support.small import DEPTH_M, DT_S, press, recording, training
+from support.small import DEPTH_M, DT_S, passive_model, press, recording, small_fit, training
 
 from springpot import Model, Recording
 from springpot.trainer.kinds import fit_model
+from springpot.trainer.models import predict
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.predict import predict_n
+from springpot.trainer.models.training_set import training_set
 from springpot.trainer.selection import auto, scores
 from springpot.trainer.selection.auto import forest_wins, reason
 from springpot.trainer.selection.scores import Score
@@ -37,8 +40,7 @@ def test_a_plain_spring_needs_no_forest(caplog):
     assert list(said) == [f"{k} of {len(tried)}: {n}" for k, n in enumerate(tried, 1)]
     steps = [(record.done, record.total) for record in caplog.records]
     assert steps == sorted(steps) and steps[-1][0] <= steps[-1][1]
-    assert fit.metadata["chosen"] == "hammerstein"
-    assert fit.model.regressor is None
+    assert fit.metadata["chosen"] == "hammerstein" and fit.model.regressor is None
     other, forest = spring("other", press(2.4, 0.008)), fit_model("rf-fd", "x", presses, OPTIONS)
     assert rmse_n(fit.model, other) < 0.1 * rmse_n(forest.model, other)
 
@@ -56,8 +58,7 @@ def test_what_it_chooses_beats_the_papers_kinds_and_trees_are_for_what_is_felt()
     scores = {score["name"]: score["mean_n"] for score in fit.metadata["scores"]}
     felt_n = auto.FORCE_TOLERANCE * fit.model.trained.max_n
     assert scores["hammerstein"] - min(scores.values()) < felt_n
-    assert fit.metadata["chosen"] == "hammerstein"
-    assert active_cells(fit.model) == 0
+    assert fit.metadata["chosen"] == "hammerstein" and active_cells(fit.model) == 0
 
 
 def test_a_forest_that_gives_energy_is_passed_over(monkeypatch):
@@ -83,6 +84,29 @@ def test_trees_only_for_a_gain_that_does_not_rest_on_one_fold(ratio, without, wi
     assert f"{round(100 * (1 - ratio))} % less error" in words
 
 
+def test_one_recording_asks_more_of_trees(monkeypatch):
+    found = score("hammerstein", 1.0), score("rf-fd long", 0.93)
+    monkeypatch.setattr(auto, "find_scores", lambda *_: found)
+    monkeypatch.setattr(auto, "fit_kind", lambda *_: small_fit())
+    monkeypatch.setattr(auto, "active_cells", lambda _: 0)
+    sets = [training_set(training()[-n:], 0.0) for n in (1, 2)]
+    chosen = [auto.fit_auto("x", data, OPTIONS).metadata["chosen"] for data in sets]
+    assert chosen == ["hammerstein", "rf-fd long"]
+
+
+def test_small_motions_are_within_the_trained_depth(monkeypatch):
+    model, begins_m = passive_model(), set()
+    glued = replace(model, contact="always", trained=replace(model.trained, min_m=4e-3, max_m=0.01))
+
+    def predicted_n(_, motion):
+        begins_m.add(float(motion.position_m[0].round(6)))
+        return motion.position_m
+
+    monkeypatch.setattr(predict, "predict_n", predicted_n)
+    assert active_cells(glued) == 0
+    assert begins_m == {0.0052, 0.0061, 0.007, 0.0079, 0.0088}
+
+
 def test_trees_only_for_what_is_felt():
     scores = score("hammerstein", 1.0), score("trees", 0.5)
     assert forest_wins(*scores, 0.05, peak_n=10.0)
@@ -95,6 +119,19 @@ def test_the_fold_that_gains_most_is_the_one_that_is_left_out():
     found = scores._score("trees", errors_n, np.ones(3), one_family)
     assert found.ratio == pytest.approx(0.2 ** (1 / 3))
     assert found.ratio_without_best == 1.0
+
+
+def test_a_family_of_many_folds_counts_as_one_of_few():
+    errors_n, families = np.array([1.0, 1.0, 1.0, 16.0]), np.array([0, 0, 0, 1])
+    found = scores._score("trees", errors_n, np.ones(4), families)
+    assert (found.recordings_n, found.conditions_n) == pytest.approx((1.0, 16.0))
+    assert (found.mean_n, found.ratio) == pytest.approx((4.0, 4.0))
+
+
+@pytest.mark.parametrize(("ratio", "ends"), [(1.2, []), (1.5, [3]), (2.5, [2, 3])])
+def test_a_forest_is_given_up_after_two_folds_or_the_first_family(ratio, ends):
+    families = np.array([0, 0, 0, 1, 1, 2])
+    assert [n for n in range(1, 7) if scores._hopeless(np.full(n, ratio), families)] == ends
 
 
 @pytest.mark.parametrize("late", [0, 1, 3])

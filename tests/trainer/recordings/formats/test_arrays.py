@@ -193,5 +193,4 @@ def test_a_minus_of_typesetters_is_one(tmp_path: Path) -> None:
     text = (tmp_path / "a.csv").read_text()
     (tmp_path / "b.csv").write_text(text.replace("-", "\u2212"), encoding="utf-8")
     one, other = (springpot.import_recordings(tmp_path / f"{name}.csv")[0] for name in "ab")
-    assert one.force_n.min() < 0.0
-    assert one.force_n.tobytes() == other.force_n.tobytes()
+    assert one.force_n.min() < 0.0 and one.force_n.tobytes() == other.force_n.tobytes()

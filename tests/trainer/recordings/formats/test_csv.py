@@ -41,8 +41,7 @@ def test_headers(tmp_path: Path, header: str, delimiter: str, mapping: str) -> N
     body = [delimiter.join(map(str, row)) for row in [(0, 0, 0), (10, 1, 2), (20, 2, 4)]]
     found = load(tmp_path, "\n".join([header, *body] if header else body), mapping)
     np.testing.assert_allclose(found.position_m, [0.0, 0.001, 0.002])
-    assert found.force_n.tolist() == [0.0, 2.0, 4.0]
-    assert found.dt_s == pytest.approx(0.01)
+    assert found.force_n.tolist() == [0.0, 2.0, 4.0] and found.dt_s == pytest.approx(0.01)
 
 
 @pytest.mark.parametrize(

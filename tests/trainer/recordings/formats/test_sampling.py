@@ -21,8 +21,7 @@ def test_jitter_needs_resampling(tmp_path: Path) -> None:
     time_s = np.arange(100) * 0.01
     time_s[42] += 0.001
     message = refusal(tmp_path, rows(time_s))
-    assert "row 44: the time step is 0.011 s" in message
-    assert "--resample-hz 100" in message
+    assert "row 44: the time step is 0.011 s" in message and "--resample-hz 100" in message
     found = load(tmp_path, rows(time_s), resample_hz=100.0)
     assert (found.dt_s, found.details["resampled_hz"]) == (0.01, 100.0)
     np.testing.assert_allclose(found.position_m[42], np.interp(0.42, time_s, np.arange(100) * 1e-4))
@@ -70,8 +69,7 @@ def test_a_first_row_that_is_out_of_step_is_cut(first_s: float, tmp_path: Path) 
     """Interpolation onto it would blur every other sample, and lower the noise floor."""
     time_s = np.append(0.0, first_s + 4e-3 * np.arange(399))
     whole, found = (load(tmp_path, rows(its, "%.5f")) for its in (4e-3 * np.arange(400), time_s))
-    assert sampling_notes(whole) == []
-    assert "row 2 comes" in sampling_notes(found)[0]
+    assert sampling_notes(whole) == [] and "row 2 comes" in sampling_notes(found)[0]
     np.testing.assert_array_equal(found.force_n, whole.force_n[1:])
     assert found.dt_s == pytest.approx(4e-3)
 
@@ -99,8 +97,7 @@ def test_zero(tmp_path: Path, zero: str, position: list[float]) -> None:
     file = tmp_path / "a.csv"
     file.write_text("time_s,position_m,force_N\n0,5,1\n1,4,2\n2,6,3\n")
     recording = import_file(file, zero=zero)[0]  # type: ignore[arg-type]
-    assert recording.zero == zero
-    assert recording.position_m.tolist() == position
+    assert recording.zero == zero and recording.position_m.tolist() == position
     assert recording.force_n.tolist() == [0.0, 1.0, 2.0]
     assert recording.details["zero_position_m"] == (5.0 if zero == "first" else 4.0)
 
@@ -111,8 +108,7 @@ def test_compression_files_of_another_laboratory(shared_data: Path) -> None:
     assert len(files) == 30
     for file in files:
         recording, _ = import_file(file)
-        assert recording.rate_hz == pytest.approx(10.0)
-        assert len(recording.position_m) == 1201
+        assert recording.rate_hz == pytest.approx(10.0) and len(recording.position_m) == 1201
         assert recording.position_m[-1] == pytest.approx(20e-3, rel=1e-3)
         assert recording.force_n[-1] > 400.0
         tail = recording.details["sampling"]["tail"]
