@@ -26,9 +26,9 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
 @pytest.mark.parametrize(
     ("what", "most"),
     [
-        ("codegen/*.py", 6508),
-        ("trainer/*.py", 8781),
-        ("host/*.py", 12937),
+        ("codegen/*.py", 6462),
+        ("trainer/*.py", 8803),
+        ("host/*.py", 12829),
         ("runtime_c/*.[ch] codegen/*.j2", 7721),
         ("tests/*.py", 20000),
     ],
@@ -38,7 +38,7 @@ def test_lines(what: str, most: int) -> None:
 
 
 def test_files_of_the_product() -> None:
-    assert len(tracked(*PYTHON)) <= 200
+    assert len(tracked(*PYTHON)) <= 201
 
 
 def test_documents() -> None:

@@ -43,12 +43,11 @@ def chosen(stiffness_npm: float, rate_hz: float, device: LoopDevice) -> Coupling
     return choose_coupling(stiffness_npm, 1.0 / rate_hz, device, 1.0, Coupling())
 
 
-SLOW = {k: [pytest.mark.slow, *[pytest.mark.long] * (20 <= k != 125)] for k in range(9, 500)}
-
-
 @pytest.mark.parametrize(
-    "seed", [*range(9), *(pytest.param(k, marks=marks) for k, marks in SLOW.items())]
-)
+    "seed",
+    [*range(9), *(pytest.param(k, marks=pytest.mark.slow) for k in (*range(9, 20), 125)),
+     *(pytest.param(k, marks=pytest.mark.long) for k in range(20, 500) if k != 125)],
+)  # fmt: skip
 def test_a_better_loop_is_never_felt_softer(seed: int) -> None:
     """More rate, mass or damping, or less delay: 5 % is what rounding and the search's steps do."""
     rng = np.random.default_rng(seed)

@@ -34,8 +34,7 @@ def refusal(settings: str = "", *options: str, wanted: DeviceRequirements = WANT
 )
 def test_a_device_that_cannot_be_used(option: str, cause: str, remedy: str) -> None:
     said = refusal("", option)
-    assert cause in said and remedy in said
-    assert "\n" not in said
+    assert cause in said and remedy in said and "\n" not in said
 
 
 @pytest.mark.parametrize(

@@ -25,8 +25,7 @@ def test_a_training_profile_is_one_cycle_of_equation_1():
             profile.metadata["frequency_hz"],
         )
         assert abs(len(profile.command_n) - 1000 / frequency_hz) < 1
-        assert profile.command_n[0] == 0
-        assert 0 <= profile.command_n[-1] < 3e-4 * amplitude_n
+        assert profile.command_n[0] == 0 and 0 <= profile.command_n[-1] < 3e-4 * amplitude_n
         assert profile.command_n.max() == pytest.approx(amplitude_n, rel=1e-4)
         quarter_ms = np.arange(len(profile.command_n)) == round(250 / frequency_hz)
         steepest_npms = np.pi * frequency_hz * amplitude_n / 1000
@@ -94,5 +93,4 @@ def test_a_wrong_file_names_the_key(tmp_path, text, named):
     with pytest.raises(UsageError) as caught:
         protocols.load_protocol(str(file), 0)
     message = str(caught.value)
-    assert named in message and str(file) in message
-    assert "\n" not in message
+    assert named in message and str(file) in message and "\n" not in message

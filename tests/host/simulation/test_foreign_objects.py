@@ -72,8 +72,7 @@ def test_bergstrom_boyce_is_the_solution_of_its_equations():
     ticks_s, force_n = simulated_n("bergstrom-boyce", PRESS_S, PRESS_M)
     logs = solved(lambda t, y: law.creep_rate(stretch(t), np.exp(y)), PRESS_S, [0.0], ticks_s)
     expected_n = law.force_n(stretch(ticks_s), np.exp(logs[0]))
-    assert expected_n.min() > 0
-    assert np.abs(force_n - expected_n).max() < 5e-4 * expected_n.max()
+    assert expected_n.min() > 0 and np.abs(force_n - expected_n).max() < 5e-4 * expected_n.max()
 
 
 def test_bergstrom_boyce_recovers_without_a_punch():
@@ -172,8 +171,7 @@ def test_mullins_is_the_solution_of_its_equations():
     law = Damage(times_s, depths_m)
     ticks_s, force_n = simulated_n("mullins", times_s, depths_m)
     expected_n = law.force_n(ticks_s, solved(law.rate, times_s, [0.0] * 3, ticks_s))
-    assert expected_n.min() > 0
-    assert np.abs(force_n - expected_n).max() < 1e-3 * expected_n.max()
+    assert expected_n.min() > 0 and np.abs(force_n - expected_n).max() < 1e-3 * expected_n.max()
     first_n, second_n = (force_n[round(1000 * t) - 1] for t in (0.206, 0.75))
     assert law.elastic(0.206)[0] < law.elastic(0.75)[0] and second_n < 0.75 * first_n
 
@@ -216,6 +214,5 @@ def test_poro_viscoelastic_is_the_solution_of_its_equations():
         return np.interp(t_s, times_s, depths_m)
 
     expected_n = drained(depth_at, times_s[-1], ticks_s, 40)
-    assert expected_n.min() > 0
-    assert np.abs(force_n - expected_n).max() < 2e-3 * expected_n.max()
+    assert expected_n.min() > 0 and np.abs(force_n - expected_n).max() < 2e-3 * expected_n.max()
     assert np.abs(force_n - drained(depth_at, 2.5, ticks_s, 200)).max() < 0.04 * expected_n.max()

@@ -30,8 +30,7 @@ def refusal(folder: Path, text: str | bytes, mapping: str = "", rate: float | No
     with pytest.raises(DataError) as error:
         load(folder, text, mapping, rate)
     message = str(error.value)
-    assert "press 1.csv" in message
-    assert "\n" not in message
+    assert "press 1.csv" in message and "\n" not in message
     return message
 
 

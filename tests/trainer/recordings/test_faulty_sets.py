@@ -1,5 +1,6 @@
 """Presses of one object with one fault each: it is named, and a printed remedy mends it."""
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 
@@ -165,8 +166,8 @@ def test_what_misses_a_third_of_the_force_is_no_model(kind: str, tmp_path: Path)
     springpot.write_recordings(tmp_path / "rec", found)
     words = "train", tmp_path / "rec", "--model", kind, "--out", tmp_path / "m.spm"
     refused = spring(*words)
-    assert refused.returncode == 1 and "missed by 60 % of the largest force" in refused.stderr
-    assert "--accept-misfit" in refused.stderr and not (tmp_path / "m.spm").exists()
+    assert refused.returncode == 1 and not (tmp_path / "m.spm").exists()
+    assert re.search("missed by 60 % of the largest force.*--accept-misfit", refused.stderr)
     assert spring(*words, "--accept-misfit").returncode == 0
     assert springpot.train(found, kind, accept_misfit=True).metadata["cv_rmse_n"] > 0.0
 
