@@ -214,7 +214,7 @@ def slope_words(keys: JsonObject) -> str:
 def press_errors_n(
     recordings: Sequence[Recording], predicted_n: Sequence[Samples], ramps: Sequence[int]
 ) -> tuple[float, float] | None:
-    """RMSE of the first press of each recording, and of the later ones, N; None without later ones.
+    """RMSE of the first press of each recording, and of the later ones, N; None without either.
 
     The first shows whether the model begins as the object does: at rest, or as after a press.
     """
@@ -225,7 +225,7 @@ def press_errors_n(
         second = max(begins[1], ramp) if len(begins) > 1 else len(error_n)
         first.append(error_n[ramp:second])
         later.append(error_n[second:])
-    if not sum(map(len, later)):
+    if not (any(map(len, first)) and any(map(len, later))):
         return None
     return rms(np.concatenate(first)), rms(np.concatenate(later))
 
