@@ -129,7 +129,8 @@ class OutputStage:
                 else:
                     self._forget()
                     self._output.free()
-            force_n[i], note = self._output.force(latched, bool(ticks > 1), force)
+            back = bool(ticks > 1) and self._couple is not None
+            force_n[i], note = self._output.force(latched, back, force)
             notes[i] |= note
         return force_n
 
@@ -167,14 +168,17 @@ class Output:
             return self._fall(fall), LATCHED
         return self.given, HELD
 
-    def force(self, latched: Scalar, after_silence: bool, force: Scalar) -> tuple[Scalar, int]:
-        """Return what leaves of the model's force at a good sample, N, and notes."""
+    def force(self, latched: Scalar, back: bool, force: Scalar) -> tuple[Scalar, int]:
+        """Return what leaves of the model's force at a good sample, N, and notes.
+
+        back: after a silence, behind a coupling.
+        """
         if latched:
             return self._fall(self._real(1)), LATCHED
         note = 0
         before, now = abs(self._before(force)), abs(force)
         share = before / now if before < now else self._real(1)
-        if after_silence and share < 1 and share < self._share:
+        if back and share < 1 and share < self._share:
             self._rise = self._rise if self._share < 1 else self._config.back
             self._share = share + self._rise
         if self._share < 1:

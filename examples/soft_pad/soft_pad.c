@@ -1,4 +1,4 @@
-/* springpot 0.1.0 f81ffb37286394c44e14d06a4c838794b2ed8a668e5124f02bc552fbbbd69222 */
+/* springpot 0.1.0 a74b48dc093e075852994e7e4a111fd9e59a2d06f6a6f2d1e1f7bcbb4ac2a0b6 */
 /* pad: the whole scene, its self-test too. How to call it: soft_pad.h.
  *
  * In the order of a tick: units, each named by its file in springpot and without what this scene does
@@ -586,8 +586,9 @@ static inline float soft_pad_output_before(const soft_pad_output_state *state, f
     return given_n < zero ? given_n : zero;
 }
 
-/* First good sample after a silence: the share rises from what was given to the model's force. A
- * ramp that was under way goes on as slowly. */
+/* First good sample after a silence, behind a coupling, which overshoots then: the share rises from
+ * what was given to the model's force. A ramp that was under way goes on as slowly. Without a
+ * coupling the slew is enough, and a slow return gave a stiff object's hand 14 % of a press. */
 SP_RARE void soft_pad_output_resume(const soft_pad_output_config *config, soft_pad_output_state *state,
                               float force_n)
 {
@@ -600,12 +601,12 @@ SP_RARE void soft_pad_output_resume(const soft_pad_output_config *config, soft_p
     }
 }
 
-/* The model's force of a good sample; returns what leaves, N. after_silence: ticks before it had no
- * good sample. ticks: of this call, at most 1. */
+/* The model's force of a good sample; returns what leaves, N. back: it comes after a silence,
+ * behind a coupling. ticks: of this call, at most 1. */
 static inline float soft_pad_output_force(const soft_pad_output_config *config, soft_pad_output_state *state,
-                                      int after_silence, float ticks, float force_n, int *notes)
+                                      int back, float ticks, float force_n, int *notes)
 {
-    if (after_silence) {
+    if (back) {
         soft_pad_output_resume(config, state, force_n);
     }
     if (state->share < (float)1) {
@@ -849,7 +850,7 @@ int soft_pad_step(soft_pad_state *state, float position_m, float velocity_mps, f
     if (state->silence.latched) {
         (void)soft_pad_output_fall(&output, &state->output, (float)1, &notes);
     } else {
-        (void)soft_pad_output_force(&output, &state->output, left > 0, (float)1, force, &notes);
+        (void)soft_pad_output_force(&output, &state->output, 0, (float)1, force, &notes);
     }
     *force_n = state->output.given_n;
     return notes;
@@ -908,7 +909,7 @@ uint32_t soft_pad_state_size(void)
 
 const char *soft_pad_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"f81ffb37286394c44e14d06a4c838794b2ed8a668e5124f02bc552fbbbd69222\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"a74b48dc093e075852994e7e4a111fd9e59a2d06f6a6f2d1e1f7bcbb4ac2a0b6\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */
@@ -1022,7 +1023,7 @@ static const uint32_t golden_force[600] = {
     0x3e8f1f22u, 0x3e8bfd1bu, 0x3e8994cdu, 0x3e87e896u, 0x3e86fb35u, 0x3e86d02fu, 0x3e876bcau,
     0x3e88d311u, 0x3e8b0c1du, 0x3e908597u, 0x3e9ab5d2u, 0x3ea873ceu, 0x3eb965d6u, 0x3ecd718du,
     0x3ee493c2u, 0x3efed3dau, 0x3f0e1fdbu, 0x3f1ca816u, 0x3f2b6a8bu, 0x3f2b6a8bu, 0x3f2b6a8bu,
-    0x3f2b6a8bu, 0x3f2b6a8bu, 0x3f45f26au, 0x3f764731u, 0x3f96585fu, 0x3fad0f03u, 0x3fbc1accu,
+    0x3f2b6a8bu, 0x3f2b6a8bu, 0x3f84a75cu, 0x3f91895cu, 0x3f9ee8eau, 0x3fad0f03u, 0x3fbc1accu,
     0x3fcc1b4cu, 0x3fdd1879u, 0x3fef1412u, 0x40010b50u, 0x400b177cu, 0x4015b192u, 0x4020da1cu,
     0x402c8f78u, 0x4038cec0u, 0x40459001u, 0x4052d70au, 0x4060a859u, 0x406efef3u, 0x407dd31eu,
     0x40868d7cu, 0x408e656au, 0x4096681au, 0x409e98efu, 0x40a6f214u, 0x40af6ac7u, 0x40b7f919u,
@@ -1062,8 +1063,8 @@ static const uint32_t golden_force[600] = {
     0x40337f45u, 0x40237fb2u, 0x40147ae2u, 0x40066427u, 0x3ff247d9u, 0x3fd96568u, 0x3fc216fbu,
     0x3fac5958u, 0x3f9828a2u, 0x3f858bfeu, 0x3f68c2a8u, 0x3f49267eu, 0x3f2c2bc2u, 0x3f11c146u,
     0x3ef3b188u, 0x3ec8c95cu, 0x3ea2ae94u, 0x3e814e88u, 0x3e48eaccu, 0x3e17d028u, 0x0u, 0x0u, 0x0u,
-    0x0u, 0x0u, 0x0u, 0x0u, 0x0u, 0x0u, 0x0u, 0x3f91e8b2u, 0x400832fdu, 0x4040a276u, 0x4073fccdu,
-    0x4091a93bu, 0x40a7a808u, 0x40bc330du, 0x40cf6fe8u, 0x40e17848u, 0x40f25df1u, 0x40eab4e2u,
+    0x0u, 0x0u, 0x0u, 0x0u, 0x0u, 0x0u, 0x0u, 0x40400b3eu, 0x40c00b3eu, 0x4110086eu, 0x41187e00u,
+    0x4111a93bu, 0x410bb6b1u, 0x41066d9bu, 0x4101a5f0u, 0x40fa85a4u, 0x40f25df1u, 0x40eab4e2u,
     0x40e37227u, 0x40dcac1cu, 0x40d64fdeu, 0x40d030fau, 0x40ca4674u, 0x40c48970u, 0x40bef4afu,
     0x40b98446u, 0x40b43556u, 0x40af05e8u, 0x40a9f4c1u, 0x40a50136u, 0x40a02b15u, 0x409b7284u,
     0x4096d7d2u, 0x409258b6u, 0x408df5aau, 0x4089af53u, 0x4085866cu, 0x40817bc4u, 0x407b206au,
@@ -1094,22 +1095,22 @@ static const uint8_t golden_notes[600] = {
     0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
     0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
     0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
-    0, 0, 0, 1, 1, 1, 1, 16, 16, 16, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+    0, 0, 0, 1, 1, 1, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
     0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
     0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
     0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
     0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
     0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
-    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 4, 4, 12, 12, 12, 12, 12, 12,
-    12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 4, 4, 4, 4, 4, 0,
+    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 4, 4, 12, 12, 12, 12, 12, 12, 12,
+    12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 4, 4, 4, 4, 4, 0, 0,
     0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
-    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 16, 16, 16, 16, 16, 16, 16, 16, 16, 0, 0, 0, 0, 0,
+    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 1, 64, 64, 64, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
     0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
     0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
-    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 4, 12, 12, 12, 12, 12, 12, 12, 12, 12,
+    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 4, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12,
     12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12,
-    12, 12, 12, 12, 4, 4, 4, 4, 4, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
-    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0
+    12, 12, 4, 4, 4, 4, 4, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0
 };
 
 static float from_bits(uint32_t bits)

@@ -81,8 +81,9 @@ static inline sp_real sp_output_before(const sp_output_state *state, sp_real for
     return given_n < zero ? given_n : zero;
 }
 
-/* First good sample after a silence: the share rises from what was given to the model's force. A
- * ramp that was under way goes on as slowly. */
+/* First good sample after a silence, behind a coupling, which overshoots then: the share rises from
+ * what was given to the model's force. A ramp that was under way goes on as slowly. Without a
+ * coupling the slew is enough, and a slow return gave a stiff object's hand 14 % of a press. */
 SP_RARE void sp_output_resume(const sp_output_config *config, sp_output_state *state,
                               sp_real force_n)
 {
@@ -95,12 +96,12 @@ SP_RARE void sp_output_resume(const sp_output_config *config, sp_output_state *s
     }
 }
 
-/* The model's force of a good sample; returns what leaves, N. after_silence: ticks before it had no
- * good sample. ticks: of this call, at most 1. */
+/* The model's force of a good sample; returns what leaves, N. back: it comes after a silence,
+ * behind a coupling. ticks: of this call, at most 1. */
 static inline sp_real sp_output_force(const sp_output_config *config, sp_output_state *state,
-                                      int after_silence, sp_real ticks, sp_real force_n, int *notes)
+                                      int back, sp_real ticks, sp_real force_n, int *notes)
 {
-    if (after_silence) {
+    if (back) {
         sp_output_resume(config, state, force_n);
     }
     if (state->share < (sp_real)1) {

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 bbf54a81a29657446a38de3b416a192e7cf5814775c157cc4136c2a330312c73 */
+/* springpot 0.1.0 a58cbf3fb01da433fe2b42335e39fb1d90b81afdb97ce2af2e40bde739980876 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:

@@ -187,7 +187,7 @@ int sp_step(sp_state *state, float position_m, float velocity_mps, float *force_
     if (state->silence.latched) {
         (void)sp_output_fall(&output, &state->output, (float)1, &notes);
     } else {
-        (void)sp_output_force(&output, &state->output, left > 0, (float)1, force, &notes);
+        (void)sp_output_force(&output, &state->output, 0, (float)1, force, &notes);
     }
     *force_n = state->output.given_n;
     return notes;
@@ -247,7 +247,7 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"aa4b0543e61e333835a0d2b6d49e25ff1098d9437c2c62ca1ef1c67ba14c9b0f\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"1611c73999c5338ee85463775e37062382deba94f058dbf668f313739cfcc946\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

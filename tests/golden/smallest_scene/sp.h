@@ -1,4 +1,4 @@
-/* springpot 0.1.0 aa4b0543e61e333835a0d2b6d49e25ff1098d9437c2c62ca1ef1c67ba14c9b0f */
+/* springpot 0.1.0 1611c73999c5338ee85463775e37062382deba94f058dbf668f313739cfcc946 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:
