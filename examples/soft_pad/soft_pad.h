@@ -1,4 +1,4 @@
-/* springpot 0.1.0 f81ffb37286394c44e14d06a4c838794b2ed8a668e5124f02bc552fbbbd69222 */
+/* springpot 0.1.0 ea378f152791de691dfcfd031cc4e858fa4fb4cbadfe4b8ce227224daa1dff98 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SOFT_PAD_RATE_HZ:

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 bbf54a81a29657446a38de3b416a192e7cf5814775c157cc4136c2a330312c73 */
+/* springpot 0.1.0 019c2ccb2a5cfc9192d930db5160a00f5d43c130556352eb66d877a51abd7aeb */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:

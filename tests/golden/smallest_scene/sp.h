@@ -1,4 +1,4 @@
-/* springpot 0.1.0 aa4b0543e61e333835a0d2b6d49e25ff1098d9437c2c62ca1ef1c67ba14c9b0f */
+/* springpot 0.1.0 d7655ae79257e2b53e2cb56d948573dcca6241f366aa45865288cc58d0b94f86 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:
