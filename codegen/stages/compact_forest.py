@@ -1,4 +1,4 @@
-"""IR forest -> the 4-byte nodes of sp_forest.h, deciding exactly as scikit-learn does."""
+"""A `Forest` -> the 4-byte nodes of sp_forest.h, deciding exactly as scikit-learn does."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -48,7 +48,7 @@ class CompactForest:
 
 @dataclass(frozen=True, eq=False)
 class _Order:
-    """Order of the IR's nodes in the tables; place, level, tree, heap: (IR nodes,).
+    """Order of the forest's nodes in the tables; place, level, tree, heap: one for each node.
 
     place: in the table, of nodes at LEVELS or below it and of all leaves. heap: position among the
     first levels. roots: (trees,). size: nodes in the table.
@@ -107,14 +107,14 @@ def compact_forest(forest: Forest, leaves: QuantisedLeaves) -> CompactForest:
 
 
 def _bins(forest: Forest, columns: NDArray[np.int32]) -> tuple[tuple[Any, ...], Ints]:
-    """Sorted thresholds of each used feature, and the bin of each split, (IR nodes,).
+    """Sorted thresholds of each used feature, and the bin of each split, one for each node.
 
     Quantised features are their own bins: no thresholds are needed.
     """
     if forest.quantisation is not None:
         return (), np.clip(np.floor(forest.threshold), 0, MAX_BIN).astype(np.int64)
-    # scikit-learn compares float32(x) with a double; for a float32 the largest one below decides
-    # alike, and so do ranks: x <= threshold j of the sorted ones, if and only if bin(x) <= j.
+    # scikit-learn compares float32(x) with a double; the largest float32 not above it decides
+    # alike. So do ranks: x <= sorted threshold j if and only if at most j thresholds are below x.
     split = largest_float32_below(forest.threshold)
     bin_index = np.zeros(len(split), dtype=np.int64)
     thresholds = []

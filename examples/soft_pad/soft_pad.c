@@ -1,4 +1,4 @@
-/* springpot 0.1.0 a74b48dc093e075852994e7e4a111fd9e59a2d06f6a6f2d1e1f7bcbb4ac2a0b6 */
+/* springpot 0.1.0 178cf5f7aad3980b5c92b86f29e88ef650078738314f4bd1b6c315b623660d51 */
 /* pad: the whole scene, its self-test too. How to call it: soft_pad.h.
  *
  * In the order of a tick: units, each named by its file in springpot and without what this scene does
@@ -165,7 +165,7 @@ static inline int soft_pad_guard_plausible(const soft_pad_guard_config *config, 
     return x == x && x >= config->min_m && x <= config->max_m; /* a NaN is not itself */
 }
 
-/* A way that was never measured does not leave the believable positions. */
+/* The nearest believable position: for a way that was never measured. */
 static inline float soft_pad_guard_within(const soft_pad_guard_config *config, float x)
 {
     const float below = x < config->max_m ? x : config->max_m;
@@ -207,8 +207,8 @@ static inline float soft_pad_guard_position(const soft_pad_guard_config *config,
     return x;
 }
 
-/* Share of the held force that a sample which is not taken may feel: where it may be true, no more
- * than its depth's, and none above the surface. */
+/* While a sample is not taken, the last force is held; this is the share of it that acts. A sample
+ * that may be true, and is less deep than the last good one, gets less; above the surface, none. */
 static inline float soft_pad_guard_share(const soft_pad_guard_config *config, const soft_pad_guard_state *state,
                                      float x)
 {
@@ -909,7 +909,7 @@ uint32_t soft_pad_state_size(void)
 
 const char *soft_pad_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"a74b48dc093e075852994e7e4a111fd9e59a2d06f6a6f2d1e1f7bcbb4ac2a0b6\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"178cf5f7aad3980b5c92b86f29e88ef650078738314f4bd1b6c315b623660d51\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

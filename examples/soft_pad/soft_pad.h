@@ -1,4 +1,4 @@
-/* springpot 0.1.0 a74b48dc093e075852994e7e4a111fd9e59a2d06f6a6f2d1e1f7bcbb4ac2a0b6 */
+/* springpot 0.1.0 178cf5f7aad3980b5c92b86f29e88ef650078738314f4bd1b6c315b623660d51 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SOFT_PAD_RATE_HZ:

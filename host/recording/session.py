@@ -122,7 +122,7 @@ def record_session(
 
 
 def _quality(file: Path, recording: Recording, profile: Profile) -> PressQuality:
-    command_n = profile.command_n[:: round(RATE_HZ * recording.dt_s)]
+    command_n = profile.command_n[:: round(RATE_HZ * recording.dt_s)]  # one a sample
     error_n = recording.force_n - command_n
     return PressQuality(
         name=recording.name,

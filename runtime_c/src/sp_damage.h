@@ -2,8 +2,8 @@
  *
  *     force = g(v) (v/M)^q,   q = 1 or 3,   M the largest v so far, which heals towards v
  *
- * with v = u in the object. M rises only with v = M, where the force is g(v), and falls only while
- * the stored energy falls with it: no press gives energy back (docs/explanation/model.md). */
+ * with v = max(u, 0), u the share of the trained depth. M rises only at v = M, where the force is
+ * g(v), and falls only with the stored energy: none is given (docs/explanation/model.md). */
 #ifndef SP_DAMAGE_H
 #define SP_DAMAGE_H
 
@@ -20,7 +20,7 @@ static inline void sp_damage_rest(uint32_t n, sp_real u, sp_real *deepest)
     }
 }
 
-/* Share of one curve. healed: of M - v, in this tick. */
+/* (v/M) of one curve; deepest: its M. healed: the share of M - v that this tick takes off M. */
 static inline sp_real sp_damage_share(sp_real healed, sp_real v, sp_real *deepest)
 {
     const sp_real left = *deepest - healed * (*deepest - v);
@@ -30,7 +30,7 @@ static inline sp_real sp_damage_share(sp_real healed, sp_real v, sp_real *deepes
     }
     *deepest = left;
     const sp_real share = v / left;
-    return share < (sp_real)1 ? share : (sp_real)1; /* it is: the analyser sees it so */
+    return share < (sp_real)1 ? share : (sp_real)1; /* always; for the analyser */
 }
 
 /* One tick. The first n_linear of n curves have q = 1, the others 3; values: of the curves at u.

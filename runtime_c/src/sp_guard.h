@@ -33,7 +33,7 @@ static inline int sp_guard_plausible(const sp_guard_config *config, sp_real x)
     return x == x && x >= config->min_m && x <= config->max_m; /* a NaN is not itself */
 }
 
-/* A way that was never measured does not leave the believable positions. */
+/* The nearest believable position: for a way that was never measured. */
 static inline sp_real sp_guard_within(const sp_guard_config *config, sp_real x)
 {
     const sp_real below = x < config->max_m ? x : config->max_m;
@@ -75,8 +75,8 @@ static inline sp_real sp_guard_position(const sp_guard_config *config, sp_guard_
     return x;
 }
 
-/* Share of the held force that a sample which is not taken may feel: where it may be true, no more
- * than its depth's, and none above the surface. */
+/* While a sample is not taken, the last force is held; this is the share of it that acts. A sample
+ * that may be true, and is less deep than the last good one, gets less; above the surface, none. */
 static inline sp_real sp_guard_share(const sp_guard_config *config, const sp_guard_state *state,
                                      sp_real x)
 {

@@ -7,7 +7,7 @@
 
 #include "sp_number.h"
 
-/* h: states; out: the same in the scene's type. */
+/* h[n] = h[n-1] - loss h[n-1] + rise, of the input g; out: h in the scene's type. */
 static inline void sp_slow_poles(const double *loss, uint32_t n_poles, sp_real rise, double *h,
                                  sp_real *out)
 {

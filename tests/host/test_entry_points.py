@@ -39,10 +39,10 @@ def said(target: Path, folder: Path, *words: str) -> str:
 
 
 def write_rig_file(path: Path) -> None:
-    """Two seconds of pressing a spring that stiffens, at 1 kHz."""
+    """Four seconds of pressing a spring that stiffens, and relaxes, at 1 kHz."""
     t_s = np.arange(4000) / 1000
     position_mm = 2.5 * (1 - np.cos(2 * np.pi * t_s))
-    force_n = 0.8 * position_mm + 0.05 * position_mm**2
+    force_n = position_mm * (0.8 + 0.05 * position_mm + 0.1 * np.sin(2 * np.pi * t_s))
     columns = np.column_stack([t_s, position_mm, force_n])
     np.savetxt(path, columns, "%.6f", ",", header="time_s,position_mm,force_N", comments="")
 

@@ -140,7 +140,7 @@ def _pipeline(pipeline: Any) -> Forest:
 
 
 def _affine(name: str, step: Any) -> tuple[Samples, Samples]:
-    """z = zero + gain x of a step, both (columns,). Raises UsageError if it is anything else."""
+    """Zero and gain > 0, (columns,), of a step z = zero + gain x. Raises UsageError for others."""
     columns = step.n_features_in_
     tried = np.concatenate([np.zeros((1, columns)), np.eye(columns), np.full((1, columns), 0.37)])
     found = np.asarray(step.transform(tried))

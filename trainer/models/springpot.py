@@ -227,7 +227,7 @@ def fractional_part(tau_s: Samples, order: float, time_s: float | None) -> Sampl
 def _lowest(
     table: _Table, root: Samples, orders: Samples, times: Iterable[float | None]
 ) -> tuple[Solid, float]:
-    """Return the best solid of some orders and times, and its mean squared error, N^2."""
+    """Return the best solid of some orders and times on a `_Table.root`, and its error, N^2."""
     found: list[tuple[Solid, float]] = []
     for order, time_s in product(orders.tolist(), times):
         part = fractional_part(table.tau_s, order, time_s)

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 a58cbf3fb01da433fe2b42335e39fb1d90b81afdb97ce2af2e40bde739980876 */
+/* springpot 0.1.0 3d78a3eb7603f6792f5634e13bf830ebd262399c17f96b872156040557d7ce3c */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:

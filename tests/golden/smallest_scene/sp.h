@@ -1,4 +1,4 @@
-/* springpot 0.1.0 1611c73999c5338ee85463775e37062382deba94f058dbf668f313739cfcc946 */
+/* springpot 0.1.0 a56578eefb37054fad12c421c621c88022543f58a8b5484f699bf31f296f78fd */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:

@@ -132,7 +132,7 @@ def parse_map(text: str) -> dict[Quantity, Column]:
 def stated_hz(text: str) -> float | None:
     """Return the rate that stands in place of a column of time, such as "10Hz"; None without one.
 
-    Raises UsageError for a rate that is none.
+    Raises UsageError for 0 Hz and from 1 GHz on.
     """
     found = _RATE.fullmatch(text)
     if found is None:

@@ -78,10 +78,10 @@ def deeper_by_force(x: Samples, f: Samples) -> int:
 
 
 def deeper_from_zero(x: Samples, f: Samples) -> int:
-    """Vote, as in `deeper_by_force`, of presses from position 0 and force 0 without a free end.
+    """Vote, as in `deeper_by_force`, for the end far from 0, where position and force begin at 0.
 
-    An object that is bonded to the tool pulls on the way back: position and force go to one side,
-    and the greatest force is that of the farthest position.
+    An object that is bonded to the tool pulls on the way back, so that no end is free of force: it
+    pushes harder at the farthest position, and the tool does not go beyond 0 to the other side.
     """
     span = float(np.ptp(x))
     side = 1 if x.max() > -x.min() else -1

@@ -18,8 +18,8 @@ def fit_spring(
     begin = time.perf_counter()
     passive, rows, _ = fit_passive(data, options)
     spring = replace(
-        passive, tau_s=passive.tau_s[:0], branch_n=passive.branch_n[:0],
-        radius_m=passive.radius_m[:0], stop_n=passive.stop_n[:0],
+        passive, tau_s=passive.tau_s[:0], branch_n=passive.branch_n[:0], n_by_depth=0, flow=None,
+        radius_m=passive.radius_m[:0], stop_n=passive.stop_n[:0], damage=None, conditioned=None,
     )  # fmt: skip
     model = assemble("spring", name, data, options, rows, (None, None), spring, True, {})
     return Fit(model, rows, 0.0, time.perf_counter() - begin)
