@@ -129,7 +129,7 @@ class OutputStage:
                 else:
                     self._forget()
                     self._output.free()
-            back = bool(ticks > 1) and self._couple is not None
+            back = ticks > 1 and self._couple is not None
             force_n[i], note = self._output.force(latched, back, force)
             notes[i] |= note
         return force_n
@@ -169,10 +169,7 @@ class Output:
         return self.given, HELD
 
     def force(self, latched: Scalar, back: bool, force: Scalar) -> tuple[Scalar, int]:
-        """Return what leaves of the model's force at a good sample, N, and notes.
-
-        back: after a silence, behind a coupling.
-        """
+        """Force at a good sample, N, and notes; back: after a silence, behind a coupling."""
         if latched:
             return self._fall(self._real(1)), LATCHED
         note = 0

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 178cf5f7aad3980b5c92b86f29e88ef650078738314f4bd1b6c315b623660d51 */
+/* springpot 0.1.0 1546ab1f990f3ad45fd5a773134ba94bf9a7a11f4d38b5196549af0926f2ce4e */
 /* pad: the whole scene, its self-test too. How to call it: soft_pad.h.
  *
  * In the order of a tick: units, each named by its file in springpot and without what this scene does
@@ -586,9 +586,8 @@ static inline float soft_pad_output_before(const soft_pad_output_state *state, f
     return given_n < zero ? given_n : zero;
 }
 
-/* First good sample after a silence, behind a coupling, which overshoots then: the share rises from
- * what was given to the model's force. A ramp that was under way goes on as slowly. Without a
- * coupling the slew is enough, and a slow return gave a stiff object's hand 14 % of a press. */
+/* First good sample after a silence, behind a coupling, which overshoots: the share rises from what
+ * was given. A ramp that was under way goes on as slowly. Bare, a slow return gives energy back. */
 SP_RARE void soft_pad_output_resume(const soft_pad_output_config *config, soft_pad_output_state *state,
                               float force_n)
 {
@@ -909,7 +908,7 @@ uint32_t soft_pad_state_size(void)
 
 const char *soft_pad_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"178cf5f7aad3980b5c92b86f29e88ef650078738314f4bd1b6c315b623660d51\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"1546ab1f990f3ad45fd5a773134ba94bf9a7a11f4d38b5196549af0926f2ce4e\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

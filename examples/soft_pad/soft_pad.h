@@ -1,4 +1,4 @@
-/* springpot 0.1.0 178cf5f7aad3980b5c92b86f29e88ef650078738314f4bd1b6c315b623660d51 */
+/* springpot 0.1.0 1546ab1f990f3ad45fd5a773134ba94bf9a7a11f4d38b5196549af0926f2ce4e */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SOFT_PAD_RATE_HZ:

@@ -81,9 +81,8 @@ static inline sp_real sp_output_before(const sp_output_state *state, sp_real for
     return given_n < zero ? given_n : zero;
 }
 
-/* First good sample after a silence, behind a coupling, which overshoots then: the share rises from
- * what was given to the model's force. A ramp that was under way goes on as slowly. Without a
- * coupling the slew is enough, and a slow return gave a stiff object's hand 14 % of a press. */
+/* First good sample after a silence, behind a coupling, which overshoots: the share rises from what
+ * was given. A ramp that was under way goes on as slowly. Bare, a slow return gives energy back. */
 SP_RARE void sp_output_resume(const sp_output_config *config, sp_output_state *state,
                               sp_real force_n)
 {

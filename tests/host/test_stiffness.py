@@ -36,8 +36,7 @@ def test_steps_in_the_slope_show_and_an_offset_does_not() -> None:
     edges_m = np.linspace(0.0, DEPTH_M.max(), 9)
     straight = np.interp(DEPTH_M, edges_m, 200.0 * edges_m + 3e4 * edges_m**2)
     offset, stepped = (slope_errors([recorded()], [n]) for n in (FORCE_N + 0.1, straight))
-    assert offset.p95_percent < 1e-6
-    assert 2.0 < stepped.median_percent < stepped.p95_percent
+    assert offset.p95_percent < 1e-6 and 2.0 < stepped.median_percent < stepped.p95_percent
 
 
 def test_slopes_that_noise_hides_are_not_counted() -> None:

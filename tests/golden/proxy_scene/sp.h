@@ -1,4 +1,4 @@
-/* springpot 0.1.0 3d78a3eb7603f6792f5634e13bf830ebd262399c17f96b872156040557d7ce3c */
+/* springpot 0.1.0 a52088eaaf61450b71daa5ce1f686c9a8ec29beb3cca37052c08f9bdae24e568 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:

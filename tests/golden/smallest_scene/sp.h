@@ -1,4 +1,4 @@
-/* springpot 0.1.0 a56578eefb37054fad12c421c621c88022543f58a8b5484f699bf31f296f78fd */
+/* springpot 0.1.0 8f976953cba78121199621cc53672b34797d9e5d803fd4bac0f846dd25714a0d */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:

@@ -64,5 +64,4 @@ def test_nothing_is_overwritten(tmp_path, short):
     min(before).unlink()
     result = run(*arguments)
     assert isinstance(result.exception, UsageError) and str(second) in str(result.exception)
-    assert [*(tmp_path / "o").iterdir()] == [second]
-    assert second.read_bytes() == before[second]
+    assert [*(tmp_path / "o").iterdir()] == [second] and second.read_bytes() == before[second]

@@ -97,8 +97,7 @@ def test_position_and_torque_against_the_database(family, link_of, sign):
     for turns, speed in ((0.75, -2.0), (-1.25, 0.5), (0.5, 0.0)):
         data = estimate.encode({"Pos_Estimate": turns, "Vel_Estimate": speed})
         link.give(estimate.frame_id, data)
-        assert link.read() == 1
-        assert link.motion.position_m == sign * (turns - 0.5) * 0.05 - 0.002
+        assert link.read() == 1 and link.motion.position_m == sign * (turns - 0.5) * 0.05 - 0.002
         assert link.motion.velocity_mps == sign * speed * 0.05
         assert math.isnan(link.motion.measured_n)
     for force_n in (3.5, -2.0, 0.0):

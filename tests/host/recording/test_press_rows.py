@@ -21,5 +21,4 @@ def test_samples_that_are_no_numbers_are_not_kept(column: str, unlocated: bool, 
     taken.append(rows)
     assert taken.unlocated is unlocated
     assert taken.unmeasured is (column == "measured_n" and bool(np.isnan(bad)))
-    assert len(np.concatenate(kept)) == len(taken.column("position_m")) == 4
-    assert not taken.full
+    assert len(np.concatenate(kept)) == len(taken.column("position_m")) == 4 and not taken.full

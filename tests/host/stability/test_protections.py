@@ -149,8 +149,7 @@ def test_the_last_force_stays_without_a_watchdog() -> None:
     forces = rendered(plan, ("watchdog",))
     position_m = rising(0.6 * plan.model.trained.max_m, 1000, plan.dt_s)
     position_m[700:] = np.nan
-    assert forces[""](position_m)[0][-1] == 0.0
-    assert forces["watchdog"](position_m)[0][-1] > 1.0
+    assert forces[""](position_m)[0][-1] == 0.0 and forces["watchdog"](position_m)[0][-1] > 1.0
 
 
 def test_a_coupling_kicks_where_samples_come_back_without_a_return() -> None:

@@ -67,6 +67,5 @@ def test_the_tool_is_away_where_a_surface_that_recovers_gives_no_force() -> None
     data = training_set([Recording("x", depth_m, force_n, DT_S)], 0.0)
     rows = passive_rows(data, FitOptions())
     away = _Way(slow, rows, data).away
-    assert 0.02 < np.mean(away) < 0.5
-    assert np.abs(rows.force_n[away]).max() < 1e-9 * rows.peak_n
+    assert 0.02 < np.mean(away) < 0.5 and np.abs(rows.force_n[away]).max() < 1e-9 * rows.peak_n
     assert not _Way(replace(slow, recovers=False), rows, data).away.any()
