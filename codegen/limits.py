@@ -26,7 +26,7 @@ FORCE_MARGIN = 1.2
 MIN_SLEW_NPS = 1500.0
 SLEW_S = 0.004
 SLEW_TICK_S = 0.001
-# After a silence the force is the model's again within this: a missing half comes back in 5 ms.
+# Behind a coupling the force is the model's within this after a silence: half of it in 5 ms.
 BACK_S = 0.01
 
 

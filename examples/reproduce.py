@@ -77,9 +77,8 @@ def measured(name: str, folder: Path, every: int = 1, n: int = 10, trees: int = 
         PAST: forest(past_positions=True),
         OWN: train("rf-fd"),
     }  # fmt: skip
-    again = [fits, *({kind: train(kind, **as_chosen.get(kind, LETTER[kind])) for kind in KINDS}
-                     for _ in range(2))]  # fmt: skip
-    times_s = {kind: min(each[kind].feature_s + each[kind].fit_s for each in again)
+    again = {kind: train(kind, **as_chosen.get(kind, LETTER[kind])) for kind in KINDS}
+    times_s = {kind: min(each[kind].feature_s + each[kind].fit_s for each in (fits, again))
                for kind in KINDS}  # fmt: skip
     small = {"rf-fd": forest(trees=10), "rbf-pv": train("rbf-pv", n_centers=10, **LETTER["rbf-pv"])}
     small_ns = {kind: checked("small", fit)["tick_ns"]["hot_median"] for kind, fit in small.items()}
