@@ -20,7 +20,7 @@ DAMPING_LEFT = 0.25
 # Of the stiffest coupling that the linear loop allows; sensors and leaves of trees are not linear.
 GAIN_MARGIN = 0.8
 _STIFFNESSES_NPM = np.geomspace(10.0, 40_000.0, 56)
-_TENTH = 16  # of these steps are a factor of ten
+_TENTH = int(np.searchsorted(_STIFFNESSES_NPM, 10.0 * _STIFFNESSES_NPM[0]))  # steps of it
 _DAMPINGS_NSPM = np.geomspace(0.5, 500.0, 61)
 _MASSES_KG = (0.003, 0.01, 0.05)  # the lightest first: it passes on the least noise
 _SOFTEST = [

@@ -53,19 +53,7 @@ class SerialDevice(OpenedDevice):
             self.command("PRESS" if requirements.presses else "START")
             if not requirements.senses:
                 self._prove_watchdog()
-            try:
-                require_sample_rate(
-                    address.url,
-                    requirements.rate_hz,
-                    lambda until_s: sum(
-                        frame.name == "sample" and not frame.old
-                        for frame in self._frames_until(until_s)
-                    ),
-                    self.rate_advice,
-                )
-            except DeviceError:
-                self.stop()
-                raise
+            self._require_rate()
         except BaseException:
             self.close()
             raise
@@ -173,6 +161,19 @@ class SerialDevice(OpenedDevice):
                 if is_answer(frame):
                     return frame.values
         return None
+
+    def _require_rate(self) -> None:
+        try:
+            require_sample_rate(
+                self.address.url, self.requirements.rate_hz, self._samples_until, self.rate_advice
+            )
+        except DeviceError:
+            self.stop()
+            raise
+
+    def _samples_until(self, until_s: float) -> int:
+        frames = self._frames_until(until_s)
+        return sum(frame.name == "sample" and not frame.old for frame in frames)
 
     def _prove_watchdog(self) -> None:
         """One force of zero, then silence: a device that does not say in time that it tripped is

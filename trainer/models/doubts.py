@@ -17,7 +17,7 @@ _WINDOWS = 3  # a recording shorter than this many windows shows too little of t
 
 
 def doubts(fit: Fit, data: TrainingSet, options: FitOptions) -> Iterator[str]:
-    """Yield a line for each."""
+    """Yield a line for each doubt, with what to do."""
     window_s = options.window_s
     if window_s is not None and data.longest_s < _WINDOWS * window_s:
         yield (
@@ -30,7 +30,7 @@ def doubts(fit: Fit, data: TrainingSet, options: FitOptions) -> Iterator[str]:
 
 
 def require_followed(fit: Fit, data: TrainingSet, accepted: bool) -> None:
-    """Raise SpringpotError for a model that misses held-out presses by a third of the force.
+    """Raise SpringpotError for a model that misses held-out presses by 30 % of the force.
 
     Not of a map: there whole places are held out, and each is a guess from its neighbours.
     """

@@ -1,4 +1,4 @@
-"""Held-out errors of the two that `auto` compares: the passive model, and a forest beside it."""
+"""Held-out errors of the passive model and of the forest that `auto` compares with it."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
