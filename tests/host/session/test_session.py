@@ -171,7 +171,8 @@ def test_damage_on_the_line_is_never_a_force(log, folder):
     with peer("serial_device", *chain(*share.items()), "--delay-ms", 0.5) as device:
         session = ended(folder, device.url, log, seconds=1.5)
     result, read = session.result(), faithful(folder, log)
-    assert result["crc_errors"] > 10 and result["sequence_gaps"] > 30
+    whole = result["samples"] / 1500  # less where the machine held device or session up
+    assert result["crc_errors"] > 10 * whole and result["sequence_gaps"] > 30 * whole
     assert read.position_m.min() + 1e-3 >= 0 and read.position_m.max() < 0.03
 
 
