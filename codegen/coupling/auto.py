@@ -91,14 +91,12 @@ class _ProxySearch:
             LinearLoop(dt_s, Coupling("off"), hand, device.later(more), smoothing)
             for hand, more in CHECKED[::-1]  # what most often fails comes first
         ]
-        self._loops = [(loop, self._max_radius(loop)) for loop in loops]
-
-    @staticmethod
-    def _max_radius(loop: LinearLoop) -> float:
-        """A mass that swings on any spring loses exp(-b t/2m)."""
-        damping_nspm = loop.hand.damping_nspm + loop.device.viscous_nspm
-        mass_kg = loop.hand.mass_kg + loop.device.mass_kg
-        return math.exp(-DAMPING_LEFT * damping_nspm / (2.0 * mass_kg) * loop.dt_s)
+        self._loops = []
+        for loop in loops:  # a mass that swings on any spring loses exp(-b t/2m)
+            damping_nspm = loop.hand.damping_nspm + loop.device.viscous_nspm
+            mass_kg = loop.hand.mass_kg + loop.device.mass_kg
+            max_radius = math.exp(-DAMPING_LEFT * damping_nspm / (2.0 * mass_kg) * loop.dt_s)
+            self._loops.append((loop, max_radius))
 
     def stiffest(self) -> Coupling | None:
         """Return the stiffest of which all down to a tenth are stable too, softened by GAIN_MARGIN.

@@ -117,7 +117,12 @@ def _choose(
 def _load(path: Path, kind: str) -> list[_Array]:
     """Vectors of a file, and columns of its matrices. Raises DataError where there are none."""
     try:
-        stored = _of_hdf5(path) if kind == "hdf5" else _of_matlab(path)
+        if kind == "hdf5":
+            stored = _of_hdf5(path)
+        else:
+            from scipy.io import loadmat
+
+            stored = list(_nested("", loadmat(path, simplify_cells=True)))
         arrays = [array for found in stored for array in _vectors(*found)]
     except ModuleNotFoundError:
         raise
@@ -130,12 +135,6 @@ def _load(path: Path, kind: str) -> list[_Array]:
             "save plain arrays"
         )
     return arrays
-
-
-def _of_matlab(path: Path) -> list[_Stored]:
-    from scipy.io import loadmat
-
-    return list(_nested("", loadmat(path, simplify_cells=True)))
 
 
 def _vectors(name: str, unit: str, other: str, value: object) -> Iterator[_Array]:
