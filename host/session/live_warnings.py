@@ -10,13 +10,12 @@ from springpot.codegen.plan import Plan
 from springpot.codegen.types import JsonObject
 from springpot.host.native.c_library import COLUMN, NONE, LoopRows, empty_rows
 from springpot.host.session.outcome import LOWER, NOTE_WORDS, UPPER, clamped_low
+from springpot.trainer.models.predict import FASTER, SPEED_S
 
 WINDOW_S = 0.05  # rows are looked at together
 CALM_S = 0.5  # without the condition: it is over
-FASTER = 4.0  # than the trained speed, inside the object
 HELD_SHARE = 0.1  # of the ticks of a window: a single lost sample is no warning
 MAX_EVENTS = 50  # of a kind: the last one counts the ticks of all further ones
-_SPEED_S = 0.01  # of motion to a speed: an encoder's step is no speed
 _DEEP, _FAST = "deeper than was recorded", "faster than four times the recorded speed"
 
 Alarm = Callable[[str], None]
@@ -36,7 +35,7 @@ class LiveWarnings:
         self._fast_mps = FASTER * plan.model.trained.max_mps
         self._ticks = max(1, round(WINDOW_S / plan.dt_s))
         self._last_n = np.zeros(1)
-        self._recent_m = np.full(max(1, round(_SPEED_S / plan.dt_s)), np.nan)
+        self._recent_m = np.full(max(1, round(SPEED_S / plan.dt_s)), np.nan)
         self._waiting = empty_rows(0)
         self._events: dict[str, list[JsonObject]] = {}
         self._last_s: dict[str, float] = {}

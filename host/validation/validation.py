@@ -36,7 +36,7 @@ from springpot.host.validation.compared import (
     place_errors,
 )
 from springpot.host.validation.seen import seen_by
-from springpot.trainer.models.predict import limited_each_n, require_compatible
+from springpot.trainer.models.predict import extrapolations, limited_each_n, require_compatible
 from springpot.trainer.recordings.quality.repeats import NoiseFloor, find_noise_floor
 from springpot.trainer.recordings.quality.signs import sign_doubts
 from springpot.trainer.recordings.recording import Recording, axes_for_plot
@@ -144,7 +144,8 @@ def validate(folder: File, recordings: Recordings, paced_s: float = PACED_S) -> 
                 "import, --place X,Y"
             )
     judged = [item for item in recordings if not is_log_of(item, emitted.hash)]
-    for doubt in sign_doubts(judged):
+    beyond = (line for item in judged for line in extrapolations(model, item))
+    for doubt in (*sign_doubts(judged), *beyond):
         caution(doubt)
     library = SceneLibrary(folder)
     library.manifest["hash"] = emitted.hash  # of the C that was built, edits and all

@@ -83,10 +83,12 @@ def test_predict_is_the_model_above_zero():
 
 
 def test_predict_says_what_is_extrapolated_and_refuses_millimetres():
-    model = passive_model()
-    deepest_m = model.trained.max_m
-    with pytest.warns(UserWarning, match="2 times the trained depth"):
-        springpot.predict(model, np.linspace(0.0, 2.0 * deepest_m, 50))
+    model, deepest_m = passive_model(), passive_model().trained.max_m
+    top_m = np.arange(0.0, deepest_m, model.trained.max_mps * DT_S)  # at the trained speed
+    springpot.predict(model, top_m[::3])
+    for times, of, position_m in ((1.9, "depth", 1.92 * top_m), (6, "speed", top_m[::6])):
+        with pytest.warns(UserWarning, match=f"{times} times the trained {of}"):
+            springpot.predict(model, position_m)
     away_m = np.linspace(-30.0 * deepest_m, 0.0, 50)  # air: no way into the object
     assert np.all(springpot.predict(model, away_m) == springpot.predict(model, [0.0, 0.0])[0])
     for position_m in (np.linspace(0.0, 12.0 * deepest_m, 50), 1000.0 * training()[0].position_m):
