@@ -121,6 +121,7 @@ def fit_kind(
     validation: "Sequence[Recording]" = (),
 ) -> "Fit":
     """`fit_model` on a prepared set: many fits on one set share what they can."""
+    import scipy.linalg  # noqa: F401  # brings a BLAS of its own, limited only if it is loaded
     from threadpoolctl import threadpool_limits
 
     from springpot.trainer.models.doubts import doubts
