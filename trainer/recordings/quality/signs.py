@@ -42,7 +42,8 @@ def failure_row(x: Samples, f: Samples) -> int | None:
     There force is less than 0.4 of it, in a twentieth of the way that the tool goes through as
     fast as before: an object that flows loses its force where the tool slows down.
     """
-    rise, peak = np.abs(f - first_n(x, f)), peak_row(x, f)
+    rise = np.abs(f - first_n(x, f))
+    peak = int(np.argmax(rise))
     if x[peak] == x[0] or rise[peak] < _SURE * noise_n(f):
         return None
     way = np.sign(x[peak] - x[0]) * x
@@ -60,11 +61,6 @@ def failure_row(x: Samples, f: Samples) -> int | None:
 def correlation(x: Samples, f: Samples) -> float:
     """Correlation of position and force, (n,) both; 0 if one is constant."""
     return float(np.corrcoef(x, f)[0, 1]) if min(np.ptp(x), np.ptp(f)) else 0.0
-
-
-def peak_row(x: Samples, f: Samples) -> int:
-    """Row at which force is farthest from that with which the recording begins."""
-    return int(np.argmax(np.abs(f - first_n(x, f))))
 
 
 def deeper_by_force(x: Samples, f: Samples) -> int:
@@ -111,7 +107,7 @@ def deeper_by_slope(x: Samples, f: Samples) -> int:
     low_m, third_m = float(x.min()), float(np.ptp(x)) / 3
     low = _slope(x, f, x <= low_m + third_m)
     high = _slope(x, f, x >= low_m + 2 * third_m)
-    if low is None or high is None or max(abs(low), abs(high)) == 0.0:
+    if low is None or high is None:
         return 0
     return _vote(abs(high), abs(low))
 
@@ -182,7 +178,8 @@ def find_signs(recording: Recording) -> Signs:
         x, raw_n = x[: failed + 1], raw_n[: failed + 1]
     lost = dissipation(x, raw_n)
     # After one way in, a hold relaxes and creeps against its sign.
-    rows = len(x) if lost.loops else max(MIN_SAMPLES, peak_row(x, raw_n) + 1)
+    peak = int(np.argmax(np.abs(raw_n - first_n(x, raw_n))))
+    rows = len(x) if lost.loops else max(MIN_SAMPLES, peak + 1)
     together = correlation(x[:rows], raw_n[:rows])
     # A lead of more than a quarter turn is no material's: one of the signs is wrong.
     relative = -1 if together < 0.0 else 1
