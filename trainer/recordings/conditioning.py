@@ -216,14 +216,11 @@ def on_one_surface(
     object had not recovered. At another place the surface may be another: those keep theirs too.
     Raises DataError if a bound is too wide for how deep the object was pressed.
     """
-    details = [recording.details for recording in recordings]
-    found = all("contact_position_m" in its for its in details) and options.contact_force == "auto"
-    if not found:
-        return list(recordings), ""
     shared, note = list(recordings), ""
-    if len(recordings) > 1 and not any(each.place_m for each in recordings):
-        shared, note = _shared_surface(recordings)
-    _require_known_surface(shared)
+    if options.contact_force == "auto":
+        if len(recordings) > 1 and not any(each.place_m for each in recordings):
+            shared, note = _shared_surface(recordings)
+        _require_known_surface(shared)
     return shared, note
 
 
