@@ -155,7 +155,7 @@ def parse_place(text: str) -> tuple[float, float]:
 def one_session(recordings: Sequence[Recording], rest_s: float) -> list[Recording]:
     """The recordings as presses of one object, in this order, so long apart, s.
 
-    Raises UsageError for a time below 0, DataError where there is nothing to be apart.
+    Raises UsageError for a time below 0.
     """
     if not 0.0 <= rest_s < np.inf:
         raise UsageError(f"--rest-s: {rest_s} is no time between presses: give seconds from 0 on")
