@@ -189,8 +189,9 @@ def find_air_drift(recording: Recording) -> tuple[Recording, Drift] | None:
     An object that relaxes, with its force zeroed under load, looks alike, but has no surface.
     """
     if recording.zero == "none" and (drift := find_drift(recording)):
-        time_s = np.arange(len(recording.force_n), dtype=np.float64) * recording.dt_s
-        steady = replace(recording, force_n=recording.force_n - drift.at(time_s))
+        time_s = np.arange(len(recording.force_n)) * recording.dt_s
+        drift_n = drift.start_n + drift.slope_nps * time_s
+        steady = replace(recording, force_n=recording.force_n - drift_n)
         with suppress(DataError):
             find_contact(steady)
             return steady, drift

@@ -71,9 +71,6 @@ class Drift:
     slope_nps: float
     bound_nps: float
 
-    def at(self, time_s: Samples) -> Samples:
-        return self.start_n + self.slope_nps * time_s
-
 
 def find_drift(recording: Recording) -> Drift | None:
     """The drift of the force where the tool is farthest out; None if noise or relaxing explains it.

@@ -162,13 +162,6 @@ class Signs:
             "words": self.words,
         }
 
-    @staticmethod
-    def of_all(signs: Sequence["Signs"]) -> "Signs":
-        """Signs of the recording with the strongest evidence, with the loops of all."""
-        energies_j = sum(own.lost.energy_j for own in signs)
-        lost = Dissipation(energies_j, sum(own.lost.loops for own in signs))
-        return replace(max(signs, key=lambda own: own.evidence), lost=lost)
-
 
 def find_signs(recording: Recording) -> Signs:
     """Signs of a recording by itself; what an importer subtracted is added again."""
