@@ -167,12 +167,8 @@ class Recording:
             raise UsageError("to_frame needs pandas: pip install pandas") from None
         time_s = self.dt_s * np.arange(len(self.force_n))
         columns = {"time_s": time_s, "position_m": self.position_m, "force_n": self.force_n}
-        if self.place_m is not None:
-            names = ("place_x_m", "place_y_m")
-            columns |= {
-                n: np.full(len(time_s), at) for n, at in zip(names, self.place_m, strict=True)
-            }
-        return DataFrame({**self.channels, **columns})
+        place = {"place_x_m": self.place_x_m, "place_y_m": self.place_y_m} if self.place_m else {}
+        return DataFrame({**self.channels, **columns, **place})
 
     def plot(self, ax: "Axes | None" = None) -> "Axes":
         """Draw force against position on matplotlib's axes, on new ones if none are given.
