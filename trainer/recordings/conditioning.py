@@ -189,8 +189,9 @@ def find_air_drift(recording: Recording) -> tuple[Recording, Drift] | None:
     An object that relaxes, with its force zeroed under load, looks alike, but has no surface.
     """
     if recording.zero == "none" and (drift := find_drift(recording)):
-        time_s = np.arange(len(recording.force_n), dtype=np.float64) * recording.dt_s
-        steady = replace(recording, force_n=recording.force_n - drift.at(time_s))
+        time_s = np.arange(len(recording.force_n)) * recording.dt_s
+        drift_n = drift.start_n + drift.slope_nps * time_s
+        steady = replace(recording, force_n=recording.force_n - drift_n)
         with suppress(DataError):
             find_contact(steady)
             return steady, drift
@@ -216,14 +217,11 @@ def on_one_surface(
     object had not recovered. At another place the surface may be another: those keep theirs too.
     Raises DataError if a bound is too wide for how deep the object was pressed.
     """
-    details = [recording.details for recording in recordings]
-    found = all("contact_position_m" in its for its in details) and options.contact_force == "auto"
-    if not found:
-        return list(recordings), ""
     shared, note = list(recordings), ""
-    if len(recordings) > 1 and not any(each.place_m for each in recordings):
-        shared, note = _shared_surface(recordings)
-    _require_known_surface(shared)
+    if options.contact_force == "auto":
+        if len(recordings) > 1 and not any(each.place_m for each in recordings):
+            shared, note = _shared_surface(recordings)
+        _require_known_surface(shared)
     return shared, note
 
 

@@ -18,12 +18,7 @@ from pydantic import BaseModel, Field, ValidationError
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.codegen.files import written_aside
-from springpot.trainer.recordings.recording import (
-    SIGN_RULE,
-    Recording,
-    Zero,
-    require_recording_name,
-)
+from springpot.trainer.recordings.recording import SIGN_RULE, Recording, Zero
 
 RECORDING_SCHEMA = 1
 _UNITS = {"position_m": "m", "force_n": "N"}
@@ -145,7 +140,6 @@ def recording_of(
         first = error.errors()[0]
         what = f"{'.'.join(map(str, first['loc']))}: {first['msg']}"
         raise DataError(f"{path}: not a springpot recording ({what}): {_REMEDY}") from None
-    require_recording_name(found.name, f"{path}: ")
     fields: dict[str, Any] = {**found.model_dump(), **{name: samples[name] for name in _UNITS}}
     channels = {name: its for name, its in samples.items() if name not in _UNITS}
     try:

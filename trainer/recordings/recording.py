@@ -5,7 +5,7 @@ import re
 from collections.abc import Hashable, Mapping, Sequence
 from dataclasses import dataclass, field
 from math import dist
-from typing import TYPE_CHECKING, Any, Literal, get_args
+from typing import TYPE_CHECKING, Any, Literal, cast, get_args
 
 import numpy as np
 
@@ -167,12 +167,8 @@ class Recording:
             raise UsageError("to_frame needs pandas: pip install pandas") from None
         time_s = self.dt_s * np.arange(len(self.force_n))
         columns = {"time_s": time_s, "position_m": self.position_m, "force_n": self.force_n}
-        if self.place_m is not None:
-            names = ("place_x_m", "place_y_m")
-            columns |= {
-                n: np.full(len(time_s), at) for n, at in zip(names, self.place_m, strict=True)
-            }
-        return DataFrame({**self.channels, **columns})
+        place = {"place_x_m": self.place_x_m, "place_y_m": self.place_y_m} if self.place_m else {}
+        return DataFrame({**self.channels, **columns, **place})
 
     def plot(self, ax: "Axes | None" = None) -> "Axes":
         """Draw force against position on matplotlib's axes, on new ones if none are given.
@@ -221,21 +217,17 @@ def zero_word(given: Any) -> Zero:
     if given is None:
         return "none"
     words = get_args(Zero)
-    for word in words:
-        if isinstance(given, str) and given == word:
-            return word  # type: ignore[no-any-return]
+    if isinstance(given, str) and given in words:
+        return cast(Zero, given)
     raise UsageError(
         f"zero={repr(given)[:60]}: give {', '.join(map(repr, words[:-1]))} or {words[-1]!r}"
     )
 
 
-def require_recording_name(name: Any, where: str = "") -> None:
-    """Raise DataError for a name that could lead out of a folder, or could not be printed.
-
-    where: begins the message, as "FILE: ".
-    """
+def require_recording_name(name: Any) -> None:
+    """Raise DataError for a name that could lead out of a folder, or could not be printed."""
     if not isinstance(name, str):
-        raise DataError(f"{where}name={name!r}: a recording's name is text: give a str")
+        raise DataError(f"name={name!r}: a recording's name is text: give a str")
     fits = (
         0 < len(name.encode("utf-8", "replace")) <= MAX_NAME_BYTES
         and name.isprintable()  # neither newlines nor bytes that are no text
@@ -244,7 +236,7 @@ def require_recording_name(name: Any, where: str = "") -> None:
     )
     if not fits:
         raise DataError(
-            f"{where}a recording named {name[:60]!a}: a name is printable, without / and \\, "
+            f"a recording named {name[:60]!a}: a name is printable, without / and \\, "
             f"begins with no dot and has 1 to {MAX_NAME_BYTES} bytes: name it otherwise"
         )
 

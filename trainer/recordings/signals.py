@@ -26,20 +26,14 @@ _HALVINGS = 3
 _STRONG = 0.5  # of the set's largest force: in weaker recordings noise makes the peaks
 
 
-def noise_n(samples: Samples) -> float:
-    """Standard deviation of the noise between samples, by the median of second differences."""
-    second = np.diff(samples, 2)
-    return _NORMAL * float(np.median(np.abs(second))) / math.sqrt(6.0) if len(second) else 0.0
-
-
-def sensor_noise_n(force_n: Samples) -> float:
-    """RMS of white noise in a force (n,), N, and at least that of its steps' rounding."""
-    differences = np.abs(np.diff(force_n, _ORDER))
+def sensor_noise_n(samples: Samples) -> float:
+    """RMS of white noise in a channel (n,), and at least that of its steps' rounding."""
+    differences = np.abs(np.diff(samples, _ORDER))
     moved = differences[differences > 0.0]  # a sensor slower than the recording holds its values
     if not len(moved):
         return 0.0
     white_n = _NORMAL * float(np.median(moved)) / math.sqrt(math.comb(2 * _ORDER, _ORDER))
-    return max(white_n, (quantisation_step(force_n) or 0.0) / math.sqrt(12))
+    return max(white_n, (quantisation_step(samples) or 0.0) / math.sqrt(12))
 
 
 def quantisation_step(samples: Samples) -> float | None:
@@ -70,9 +64,6 @@ class Drift:
     start_n: float
     slope_nps: float
     bound_nps: float
-
-    def at(self, time_s: Samples) -> Samples:
-        return self.start_n + self.slope_nps * time_s
 
 
 def find_drift(recording: Recording) -> Drift | None:

@@ -256,7 +256,7 @@ def _unmarked(line: str) -> str:
 
 
 def cells(line: str, delimiter: str) -> Cells:
-    """Split one line; quoted cells keep their delimiters. None if one is too long for a cell."""
+    """Split one line; quoted cells keep their delimiters. Empty if a cell is too long."""
     try:
         rows = list(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
     except csv.Error:

@@ -24,7 +24,7 @@ from springpot.trainer.recordings.journal import JOURNAL_SUFFIX
 from springpot.trainer.recordings.recording import Recording, Zero, safe_recording_name, zero_word
 from springpot.trainer.recordings.recording_file import read_recording
 
-_BEGINS = "+-.0123456789"  # a number
+_BEGINS = set("+-.0123456789")  # a number
 _START_BYTES = 520  # a user block of HDF5 is 512 of them
 _HDF5, _MAT5, _MAT73 = b"\x89HDF\r\n\x1a\n", b"MATLAB 5.0 MAT-file", b"MATLAB 7.3 MAT-file"
 _OTHERS = {  # how files begin that are neither arrays nor a table as text: docs/how-to/import.md
@@ -141,7 +141,7 @@ def parse_place(text: str) -> tuple[float, float]:
     """Read x and y, m, from a text such as 5,10mm or 5mm,1cm; UsageError for anything else."""
     x, _, y = text.partition(",")
     (x_size, x_unit), (y_size, unit) = parts_of(x), parts_of(y)
-    if not (x.strip()[:1] in _BEGINS and y.strip()[:1] in _BEGINS and x.strip() and y.strip()):
+    if not {x.strip()[:1], y.strip()[:1]} <= _BEGINS:
         raise UsageError(f"--place {text}: give x and y with a unit, such as 5,10mm")
     try:
         return (
@@ -155,7 +155,7 @@ def parse_place(text: str) -> tuple[float, float]:
 def one_session(recordings: Sequence[Recording], rest_s: float) -> list[Recording]:
     """The recordings as presses of one object, in this order, so long apart, s.
 
-    Raises UsageError for a time below 0, DataError where there is nothing to be apart.
+    Raises UsageError for a time below 0.
     """
     if not 0.0 <= rest_s < np.inf:
         raise UsageError(f"--rest-s: {rest_s} is no time between presses: give seconds from 0 on")

@@ -9,7 +9,7 @@ from springpot.codegen.arrays import Samples, runs
 from springpot.codegen.messages import number_of
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.signals import noise_n, quantisation_step, sensor_noise_n
+from springpot.trainer.recordings.signals import quantisation_step, sensor_noise_n
 
 _CLIPPED_RUN, _CLIPPED_MOVE = 5, 0.05  # samples at the extreme; of the other channel's range
 _FREE = 0.1  # of the travel, taken as free of contact
@@ -180,7 +180,7 @@ def _excursion(other: Samples, channel: str) -> float:
     if channel == "force":
         return float(np.ptp(other))
     averaged = max(1, len(other) // _AVERAGED_SHARE)
-    by_noise = _CLIPPED_NOISES * noise_n(other) / float(np.sqrt(averaged))
+    by_noise = _CLIPPED_NOISES * sensor_noise_n(other) / float(np.sqrt(averaged))
     other = np.convolve(other, np.full(averaged, 1.0 / averaged), "valid")
     first, last = float(other[0]), float(other[-1])
     beyond = max(other.max() - max(first, last), min(first, last) - other.min())

@@ -6,7 +6,7 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.trainer.recordings.quality.finding import three_digits
-from springpot.trainer.recordings.signals import noise_n
+from springpot.trainer.recordings.signals import sensor_noise_n
 
 MIN_SAMPLES = 8  # of a slope, and of a loop
 END = 0.05  # of the travel: an end, where medians are taken
@@ -69,7 +69,7 @@ def _work(x: Samples, f: Samples, begin: int, end: int, loops: int) -> Dissipati
     steps = np.diff(x)
     energy_j = float(steps @ (0.5 * (f[:-1] + f[1:]) - f[0]))
     ways = 0.5 * (np.append(steps, 0.0) + np.insert(steps, 0, 0.0))
-    noise_j = _NOISES * noise_n(f) * float(np.sqrt(ways @ ways))
+    noise_j = _NOISES * sensor_noise_n(f) * float(np.sqrt(ways @ ways))
     drift_j = abs(float((f[-1] - f[0]) * (x[-1] - x.mean()))) if loops > 1 else 0.0
     delay_j = _DELAY * abs(float(steps @ np.diff(f)))
     share = 1.0 / size_j if size_j else 0.0

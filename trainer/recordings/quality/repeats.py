@@ -15,7 +15,7 @@ from typing import Literal
 
 import numpy as np
 
-from springpot.codegen.arrays import Samples
+from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.types import JsonObject
 from springpot.trainer.recordings.quality.finding import Finding, warning
 from springpot.trainer.recordings.recording import Recording
@@ -190,13 +190,14 @@ def find_noise_floor(
         number = " or ".join(map(str, sorted({len(group) for group in repeats})))
         presses = "one press" if len(repeats) == 1 else f"each of {len(repeats)} presses"
         words = f"from {number} repeats of {presses}"
-        return NoiseFloor(_rms([_repeat_noise_n(group) for group in repeats]), "repeats", words)
+        return NoiseFloor(rms(np.array([*map(_repeat_noise_n, repeats)])), "repeats", words)
     pairs = zip(recordings, cycles or map(find_cycles, recordings), strict=True)
     if cyclic := [rms_n for each, own in pairs if own and (rms_n := _cycle_noise_n(each, own))]:
-        within = f"{len(cyclic)} recordings" if len(cyclic) > 1 else "one recording"
-        return NoiseFloor(_rms(cyclic), "cycles", f"from the repeated cycles within {within}")
+        number = f"{len(cyclic)} recordings" if len(cyclic) > 1 else "one recording"
+        words = f"from the repeated cycles within {number}"
+        return NoiseFloor(rms(np.array(cyclic)), "cycles", words)
     forces = [each.force_n for each in recordings if len(each.force_n) >= _FEWEST_SAMPLES]
-    rms_n = _rms([sensor_noise_n(force_n) for force_n in forces])
+    rms_n = rms(np.array([sensor_noise_n(force_n) for force_n in forces] or [0.0]))
     if rms_n <= _NO_NOISE * max((float(np.abs(force_n).max()) for force_n in forces), default=0.0):
         return NoiseFloor(None, None, "no press is repeated, and the force shows no noise")
     return NoiseFloor(rms_n, "sensor", "from the sensor's noise; repeats would show more")
@@ -259,7 +260,7 @@ def _cycle_noise_n(recording: Recording, cycles: Cycles) -> float | None:
 def _alike(stack: Stack) -> bool:
     """Whether samples (repeats, samples) are the same in every repeat."""
     off = stack - stack.mean(axis=0)
-    return float(np.sqrt(np.mean(off**2))) < _SAME_PRESS * float(np.ptp(stack))
+    return rms(off) < _SAME_PRESS * float(np.ptp(stack))
 
 
 def _at_equal_positions(position_m: Stack, force_n: Stack) -> Stack:
@@ -276,7 +277,3 @@ def _at_equal_positions(position_m: Stack, force_n: Stack) -> Stack:
     curve, _ = np.polynomial.Polynomial.fit(mean_m, force_n.mean(axis=0), _CURVE, full=True)
     moved: Stack = force_n - curve.deriv()(mean_m) * (position_m - mean_m)
     return moved
-
-
-def _rms(each: Sequence[float]) -> float:
-    return float(np.sqrt(np.mean(np.square(each)))) if each else 0.0

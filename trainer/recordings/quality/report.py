@@ -6,7 +6,7 @@ contact.
 
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -17,6 +17,7 @@ from springpot.codegen.types import JsonObject
 from springpot.trainer.recordings.conditioning import find_air_drift
 from springpot.trainer.recordings.contact_point import ContactPoint, find_contact
 from springpot.trainer.recordings.quality.channels import channel_findings
+from springpot.trainer.recordings.quality.dissipation import Dissipation
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
 from springpot.trainer.recordings.quality.repeats import (
     Cycles,
@@ -82,8 +83,10 @@ class QualityReport:
 
     @property
     def sign_words(self) -> str:
-        """Which way the channels point, in one line."""
-        return Signs.of_all(self.signs).words
+        """Which way the channels point by the strongest evidence, and the loops of all."""
+        energies_j = sum(own.lost.energy_j for own in self.signs)
+        lost = Dissipation(energies_j, sum(own.lost.loops for own in self.signs))
+        return replace(max(self.signs, key=lambda own: own.evidence), lost=lost).words
 
     @property
     def refused(self) -> bool:

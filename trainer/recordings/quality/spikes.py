@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
-from springpot.codegen.arrays import Indices, Samples
+from springpot.codegen.arrays import Indices, Samples, runs
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.signals import quantisation_step
@@ -105,9 +105,8 @@ def _far_runs(samples: Samples, longest: int, share: float) -> list[Indices]:
     steps = np.pad(np.abs(np.diff(typical)), 2 * _REACH)
     steps = sliding_window_view(steps, 4 * _REACH).max(axis=1)
     least = np.maximum(max(least, share * float(np.ptp(typical))), _STEPS * steps)
-    far = np.flatnonzero(np.abs(samples - typical) > least)
-    runs = np.split(far, np.flatnonzero(np.diff(far) > 1) + 1)
-    return [run for run in runs if 0 < len(run) <= longest]
+    far = runs(np.abs(samples - typical) > least)
+    return [np.arange(begin, end) for begin, end in far if end - begin <= longest]
 
 
 def _interpolated(samples: Samples, rows: Indices) -> Samples:
