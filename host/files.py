@@ -95,6 +95,8 @@ def import_recordings(
     files: Sequence[Any] = paths if isinstance(paths, list | tuple) else [paths]
     for file in files:
         _require_file(file, "or a list of files, and columns by springpot.Recording.from_frame")
+    if not files:
+        raise UsageError("no files: give at least one")
     with errors_in_python():
         mapping = parse_map(columns) if columns else None
         found = import_set(
