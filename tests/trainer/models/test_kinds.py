@@ -1,12 +1,15 @@
 """Every kind of model: through emit and build bit for bit, and on real recordings by others."""
 
+import os
+import subprocess
+import sys
 from functools import cache
 from pathlib import Path
 
 import numpy as np
 import pytest
 from support.files.mach1 import mach1_recordings
-from support.paths import ROOT
+from support.paths import ROOT, TESTS
 from support.small import VARIANTS, fitted, press, recording, scene, training
 
 from springpot import Recording, predict, train
@@ -47,6 +50,18 @@ def test_every_kind_beats_a_plain_spring_and_carries_a_passive_part() -> None:
         assert rms(predict_n(model, item) - item.force_n) < rms(spring_n - item.force_n), kind
         assert model.hammerstein is not None, kind
         assert model.hammerstein_adds == (kind in {"hammerstein", "springpot"})
+
+
+def test_a_fit_keeps_to_one_thread_of_every_blas() -> None:
+    """scipy's is loaded late: with more threads a fit took ten times as long on a busy machine."""
+    code = """import springpot.trainer.kinds as kinds, support.small, threadpoolctl
+fit, libraries = kinds._fitted, threadpoolctl.threadpool_info
+kinds._fitted = lambda *given: (fit(*given), print(libraries()))[0]
+support.small.passive_model()"""
+    env = {name: its for name, its in os.environ.items() if not name.endswith("_NUM_THREADS")}
+    found = subprocess.check_output([sys.executable, "-c", code], cwd=TESTS, env=env, text=True)
+    threads = [its["num_threads"] for its in eval(found) if its["user_api"] == "blas"]
+    assert threads and set(threads) == {1}
 
 
 FREQUENCIES = ["0.1", "0.2", "0.5", "1", "2"]
