@@ -20,8 +20,10 @@ from springpot.host.recording.session import open_press_device, record_session
 from springpot.host.validation.validation import validate
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.models.passive.map_fit import _alike
 from springpot.trainer.models.passive.map_problem import grid_of
 from springpot.trainer.models.predict import predict_n
+from springpot.trainer.models.training_set import training_set
 from springpot.trainer.recordings.recording_file import read_recordings
 
 Site = tuple[float, float]
@@ -74,6 +76,15 @@ def test_other_kinds_few_sites_and_missing_places_are_refused() -> None:
     nowhere = Recording("lost", whole[0].position_m, whole[0].force_n, DT_S)
     with pytest.raises(DataError, match="lost: no place"):
         fit_model("auto", "map", [*whole, nowhere], FitOptions())
+
+
+def test_sites_of_any_amount_show_one_law() -> None:
+    data = training_set([pressed(site, False) for site in SITES], 0.0)
+    pairs = zip(data.recordings, data.depths_m, strict=True)
+    of_sites = [replace(data, recordings=(one,), depths_m=(depth_m,)) for one, depth_m in pairs]
+    amounts = np.array([one.force_n.max() for one in data.recordings])
+    alike = _alike(of_sites, range(len(SITES)), amounts)
+    assert [one.force_n.max() for one in alike.recordings] == pytest.approx([amounts.mean()] * 6)
 
 
 @cache

@@ -269,4 +269,7 @@ def test_a_session_is_begun_as_its_later_presses_began(rest_s: float, starts: bo
     forces_n += np.random.default_rng(1).normal(0.0, 0.01, len(forces_n))
     felt = [replace(each, force_n=forces_n[begin : begin + len(depth_m)])
             for each, begin in zip(timed, motion.starts, strict=True)]  # fmt: skip
-    assert with_memory(slow, training_set(felt, 0.0)).starts_conditioned is starts
+    found = with_memory(slow, training_set(felt, 0.0))
+    assert found.starts_conditioned is starts
+    # What is left as the last press begins: minutes later, nothing.
+    assert bool(np.abs(found.conditioned.branch_n).max() > 1e-4) is starts
