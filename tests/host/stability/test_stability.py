@@ -184,7 +184,6 @@ def test_the_rate_that_is_advised_is_stable(stiffer: float) -> None:
         assert is_stable(plan, scene_loop(plan, DESIGN_HAND)) == bool(advised)
 
 
-@pytest.mark.slow
 def test_a_loop_that_only_a_softer_object_shakes_is_refused() -> None:
     """A proxy may stand a stiff object, and not the soft contact that every press begins with."""
     stated = dataclasses.replace(
