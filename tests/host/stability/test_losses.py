@@ -123,6 +123,8 @@ def test_each_property_sees_what_breaks_it() -> None:
     assert not judged_after(lambda force_n, _: force_n).faults
     held = judged_after(lambda force_n, since: np.where(since == 0, force_n + 0.1, force_n))
     assert held.faults == ("lost samples are felt as a kick",)  # it rises without a sample
+    pull = judged_after(lambda force_n, since: -np.where(since == 0, force_n + 0.1, force_n))
+    assert pull.growth_n == held.growth_n
     wrong = ("the force stays wrong after lost samples",)
     for ticks, change_n, seen in ((6, 1.0, True), (6, -1.0, False), (11, -1.0, True),
                                   (11, -0.4, False), (4, 1.0, False)):  # fmt: skip

@@ -22,7 +22,7 @@ from springpot.host.emission.emission import emit
 from springpot.host.metrics import accuracy, just_noticeable_n, start_up_ramp
 from springpot.host.validation import compared
 from springpot.host.validation.compared import at_samples, at_ticks, bits_differ, samples_of
-from springpot.host.validation.seen import seen_by
+from springpot.host.validation.seen import known_among, seen_by
 from springpot.host.validation.store import validation_rows
 from springpot.host.validation.validation import Validation, validate
 from springpot.trainer.kinds import fit_model
@@ -130,6 +130,8 @@ def test_a_name_hides_nothing_and_a_cut_cannot_be_known(smooth_s: float) -> None
     model = fit_model("hammerstein", "m", training(), FitOptions(smooth_s=smooth_s)).model
     assert seen_by(model, [training()[0], renamed(training()[1]), NEW]) == 2
     assert seen_by(model, [cut(training()[0])]) == 0
+    spiky = replace(NEW, force_n=NEW.force_n + 30.0 * (np.arange(len(NEW.force_n)) == 200))
+    assert known_among({check_recordings([spiky]).checked[0].content_hash}, [spiky]) == 1
 
 
 def test_two_training_recordings_of_one_name_are_both_seen() -> None:
