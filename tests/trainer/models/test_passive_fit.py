@@ -168,7 +168,6 @@ def test_an_object_that_is_damaged_is_fitted_by_damage_and_one_session() -> None
     assert fit.metadata["cv_rmse_n"] < 0.25 * at_rest.error_n
 
 
-@pytest.mark.slow
 def test_an_object_that_lets_go_has_a_surface_that_recovers() -> None:
     recordings = []
     for hz, share in product((0.5, 1.0, 4.0), (0.4, 0.7, 1.0)):
