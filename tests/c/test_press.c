@@ -59,6 +59,7 @@ TEST(a_force_is_within_its_bounds_both_ways)
             CHECK(notes == (press.latched ? 32 : 0) && press.latched >= latched);
             CHECK(!press.latched || force_n >= 0.0);
             CHECK(!press.latched || press.fault == SP_PRESS_FAST || force_n == 0.0);
+            CHECK(!press.latched || press.speed_mps > 0.0 || force_n == 0.0);
             brakes_s += press.latched && force_n != 0.0 ? 1e-3 : 0.0;
             pulls += force_n == most_n && !press.latched;
             pushes += force_n == -most_n;

@@ -11,14 +11,7 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from springpot.codegen.coupling.auto import (
-    _STIFFNESSES_NPM,
-    DAMPING_LEFT,
-    GAIN_MARGIN,
-    STIFFNESS_MARGIN_PROXY,
-    CouplingChoice,
-    choose_coupling,
-)
+from springpot.codegen.coupling import auto
 from springpot.codegen.coupling.gains import is_unit_error
 from springpot.codegen.coupling.linear_loop import CHECKED, Hand, LinearLoop
 from springpot.codegen.coupling.loop_device import LoopDevice
@@ -39,8 +32,8 @@ def drawn(rng: np.random.Generator) -> tuple[float, float, LoopDevice]:
     return 10.0 ** rng.uniform(2.5, 4.7), 10.0 ** rng.uniform(2.0, 3.9), device
 
 
-def chosen(stiffness_npm: float, rate_hz: float, device: LoopDevice) -> CouplingChoice:
-    return choose_coupling(stiffness_npm, 1.0 / rate_hz, device, 1.0, Coupling())
+def chosen(stiffness_npm: float, rate_hz: float, device: LoopDevice) -> auto.CouplingChoice:
+    return auto.choose_coupling(stiffness_npm, 1.0 / rate_hz, device, 1.0, Coupling())
 
 
 @pytest.mark.parametrize(
@@ -65,7 +58,7 @@ def test_a_better_loop_is_never_felt_softer(seed: int) -> None:
 
 
 @cache
-def held_proxies(count: int) -> list[tuple[float, float, LoopDevice, CouplingChoice]]:
+def held_proxies(count: int) -> list[tuple[float, float, LoopDevice, auto.CouplingChoice]]:
     """Random loops that hold a proxy with every hand."""
     rng, found = np.random.default_rng(0), []
     while len(found) < count:
@@ -78,10 +71,10 @@ def held_proxies(count: int) -> list[tuple[float, float, LoopDevice, CouplingCho
 
 def holds(stiffness_npm: float, rate_hz: float, device: LoopDevice, proxy: Coupling) -> bool:
     """Say whether a quarter of the damping is left, with every hand and softer object."""
-    loads_npm = stiffness_npm * STIFFNESS_MARGIN_PROXY * np.geomspace(0.01, 1.0, 8)
+    loads_npm = stiffness_npm * auto.STIFFNESS_MARGIN_PROXY * np.geomspace(0.01, 1.0, 8)
     for hand, more in CHECKED:
         loop = LinearLoop(1.0 / rate_hz, proxy, hand, device.later(more))
-        decay_per_s = DAMPING_LEFT * (hand.damping_nspm + device.viscous_nspm) / 2.0
+        decay_per_s = auto.DAMPING_LEFT * (hand.damping_nspm + device.viscous_nspm) / 2.0
         decay_per_s /= hand.mass_kg + device.mass_kg
         if loop.swing_radius(loads_npm).max() > np.exp(-decay_per_s / rate_hz):
             return False
@@ -91,13 +84,14 @@ def holds(stiffness_npm: float, rate_hz: float, device: LoopDevice, proxy: Coupl
 @MANY
 def test_none_of_a_fine_search_is_felt_stiffer_by_more_than_a_quarter(count: int) -> None:
     for case in held_proxies(count):
-        stiffest_npm = 0.997 * GAIN_MARGIN * _STIFFNESSES_NPM[-1]  # none stiffer is searched for
+        # None stiffer is searched for.
+        stiffest_npm = 0.997 * auto.GAIN_MARGIN * auto._STIFFNESSES_NPM[-1]
         if 1.3 * case[3].felt_npm < case[0] and case[3].coupling.stiffness_npm < stiffest_npm:
             require_none_stiffer(*case)
 
 
 def require_none_stiffer(
-    stiffness_npm: float, rate_hz: float, device: LoopDevice, choice: CouplingChoice
+    stiffness_npm: float, rate_hz: float, device: LoopDevice, choice: auto.CouplingChoice
 ) -> None:
     proxy, felt_npm = choice.coupling, 1.25 * choice.felt_npm
     stiffer = replace(
@@ -145,7 +139,7 @@ def held_speed_mps(
     meant_m = at_m + force_n / hand.stiffness_npm
     x, v, proxy_m, proxy_mps, seen_mps = at_m, 0.05, force_n / stiffness_npm, 0.0, 0.0
     before_m, queue, speeds = STEP_M * round(x / STEP_M), [force_n] * device.delay_samples, []
-    decay_s = 2.0 * mass_kg / (DAMPING_LEFT * damping_nspm)
+    decay_s = 2.0 * mass_kg / (auto.DAMPING_LEFT * damping_nspm)
     ticks = round(15.0 * decay_s * rate_hz)
     for tick in range(ticks):
         seen_m = STEP_M * round(x / STEP_M)

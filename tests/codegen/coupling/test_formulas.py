@@ -11,14 +11,8 @@ from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 from scipy.signal import cont2discrete
 
+from springpot.codegen.coupling import gains
 from springpot.codegen.coupling.auto import STIFFNESS_MARGIN_PROXY, choose_coupling
-from springpot.codegen.coupling.gains import (
-    couple_config,
-    max_published_damping_nspm,
-    require_plausible_damping,
-    transition,
-)
-from springpot.codegen.coupling.gains import transition as exact_step
 from springpot.codegen.coupling.linear_loop import CHECKED, DESIGN_HAND, HAND_MODELS, LinearLoop
 from springpot.codegen.coupling.loop_device import DEVICE_DAMPING_NSPM, DEVICE_MASS_KG, LoopDevice
 from springpot.codegen.errors import UnsafeError
@@ -63,7 +57,7 @@ def ticked(state: np.ndarray, coupling: Coupling, stiffness_npm: float) -> np.nd
     numerator, denominator, _ = cont2discrete(low_pass, dt_s, method="backward_diff")
     x, v, before, v_before, *proxy = state
     v_held = -denominator[1] * v_before + numerator.sum() * (x - before) / dt_s
-    couple = Coupled(couple_config(coupling, dt_s, np.float64))
+    couple = Coupled(gains.couple_config(coupling, dt_s, np.float64))
     couple.proxy = (proxy[0], proxy[1])
     force = couple.force(x, v_held, stiffness_npm * (proxy[0] if coupling.mode == "proxy" else x))
     moved = expm(system * dt_s)[:2] @ [x, v, force]
@@ -99,7 +93,7 @@ PAPER = Coupling(mode="tool")
 def test_transition_is_the_matrix_exponential(k: float, b: float, m: float, dt: float) -> None:
     exact = expm(np.array([[0.0, 1.0], [-k / m, -b / m]]) * dt)
     scale = np.abs(exact).max()
-    np.testing.assert_allclose(transition(k, b, m, dt), exact, atol=1e-9 * scale)
+    np.testing.assert_allclose(gains.transition(k, b, m, dt), exact, atol=1e-9 * scale)
 
 
 def test_moves_like_an_independent_two_body_integration() -> None:
@@ -110,7 +104,7 @@ def test_moves_like_an_independent_two_body_integration() -> None:
     x = 0.004 * (1 - np.cos(2 * np.pi * 3 * time_s))
     v = np.append(np.diff(x) / dt_s, 0.0)  # the tool moves straight within a tick
     pushed_n = 2.0 + np.sin(2 * np.pi * 7 * time_s)
-    couple = Coupled(couple_config(PAPER, dt_s, np.float64))
+    couple = Coupled(gains.couple_config(PAPER, dt_s, np.float64))
     forces = [couple.force(*row) for row in zip(x, v, pushed_n, strict=True)]
     state = np.array([x[0], v[0]])
     for i in range(ticks - 1):
@@ -126,17 +120,21 @@ def test_moves_like_an_independent_two_body_integration() -> None:
 
 def test_the_printed_damping_is_refused_as_a_unit_error() -> None:
     with pytest.raises(UnsafeError, match=r"20 N s/m\) was probably meant"):
-        require_plausible_damping(Coupling(mode="tool", damping_nspm=20_000.0))
+        gains.require_plausible_damping(Coupling(mode="tool", damping_nspm=20_000.0))
     with pytest.raises(UnsafeError, match=r"1500 N/m\) was probably meant"):
-        require_plausible_damping(Coupling(mode="tool", stiffness_npm=1.5e6))
+        gains.require_plausible_damping(Coupling(mode="tool", stiffness_npm=1.5e6))
     with pytest.raises(UnsafeError, match="the paper's gains"):
-        require_plausible_damping(Coupling(mode="tool", mass_kg=1e-9))
+        gains.require_plausible_damping(Coupling(mode="tool", mass_kg=1e-9))
+    critical_nspm = 2.0 * np.sqrt(1500.0 * 0.05)
+    for ratio, is_error in ((9.9, False), (10.1, True)):
+        proxy = Coupling("proxy", 1500.0, ratio * critical_nspm, 0.05)
+        assert gains.is_unit_error(proxy) is is_error
 
 
 @given(st.floats(1.0, 1e4), st.floats(0.01, 1.0), st.floats(1e-4, 1e-3))
 def test_the_published_step_is_stable_up_to_its_damping(k: float, m: float, dt: float) -> None:
-    assert max_published_damping_nspm(Coupling("tool", 1e6, 1.0, 0.01), 1e-3) == 0.0
-    most_nspm = max_published_damping_nspm(Coupling("tool", k, 1.0, m), dt)
+    assert gains.max_published_damping_nspm(Coupling("tool", 1e6, 1.0, 0.01), 1e-3) == 0.0
+    most_nspm = gains.max_published_damping_nspm(Coupling("tool", k, 1.0, m), dt)
     for b in (0.999 * most_nspm, 1.001 * most_nspm):
         grow = np.array([[1.0, 0.0], [-k * dt / m, 1.0 - b * dt / m]])  # the speed, then the way
         step = np.array([[1.0, dt], [0.0, 1.0]]) @ grow
@@ -151,7 +149,7 @@ def test_the_exact_step_is_stable_at_any_gains() -> None:
     near = rng.uniform(size=sets) < 0.5
     size = 4.0 * 10.0 ** rng.normal(0.0, 0.05, sets) / (2.0 * b * dt / m + k * dt**2 / m)
     size = np.where(near, size, 1.0)
-    steps = np.stack([exact_step(*row) for row in zip(k * size, b * size, m, dt, strict=True)])
+    steps = np.stack(list(map(gains.transition, k * size, b * size, m, dt)))
     assert np.abs(np.linalg.eigvals(steps)).max() < 1.0 + 1e-9
 
 

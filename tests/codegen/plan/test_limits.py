@@ -10,14 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from springpot import Scene
+from springpot.codegen import limits
 from springpot.codegen.errors import DataError, UsageError
-from springpot.codegen.limits import (
-    guard_config,
-    max_mps,
-    output_config,
-    silence_config,
-    watchdog_s_of,
-)
 from springpot.codegen.model.model import TrainedRange
 from springpot.codegen.scene import Guard
 from springpot.codegen.stages.stage import SceneTicks
@@ -47,9 +41,9 @@ def scene(**guard: Any) -> Scene:
 def test_what_a_hand_may_do_is_believed(
     trained: TrainedRange, rate_hz: float, surface: bool
 ) -> None:
-    guard = guard_config(model(trained), 0.02, ticks(rate_hz, surface))
+    guard = limits.guard_config(model(trained), 0.02, ticks(rate_hz, surface))
     fastest_mps = max(1.0, 8.0 * trained.max_mps)
-    assert max_mps(model(trained)) == fastest_mps
+    assert limits.max_mps(model(trained)) == fastest_mps
     assert guard.jump_m == near(max(1e-3, fastest_mps / rate_hz))  # no encoder's noise jumps
     far_m = max(0.1, 10.0 * max(-trained.min_m, trained.max_m))
     assert (guard.min_m, guard.max_m) == (-10.0 if surface else -far_m, far_m)
@@ -60,7 +54,7 @@ def test_a_new_place_is_believed_before_the_watchdog_latches(
     trained: TrainedRange, rate_hz: float, watchdog_ticks: float
 ) -> None:
     """Two samples that agree at least, five at most."""
-    guard = guard_config(model(trained), watchdog_ticks / rate_hz, ticks(rate_hz))
+    guard = limits.guard_config(model(trained), watchdog_ticks / rate_hz, ticks(rate_hz))
     assert 2 <= guard.resync_ticks <= 5 and guard.resync_ticks < watchdog_ticks
     assert guard.resync_ticks == 5 or guard.resync_ticks + 2 > watchdog_ticks - 1e-9
 
@@ -70,15 +64,15 @@ def test_a_watchdog_waits_20_ms_or_three_ticks_and_one_bad_sample_never_latches(
     rate_hz: float,
 ) -> None:
     tick_ms = 1e3 / rate_hz
-    assert watchdog_s_of(scene(), 1.0 / rate_hz) == near(max(0.02, 3e-3 * tick_ms))
+    assert limits.watchdog_s_of(scene(), 1.0 / rate_hz) == near(max(0.02, 3e-3 * tick_ms))
     fewest_ms = 2.5 * tick_ms
-    stated = watchdog_s_of(scene(watchdog_ms=fewest_ms * 1.0001), 1.0 / rate_hz)
+    stated = limits.watchdog_s_of(scene(watchdog_ms=fewest_ms * 1.0001), 1.0 / rate_hz)
     assert stated == near(1e-3 * fewest_ms, rel=1e-3)
     with pytest.raises(UsageError, match="or one bad sample latches") as refused:
-        watchdog_s_of(scene(watchdog_ms=fewest_ms * 0.9999), 1.0 / rate_hz)
+        limits.watchdog_s_of(scene(watchdog_ms=fewest_ms * 0.9999), 1.0 / rate_hz)
     assert f"give at least {3 * tick_ms:g}," in str(refused.value)
-    assert watchdog_s_of(scene(watchdog_ms=2.5), 1e-3) == 0.0025
-    silence = silence_config(0.02, ticks(rate_hz))
+    assert limits.watchdog_s_of(scene(watchdog_ms=2.5), 1e-3) == 0.0025
+    silence = limits.silence_config(0.02, ticks(rate_hz))
     assert silence.dt_s * silence.per_dt == near(1.0) and silence.dt_s == 1.0 / rate_hz
     with pytest.raises(FrozenInstanceError):
         silence.dt_s = 0.0  # type: ignore[misc]
@@ -90,14 +84,15 @@ def test_forces_that_leave(
     trained: TrainedRange, rate_hz: float, surface: bool, stated_n: float | None
 ) -> None:
     """A fifth more than was trained, unless it is stated; what has a surface never pulls."""
-    output = output_config(model(trained), scene(max_force_n=stated_n), ticks(rate_hz, surface))
+    limited = scene(max_force_n=stated_n)
+    output = limits.output_config(model(trained), limited, ticks(rate_hz, surface))
     peak_n = trained.max_n if surface else max(abs(trained.max_n), abs(trained.min_n))
     assert output.max_n == (stated_n or near(1.2 * peak_n))
     if surface:
         assert output.min_n == 0.0
     else:
         assert output.min_n == near(max(-output.max_n, min(0.0, 1.2 * trained.min_n)))
-    for config in (output, guard_config(model(trained), 0.02, ticks(rate_hz))):
+    for config in (output, limits.guard_config(model(trained), 0.02, ticks(rate_hz))):
         with pytest.raises(FrozenInstanceError):
             config.max_n = 0.0  # type: ignore[misc]
     # It grows to its maximum in 4 ms, by 1.5 N a millisecond at least, and by as much in a tick.
@@ -115,5 +110,5 @@ def test_a_model_that_never_pushes_out_is_refused_with_what_turns_it_round(max_n
     without_force = TrainedRange(0.0, 0.01, 0.1, min_n=0.0, max_n=0.0)
     for trained, surface in ((of_surface, True), (without_force, False)):
         with pytest.raises(DataError, match=r"never push out \(.* N\): turn the sign round") as no:
-            output_config(model(trained), scene(), ticks(1000.0, surface))
+            limits.output_config(model(trained), scene(), ticks(1000.0, surface))
         assert f"(maximum {trained.max_n:g} N)" in str(no.value)

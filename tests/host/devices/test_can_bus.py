@@ -20,12 +20,6 @@ from springpot.host.devices import can_bus, serial_port
 from springpot.host.devices.can_bus import CanBus
 from springpot.host.devices.drivers import parse_device
 from springpot.host.devices.odrive import identifier
-from springpot.host.devices.serial_port import (
-    latency_timer,
-    open_port,
-    require_fast_adapter,
-    used_by,
-)
 
 TRAIN = "m_per_turn=0.1&max_torque_nm=1&nm_per_a=0.1"
 GROUP, PORT = "239.74.163.3", 43300 + os.getpid() % 1000  # of this process alone
@@ -138,7 +132,7 @@ def test_a_raw_can_socket_carries_the_same_frames(monkeypatch):
 
 def refused(place: object) -> str:
     with pytest.raises(DeviceError) as error:
-        open_port(str(place), 9600)
+        serial_port.open_port(str(place), 9600)
     return str(error.value).removeprefix(f"{place}: ")
 
 
@@ -164,15 +158,17 @@ def test_who_has_a_port_is_found_behind_links(tmp_path: Path) -> None:
     link.symlink_to(port)
     code = "import sys; f = [*map(open, sys.argv[1:])]; print(flush=True); sys.stdin.read()"
     with port.open():
-        assert used_by(str(link)) == ""  # oneself does not count
+        assert serial_port.used_by(str(link)) == ""  # oneself does not count
         for opens in ([], [str(port)]):
             command, pipe = [sys.executable, "-c", code, *opens], subprocess.PIPE
             other = subprocess.Popen(command, stdin=pipe, stdout=pipe, text=True)
             other.stdout.readline()
             name = Path(f"/proc/{other.pid}/comm").read_text().strip()
-            assert used_by(str(link)) == (f"{name} (process {other.pid})" if opens else "")
+            assert serial_port.used_by(str(link)) == (
+                f"{name} (process {other.pid})" if opens else ""
+            )
             other.communicate()
-    assert used_by(str(link)) == ""
+    assert serial_port.used_by(str(link)) == ""
 
 
 def test_a_latency_timer_is_looked_up_by_the_real_name(tmp_path, monkeypatch) -> None:
@@ -180,19 +176,19 @@ def test_a_latency_timer_is_looked_up_by_the_real_name(tmp_path, monkeypatch) ->
     monkeypatch.setattr(serial_port, "USB_SERIAL", tmp_path)
     place = tmp_path / "by-name"
     place.symlink_to(tmp_path / "ttyUSB3")
-    assert latency_timer(str(place)) is None
-    require_fast_adapter(str(place), 8000)
+    assert serial_port.latency_timer(str(place)) is None
+    serial_port.require_fast_adapter(str(place), 8000)
     file = tmp_path / "ttyUSB3" / "latency_timer"
     file.parent.mkdir()
     borders = ((16, 62, True), (16, 63, False), (1, 8000, True), (2, 500, True), (2, 501, False))
     for timer_ms, rate_hz, fits in borders:
         file.write_text(f"{timer_ms}\n")
-        assert latency_timer(str(place)) == (file, timer_ms)
+        assert serial_port.latency_timer(str(place)) == (file, timer_ms)
         if fits:
-            require_fast_adapter(str(place), rate_hz)
+            serial_port.require_fast_adapter(str(place), rate_hz)
             continue
         with pytest.raises(DeviceError) as error:
-            require_fast_adapter(str(place), rate_hz)
+            serial_port.require_fast_adapter(str(place), rate_hz)
         assert str(error.value) == (
             f"{place}: the adapter's latency timer is {timer_ms} ms, {1000 // timer_ms} exchanges "
             f"a second: `echo 1 | sudo tee {file}`"

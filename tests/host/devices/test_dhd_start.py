@@ -47,16 +47,17 @@ def test_a_scene_that_the_device_cannot_render(wanted: DeviceRequirements, told:
     assert told in refusal(wanted=wanted)
 
 
-@pytest.mark.parametrize("weight_n", [0.5, -0.5])
-def test_what_it_is_armed_with(weight_n: float) -> None:
-    """The force limit, the handle's mass and the watchdog reach the device."""
+@pytest.mark.parametrize(("weight_n", "held_n"), [(0.5, 0.5), (-0.5, 0.5), (0.5, 0.0)])
+def test_what_it_is_armed_with(weight_n: float, held_n: float) -> None:
+    """The force limit, the mass of a handle that is held up where it renders, the watchdog."""
+    wanted = replace(WANTED, examined=held_n == 0.0)
     with peer("dhd_device") as device:
-        opened = open_device(f"{device.url}&effector_mass_kg=0.12&weight_n={weight_n}", WANTED)
+        opened = open_device(f"{device.url}&effector_mass_kg=0.12&weight_n={weight_n}", wanted)
         device.wait_for("start", more=1)  # the first proves the watchdog
         opened.stop()
         stop = device.wait_for("stop", more=1)
         opened.close()
-    assert stop["max_force_n"] == pytest.approx(13.5)  # and room for gravity
+    assert stop["max_force_n"] == pytest.approx(13.0 + held_n)  # and room for gravity
     assert stop["mass_kg"] == 0.12 and stop["watchdog_s"] == pytest.approx(0.02)
 
 

@@ -49,6 +49,7 @@ def test_silence_is_counted_by_the_loop(looking):
     supervised.saw_sample(0.19)
     supervised.poll(here, 0.38)
     supervised.poll(LoopState(connected=1, paused=1), 9.0)
+    supervised.poll(LoopState(connected=1, tripped=1), 9.0)
     assert not failed
     supervised.poll(here, 0.4)
     assert "connected but silent for 0.2 s, force zero" in str(failed[0])

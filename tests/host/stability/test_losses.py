@@ -16,15 +16,7 @@ from springpot.codegen.plan import Plan
 from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import shared_library
 from springpot.host.native.scene_library import SceneLibrary, built
-from springpot.host.simulation.cases import (
-    LATE,
-    LOST,
-    SPEEDS,
-    TAKEN,
-    losing_cases,
-    loss_ticks,
-    phase_gap,
-)
+from springpot.host.simulation import cases
 from springpot.host.simulation.hand_loop import HandLoop
 from springpot.host.stability.closed_loop import Outcome, lossy_outcomes, rendered
 from springpot.host.stability.losses import Losses, losses_of
@@ -70,7 +62,7 @@ def test_a_scene_that_does_not_hear_of_a_loss_kicks(mode: str) -> None:
 
 
 @pytest.mark.few(1)
-@pytest.mark.parametrize("suffix", SPEEDS)
+@pytest.mark.parametrize("suffix", cases.SPEEDS)
 def test_rates_that_must_end_do_and_no_others(suffix: str) -> None:
     told, untold = outcomes("off"), outcomes("off", SilentLosses)
     for case in ("rate-50", "rate-10"):
@@ -88,14 +80,14 @@ def test_losses_come_at_every_phase_and_leave_time_to_make_up(
 ) -> None:
     n, cycle_ticks = round(2.0 / dt_s), cycle_s / dt_s
     lost = np.zeros(n, dtype=bool)
-    lost[loss_ticks(n, cycle_ticks, ticks, dt_s)] = True
+    lost[cases.loss_ticks(n, cycle_ticks, ticks, dt_s)] = True
     begins = np.flatnonzero(np.diff(lost.astype(np.int8)) == 1) + 1
     apart = np.diff(begins)
     assert set(apart) == {apart[0]} and lost.sum() == ticks * len(begins)
     assert ticks / (apart[0] - ticks) < 5 / 32  # sp_silence.h: good ticks make up for it
     assert apart[0] * dt_s > 0.029
     distinct = min(len(begins), round(cycle_ticks))
-    assert phase_gap(begins, cycle_ticks) < max(2.5 / distinct, 1.01 / cycle_ticks)
+    assert cases.phase_gap(begins, cycle_ticks) < max(2.5 / distinct, 1.01 / cycle_ticks)
 
 
 def test_what_is_lost_and_at_which_rates() -> None:
@@ -104,14 +96,14 @@ def test_what_is_lost_and_at_which_rates() -> None:
     def force(position_m: np.ndarray) -> np.ndarray:
         return np.zeros_like(position_m)
 
-    found = {case.name: case.scenario for case, _ in losing_cases(plan, force, DESIGN_HAND)}
+    found = {case.name: case.scenario for case, _ in cases.losing_cases(plan, force, DESIGN_HAND)}
     assert set(found) == set(outcomes("off")) and len(found) == 16
-    for suffix in SPEEDS:
-        assert set(found["lost-10" + suffix].dropped) == {TAKEN, LOST}
-        assert set(found["late" + suffix].dropped) == {TAKEN, LATE}
+    for suffix in cases.SPEEDS:
+        assert set(found["lost-10" + suffix].dropped) == {cases.TAKEN, cases.LOST}
+        assert set(found["late" + suffix].dropped) == {cases.TAKEN, cases.LATE}
         assert np.isnan(found["nan-5" + suffix].error_m).sum() % 5 == 0
         for share in (90, 50, 10):
-            taken = np.mean(found[f"rate-{share}{suffix}"].dropped == TAKEN)
+            taken = np.mean(found[f"rate-{share}{suffix}"].dropped == cases.TAKEN)
             assert taken == pytest.approx(share / 100, abs=0.01)
 
 
@@ -119,7 +111,7 @@ def judged_after(change: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> Loss
     """Losses of `lost-2`, its force changed; change takes force and ticks since the last loss."""
     plan = plan_of("off")
     outcome = outcomes("off")["lost-2"]
-    lost = np.flatnonzero(outcome.played.scenario.dropped == LOST)
+    lost = np.flatnonzero(outcome.played.scenario.dropped == cases.LOST)
     at = np.arange(len(outcome.trace.force_n))
     since = at - lost[np.maximum(np.searchsorted(lost, at, side="right") - 1, 0)]
     force_n = change(outcome.trace.force_n.copy(), since)
@@ -131,6 +123,8 @@ def test_each_property_sees_what_breaks_it() -> None:
     assert not judged_after(lambda force_n, _: force_n).faults
     held = judged_after(lambda force_n, since: np.where(since == 0, force_n + 0.1, force_n))
     assert held.faults == ("lost samples are felt as a kick",)  # it rises without a sample
+    pull = judged_after(lambda force_n, since: -np.where(since == 0, force_n + 0.1, force_n))
+    assert pull.growth_n == held.growth_n
     wrong = ("the force stays wrong after lost samples",)
     for ticks, change_n, seen in ((6, 1.0, True), (6, -1.0, False), (11, -1.0, True),
                                   (11, -0.4, False), (4, 1.0, False)):  # fmt: skip

@@ -184,7 +184,6 @@ def test_the_rate_that_is_advised_is_stable(stiffer: float) -> None:
         assert is_stable(plan, scene_loop(plan, DESIGN_HAND)) == bool(advised)
 
 
-@pytest.mark.slow
 def test_a_loop_that_only_a_softer_object_shakes_is_refused() -> None:
     """A proxy may stand a stiff object, and not the soft contact that every press begins with."""
     stated = dataclasses.replace(
@@ -193,7 +192,7 @@ def test_a_loop_that_only_a_softer_object_shakes_is_refused() -> None:
     model = passive_model()
     model = model.stiffened(1.7e5 / make_plan(model, stated, accept_unsafe=True).stiffness_npm)
     plan = make_plan(model, stated, accept_unsafe=True)
-    assert spectral_radius(plan) < 1.0
+    assert spectral_radius(plan) < 1.0 and 5.0e4 < plan.coupling.felt_npm < 5.1e4
     with pytest.raises(UnsafeError, match=r"is passed where this one is touched first"):
         require_stable(plan)
 

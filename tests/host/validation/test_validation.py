@@ -22,7 +22,7 @@ from springpot.host.emission.emission import emit
 from springpot.host.metrics import accuracy, just_noticeable_n, start_up_ramp
 from springpot.host.validation import compared
 from springpot.host.validation.compared import at_samples, at_ticks, bits_differ, samples_of
-from springpot.host.validation.seen import seen_by
+from springpot.host.validation.seen import known_among, seen_by
 from springpot.host.validation.store import validation_rows
 from springpot.host.validation.validation import Validation, validate
 from springpot.trainer.kinds import fit_model
@@ -130,6 +130,8 @@ def test_a_name_hides_nothing_and_a_cut_cannot_be_known(smooth_s: float) -> None
     model = fit_model("hammerstein", "m", training(), FitOptions(smooth_s=smooth_s)).model
     assert seen_by(model, [training()[0], renamed(training()[1]), NEW]) == 2
     assert seen_by(model, [cut(training()[0])]) == 0
+    spiky = replace(NEW, force_n=NEW.force_n + 30.0 * (np.arange(len(NEW.force_n)) == 200))
+    assert known_among({check_recordings([spiky]).checked[0].content_hash}, [spiky]) == 1
 
 
 def test_two_training_recordings_of_one_name_are_both_seen() -> None:
@@ -243,8 +245,8 @@ def test_a_session_at_a_place_is_logged_with_it_and_repeated_bit_for_bit(
 
 
 def test_figures_of_a_known_error() -> None:
-    measured = [np.array([0.0, 4.0, 10.0, 3.0]), np.array([5.0, 5.0])]
-    predicted = [np.array([1.0, 4.0, 10.0, 3.6]), np.array([5.0, 5.4])]
+    measured = [np.array([0.0, 4.0, -10.0, 3.0]), np.array([5.0, 5.0])]
+    predicted = [np.array([1.0, 4.0, -10.0, 3.6]), np.array([5.0, 5.4])]
     found = accuracy(measured, predicted)
     assert found.samples == 6
     assert found.rmse_n == pytest.approx(np.sqrt((1 + 0.36 + 0.16) / 6))
@@ -256,11 +258,9 @@ def test_figures_of_a_known_error() -> None:
     # Above 2 N: 0, 0, 20 %, 0, 8 %.
     assert found.ape_below_jnd == pytest.approx(4 / 5)
     assert found.error_per_jnd == pytest.approx(np.sqrt((5**2 + 2**2 + 0.8**2) / 6))
-
-
-def test_one_recording_has_no_interval_and_weak_forces_no_score() -> None:
-    found = accuracy([np.array([0.5, 1.0])], [np.array([0.5, 1.5])])
-    assert found.interval_n is None and found.ape_below_jnd is None
+    weak = accuracy([np.array([0.5, 1.0])], [np.array([0.5, 1.5])])  # one recording
+    assert weak.interval_n is None and weak.ape_below_jnd is None
+    np.testing.assert_allclose(just_noticeable_n(np.array([0.5, 2.0, -9.0])), [0.2, 0.2, 0.9])
 
 
 def test_the_start_up_ramp_is_counted_apart() -> None:
@@ -272,10 +272,6 @@ def test_the_start_up_ramp_is_counted_apart() -> None:
     assert found.rmse_n == pytest.approx(0.4 / np.sqrt(3))
     assert found.max_abs_error_n == pytest.approx(0.4)
     assert start_up_ramp(np.full(3, 16)) == 0  # nothing else there: all count
-
-
-def test_the_just_noticeable_difference_rises_below_two_newton() -> None:
-    np.testing.assert_allclose(just_noticeable_n(np.array([0.5, 2.0, 9.0])), [0.2, 0.2, 0.9])
 
 
 def test_an_interval_holds_the_mean_in_19_of_20_draws() -> None:

@@ -124,7 +124,8 @@ def _run_eva(question: Question, timeout_s: float) -> tuple[str, float]:
             raise EvaFailedError(f"{source}: no end within {timeout_s:.0f} s") from None
     said = log.read_text()
     if ended.returncode:
-        raise EvaFailedError(f"{source}: {_why(said)}, see {log}")
+        why = next((line for line in said.splitlines() if "rror" in line), said[-200:])
+        raise EvaFailedError(f"{source}: {why}, see {log}")
     return said, time.monotonic() - began
 
 
@@ -135,10 +136,6 @@ def _version() -> str:
 
 def _said_by(*command: str) -> str:
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
-
-
-def _why(said: str) -> str:
-    return next((line for line in said.splitlines() if "rror" in line), said[-200:])
 
 
 def alarms_in(said: str) -> tuple[str, ...]:

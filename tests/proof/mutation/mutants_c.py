@@ -183,9 +183,5 @@ def _negated(tokens: list[_Token], at: int) -> Iterator[Mutant]:
     """`if (flag)` turned round; comparisons are turned round by themselves."""
     end = _end_of(tokens, at + 1, ")")
     if end is not None and not any(token.text in _BINARY for token in tokens[at + 1 : end]):
-        yield Mutant(tokens[at].start, tokens[end].end, f"(!{_text(tokens, at, end)})")
-
-
-def _text(tokens: list[_Token], first: int, last: int) -> str:
-    """Tokens as text again, with single blanks."""
-    return " ".join(token.text for token in tokens[first : last + 1])
+        text = " ".join(token.text for token in tokens[at : end + 1])
+        yield Mutant(tokens[at].start, tokens[end].end, f"(!{text})")

@@ -32,16 +32,12 @@ def run_page(name: str, folder: Path, *needs: str) -> str:
             assert all("://" in url for url in print_urls(block, folder)), block.where
         elif not block.language:
             printed += [run_python(code, folder, name)] if code else []
-            last, code = "\n".join(run_commands(block, folder)), ""
+            commands = map(shlex.split, block.substituted)
+            last, code = "\n".join([_run(each, folder, block.where) for each in commands]), ""
             printed.append(last)
     if code and name != "README.md":  # its Python is another test's
         printed.append(run_python(code, folder, name))
     return "\n".join(printed)
-
-
-def run_commands(block: Block, folder: Path) -> list[str]:
-    """Run a block's commands in `folder`, one after the other; return what each printed."""
-    return [_run(shlex.split(command), folder, block.where) for command in block.substituted]
 
 
 def unseen(block: Block, printed: str) -> list[str]:

@@ -4,6 +4,8 @@ from dataclasses import replace
 from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,8 +22,11 @@ from springpot.host.recording.session import open_press_device, record_session
 from springpot.host.validation.validation import validate
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.passive.map_problem import grid_of
+from springpot.trainer.models.passive.map_fit import _alike, _rows
+from springpot.trainer.models.passive.map_problem import MapProblem, grid_of
+from springpot.trainer.models.passive.passive_terms import plain_terms
 from springpot.trainer.models.predict import predict_n
+from springpot.trainer.models.training_set import training_set
 from springpot.trainer.recordings.recording_file import read_recordings
 
 Site = tuple[float, float]
@@ -74,6 +79,31 @@ def test_other_kinds_few_sites_and_missing_places_are_refused() -> None:
     nowhere = Recording("lost", whole[0].position_m, whole[0].force_n, DT_S)
     with pytest.raises(DataError, match="lost: no place"):
         fit_model("auto", "map", [*whole, nowhere], FitOptions())
+
+
+def test_sites_of_any_amount_show_one_law() -> None:
+    data = training_set([pressed(site, False) for site in SITES], 0.0)
+    pairs = zip(data.recordings, data.depths_m, strict=True)
+    of_sites = [replace(data, recordings=(one,), depths_m=(depth_m,)) for one, depth_m in pairs]
+    amounts = np.array([one.force_n.max() for one in data.recordings])
+    alike = _alike(of_sites, range(len(SITES)), amounts)
+    assert [one.force_n.max() for one in alike.recordings] == pytest.approx([amounts.mean()] * 6)
+    its = _rows(of_sites[5], plain_terms(of_sites[5], 9), 1e-4)
+    assert its.square == pytest.approx(np.sum(data.recordings[5].force_n ** 2), rel=1e-3)  # N^2
+
+
+def test_a_second_material_has_to_earn_it_at_sites_left_out() -> None:
+    def fitted(inside: list[int], _: int) -> tuple[np.ndarray, np.ndarray]:
+        return np.isin(np.arange(6), inside)[:, None] / 1.0, np.ones((1, 1))
+
+    site, grid = SimpleNamespace(rmse=lambda its: its[0]), SimpleNamespace(weights=np.eye(6))
+    known: Any = SimpleNamespace(sites=[site] * 6, grid=grid, fitted=fitted)
+    assert MapProblem._left_out_n(known, 1, seed=0) == 0.0  # no site knows itself
+    for second_n, count in ((0.95, 1), (0.85, 2)):
+        its: Any = SimpleNamespace(_left_out_n=lambda k, _, n=second_n: (1.0, n)[k - 1])
+        assert MapProblem.chosen(its, 0) == (count, (1.0, second_n)[count - 1])
+    wide = [(0.01 * i, 0.01 * j) for i in range(4) for j in range(2)]
+    assert grid_of(wide).nodes == (10, 3)  # as close in x as in y
 
 
 @cache

@@ -12,6 +12,7 @@ from springpot.codegen.model.model import Model
 from springpot.trainer.features import gl_weights, highpass
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.models.predict import predict_n
 from springpot.trainer.models.springpot import Solid, _metadata, _Table
 from springpot.trainer.recordings.recording import Recording
 
@@ -123,6 +124,9 @@ def test_a_zener_solid_comes_back_with_its_instant_stiffness() -> None:
     assert relaxation_s(law) == pytest.approx(0.2, rel=0.05)
     assert law["stiffness_npm"] == pytest.approx(100.0, rel=0.02)
     assert law["instant_npm"] == pytest.approx(300.0, rel=0.02)
+    moved = [replace(each, force_n=each.force_n + 0.5, zero="min") for each in recordings]
+    model = fit_model("springpot", "x", moved, FitOptions(smooth_s=0.0)).model
+    assert np.abs(predict_n(model, moved[2]) - moved[2].force_n).max() < 0.05
 
 
 @pytest.mark.slow

@@ -18,6 +18,7 @@ from springpot.codegen.errors import DataError
 from springpot.codegen.model.forest import quantised_leaves
 from springpot.codegen.model.model_file import model_hash
 from springpot.trainer.kinds import fit_model
+from springpot.trainer.models import rbf
 from springpot.trainer.models.depths import motions, pulls
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.folds import fold_families, held_out_whole, pieces, repeats_apart
@@ -112,6 +113,12 @@ def test_unscaled_metres_would_not_do() -> None:
     fit = fit_model("rf-fd", "small", small, FitOptions(seed=1, trees=5, leaf=20))
     reference = predict_n(small_fit().model, training()[1])
     np.testing.assert_allclose(predict_n(fit.model, small[1]), reference, atol=1e-5)
+
+
+def test_functions_of_validation_rows_are_those_of_the_fit() -> None:
+    values = np.random.default_rng(0).normal(size=(50, 3))
+    for _, fitted, others in rbf._systems(values, values[::-1]):
+        np.testing.assert_array_equal(others, fitted[::-1])
 
 
 def test_recordings_that_do_not_fit_together_are_refused() -> None:
@@ -227,6 +234,11 @@ def test_each_depth_and_each_speed_is_held_out_whole() -> None:
     assert depth.number.tolist() == [group for group in (0, 1, 2) for _ in range(8)]
     assert np.all(speed.number[::2] == speed.number[1::2])
     assert speed.tested == (0, 1, 2, 3, 4)
+    # Presses in one recording, of an object whose zero is elsewhere: each from top to top.
+    in_a_row_m = 0.03 + np.concatenate([press(1.0, share * DEPTH_M) for share in SHARES])
+    data = training_set([Recording("deep", in_a_row_m, in_a_row_m, DT_S)], smooth_s=0.0)
+    both = held_out_whole(data, np.arange(250, 3000, 500))
+    assert [folds.number.tolist() for folds in both] == [[0, 0, 1, 1, 2, 2]] * 2
 
 
 def test_what_is_as_deep_as_nothing_else_is_not_held_out() -> None:

@@ -114,13 +114,10 @@ def test_trees_only_for_what_is_felt():
     assert "nobody feels that" in reason(*scores, 0.05, 2000.0, 0)
 
 
-def test_the_fold_that_gains_most_is_the_one_that_is_left_out():
+def test_the_best_fold_is_left_out_and_a_family_of_many_folds_counts_as_one_of_few():
     errors_n, one_family = np.array([0.2, 1.0, 1.0]), np.zeros(3, dtype=np.intp)
     found = scores._score("trees", errors_n, np.ones(3), one_family)
     assert found.ratio == pytest.approx(0.2 ** (1 / 3)) and found.ratio_without_best == 1.0
-
-
-def test_a_family_of_many_folds_counts_as_one_of_few():
     errors_n, families = np.array([1.0, 1.0, 1.0, 16.0]), np.array([0, 0, 0, 1])
     found = scores._score("trees", errors_n, np.ones(4), families)
     assert (found.recordings_n, found.conditions_n) == pytest.approx((1.0, 16.0))
