@@ -6,17 +6,8 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support import small
 from support.c.same_bits import require_same_bits
-from support.small import (
-    DT_S,
-    damage,
-    flow,
-    passive_force_n,
-    passive_model,
-    press,
-    scene,
-    small_model,
-)
 
 from springpot import Model
 from springpot.codegen.make_plan import make_plan
@@ -28,19 +19,19 @@ HOUR_S = 4e3  # slow: more than 1e5 ticks
 CURVE_N = np.linspace(0.5, 3.0, 9)
 LAWS: dict[str, dict[str, Any]] = {
     "all": {
-        "n_by_depth": 2, "rate_ratio": 16.0, "flow": flow(0.6), "damage": damage(CURVE_N),
-        "recovers": True,
+        "n_by_depth": 2, "rate_ratio": 16.0, "flow": small.flow(0.6),
+        "damage": small.damage(CURVE_N), "recovers": True,
     },
     "rates": {"n_by_depth": 2, "rate_ratio": 16.0},
     "inverse": {"n_by_depth": 3, "rate_ratio": 1 / 16, "recovers": True},
-    "flow": {"flow": flow(0.6)},
-    "damage": {"damage": damage(CURVE_N)},
+    "flow": {"flow": small.flow(0.6)},
+    "damage": {"damage": small.damage(CURVE_N)},
 }  # fmt: skip
 
 
 @cache
 def model_of(kind: str, law: str, slow: bool = False) -> Model:
-    fitted = small_model() if kind == "rf-fd" else passive_model()
+    fitted = small.small_model() if kind == "rf-fd" else small.passive_model()
     passive = fitted.hammerstein
     tau_s = np.array([0.01, 0.2, 2.0, HOUR_S if slow else 0.05])
     branch_n = np.linspace(0.1, 0.4, 4)[:, None] * CURVE_N
@@ -59,9 +50,9 @@ def model_of(kind: str, law: str, slow: bool = False) -> Model:
 @pytest.mark.parametrize("slow", [True, False])
 @pytest.mark.parametrize("law", LAWS)
 def test_same_bits_as_the_reference(law: str, slow: bool, kind: str, number: str) -> None:
-    position_m = np.concatenate([1.4 * press(2.0), press(3.0), np.full(200, 0.004)])
+    position_m = np.concatenate([1.4 * small.press(2.0), small.press(3.0), np.full(200, 0.004)])
     position_m[300] = np.nan
-    plan = make_plan(model_of(kind, law, slow), scene(number=number), accept_unsafe=True)
+    plan = make_plan(model_of(kind, law, slow), small.scene(number=number), accept_unsafe=True)
     require_same_bits(plan, position_m)
 
 
@@ -69,10 +60,10 @@ def test_same_bits_as_the_reference(law: str, slow: bool, kind: str, number: str
 @pytest.mark.parametrize("law", LAWS)
 def test_the_emitted_force_is_the_fitted_one(law: str, slow: bool) -> None:
     model = model_of("hammerstein", law, slow)
-    plan = make_plan(model, scene(number="float64"), accept_unsafe=True)
-    position_m = 0.9 * press(1.0)  # below the limit of the force
+    plan = make_plan(model, small.scene(number="float64"), accept_unsafe=True)
+    position_m = 0.9 * small.press(1.0)  # below the limit of the force
     force_n = run_reference(plan, position_m).force_n
-    wanted_n = passive_force_n(model.hammerstein, position_m, DT_S, surface=True)
+    wanted_n = small.passive_force_n(model.hammerstein, position_m, small.DT_S, surface=True)
     contact = position_m > 0.02 * position_m.max()  # above it the onset fades the force in
     assert np.abs(force_n - wanted_n)[contact].max() < 1e-6 * wanted_n.max()
 
@@ -80,9 +71,9 @@ def test_the_emitted_force_is_the_fitted_one(law: str, slow: bool) -> None:
 @pytest.mark.parametrize(("law", "share"), [("rates", 2e-3), ("inverse", 2e-3), ("all", 5e-3)])
 def test_half_the_time_step_gives_nearly_the_same_force(law: str, share: float) -> None:
     passive = model_of("hammerstein", law).hammerstein
-    fine_m = np.interp(np.arange(0, 1000, 0.5), np.arange(1000), press(1.0))
-    coarse_n = passive_force_n(passive, press(1.0), DT_S, surface=True)
-    fine_n = passive_force_n(passive, fine_m, DT_S / 2, surface=True)[::2]
+    fine_m = np.interp(np.arange(0, 1000, 0.5), np.arange(1000), small.press(1.0))
+    coarse_n = small.passive_force_n(passive, small.press(1.0), small.DT_S, surface=True)
+    fine_n = small.passive_force_n(passive, fine_m, small.DT_S / 2, surface=True)[::2]
     assert np.abs(coarse_n - fine_n).max() < share * coarse_n.max()
 
 
@@ -92,8 +83,8 @@ TICKS = (4e6, 2.4e7)
 @cache
 def slow_model(*ticks: float) -> Model:
     """A fitted model with these time constants, after a fast one."""
-    model = passive_model()
-    tau_s = np.array([ticks[0] * DT_S, 0.05, *(t * DT_S for t in ticks[1:])])
+    model = small.passive_model()
+    tau_s = np.array([ticks[0] * small.DT_S, 0.05, *(t * small.DT_S for t in ticks[1:])])
     branch_n = np.full((len(tau_s), len(model.hammerstein.elastic_n)), 0.2)
     return replace(model, hammerstein=replace(model.hammerstein, tau_s=tau_s, branch_n=branch_n))
 
@@ -102,10 +93,10 @@ def slow_model(*ticks: float) -> Model:
 @pytest.mark.parametrize("ticks", TICKS)
 def test_hours_of_relaxation_are_those_of_float64(ticks: float) -> None:
     model = slow_model(ticks, ticks)
-    held_m = np.concatenate([press(1.0)[:500], np.full(400_000, press(1.0)[499])])
+    held_m = np.concatenate([small.press(1.0)[:500], np.full(400_000, small.press(1.0)[499])])
     drops_n = []
     for number in ("float32", "float64"):
-        library = built(make_plan(model, scene(number=number), accept_unsafe=True))
+        library = built(make_plan(model, small.scene(number=number), accept_unsafe=True))
         force_n = library.new_state().run(held_m)[0]
         drops_n.append(float(force_n[5000]) - float(force_n[-1]))
     assert drops_n[1] > 5e-3 and abs(drops_n[0] / drops_n[1] - 1) < 2e-3
@@ -114,7 +105,7 @@ def test_hours_of_relaxation_are_those_of_float64(ticks: float) -> None:
 @pytest.mark.slow
 def test_only_slow_branches_bring_doubles() -> None:
     names = {
-        limit: set(planned_headers(make_plan(slow_model(limit), scene(), accept_unsafe=True)))
+        limit: set(planned_headers(make_plan(slow_model(limit), small.scene(), accept_unsafe=True)))
         for limit in (0.99e5, 1.01e5)
     }
     assert names[1.01e5] - names[0.99e5] == {"sp_slow_poles.h"}

@@ -11,17 +11,8 @@ import numpy as np
 import pytest
 from matplotlib import pyplot
 from matplotlib.axes import Axes
+from support import small
 from support.in_process import spring
-from support.small import (
-    DT_S,
-    model_file,
-    passive_model,
-    press,
-    recording,
-    scene,
-    small_fit,
-    training,
-)
 
 import springpot
 from springpot.codegen.errors import DataError, UsageError
@@ -31,9 +22,9 @@ from springpot.trainer.models.predict import predict_n
 
 @pytest.mark.slow
 def test_emit_writes_what_the_command_writes(tmp_path, folder):
-    model_file(tmp_path)
+    small.model_file(tmp_path)
     file = tmp_path / "scene.toml"
-    write_scene(file, scene())
+    write_scene(file, small.scene())
     assert spring("emit", "--scene", file, "--out", tmp_path / "c").returncode == 0
     springpot.emit(tmp_path / "again", scene=str(file))
     for other in (tmp_path / "c", tmp_path / "again"):
@@ -42,10 +33,10 @@ def test_emit_writes_what_the_command_writes(tmp_path, folder):
 
 
 def test_a_model_alone_is_a_scene_of_defaults(tmp_path):
-    emission = springpot.emit(tmp_path / "c", model=passive_model())
+    emission = springpot.emit(tmp_path / "c", model=small.passive_model())
     assert emission.plan.scene == springpot.Scene(1, "small", "model.spm")
     assert emission.as_dict()["hash"] == emission.manifest["hash"]
-    told = spring("emit", "--model", model_file(tmp_path), "--out", tmp_path / "again", "--json")
+    told = spring("emit", "--model", small.model_file(tmp_path), "--out", tmp_path / "b", "--json")
     assert json.loads(told.stdout)["hash"] == emission.hash
     for command in (("emit", "--out", tmp_path / "no"), ("stability",)):
         refused = spring(*command)
@@ -72,34 +63,34 @@ def test_run_says_that_positions_are_millimetres(folder):
 
 
 def test_predict_is_the_model_above_zero():
-    rec = training()[-1]
-    force_n = springpot.predict(passive_model(), list(rec.position_m), dt_s=DT_S)
+    rec = small.training()[-1]
+    force_n = springpot.predict(small.passive_model(), list(rec.position_m), dt_s=small.DT_S)
     assert force_n.shape == rec.force_n.shape and np.max(np.abs(force_n - rec.force_n)) < 1.0
-    moved = replace(passive_model(), contact="always")
+    moved = replace(small.passive_model(), contact="always")
     assert springpot.predict(moved, rec.position_m).shape == rec.force_n.shape
-    memory = springpot.train(training(), "springpot").model
+    memory = springpot.train(small.training(), "springpot").model
     assert predict_n(replace(memory, contact="always"), rec).min() < 0.0
     assert springpot.predict(memory, rec.position_m).min() == 0.0
 
 
 def test_predict_says_what_is_extrapolated_and_refuses_millimetres():
-    model, deepest_m = passive_model(), passive_model().trained.max_m
-    top_m = np.arange(0.0, deepest_m, model.trained.max_mps * DT_S)  # at the trained speed
+    model, deepest_m = small.passive_model(), small.passive_model().trained.max_m
+    top_m = np.arange(0.0, deepest_m, model.trained.max_mps * small.DT_S)  # at the trained speed
     springpot.predict(model, top_m[::3])
     for times, of, position_m in ((1.9, "depth", 1.92 * top_m), (6, "speed", top_m[::6])):
         with pytest.warns(UserWarning, match=f"{times} times the trained {of}"):
             springpot.predict(model, position_m)
     away_m = np.linspace(-30.0 * deepest_m, 0.0, 50)  # air: no way into the object
     assert np.all(springpot.predict(model, away_m) == springpot.predict(model, [0.0, 0.0])[0])
-    for position_m in (np.linspace(0.0, 12.0 * deepest_m, 50), 1000.0 * training()[0].position_m):
+    for position_m in (np.linspace(0, 12 * deepest_m, 50), 1e3 * small.training()[0].position_m):
         with pytest.raises(DataError, match="give positions in metres"):
             springpot.predict(model, position_m)
 
 
 def test_good_news_is_logged_and_doubts_are_warnings(tmp_path, caplog, capsys):
     caplog.set_level(logging.INFO, "springpot")
-    rec = recording("press", np.concatenate([press(hz) for hz in (0.5, 1.6, 5.0)]))
-    rows = np.column_stack([np.arange(len(rec.force_n)) * DT_S, 1e3 * rec.position_m, rec.force_n])
+    rec = small.recording("press", np.concatenate([small.press(hz) for hz in (0.5, 1.6, 5.0)]))
+    rows = np.c_[np.arange(len(rec.force_n)) * small.DT_S, 1e3 * rec.position_m, rec.force_n]
     file = tmp_path / "press.csv"
     np.savetxt(file, rows, "%.9g", ",", header="t,x,f", comments="")
     (found,) = springpot.import_recordings(file, "time=t:s,position=x:mm,force=f:N")
@@ -116,14 +107,14 @@ def test_good_news_is_logged_and_doubts_are_warnings(tmp_path, caplog, capsys):
 
 
 def test_lists_and_single_ones_are_taken(tmp_path, folder):
-    one = training()[-1]
-    lists = springpot.Recording("a", list(one.position_m), one.force_n.tolist(), DT_S)
+    one = small.training()[-1]
+    lists = springpot.Recording("a", list(one.position_m), one.force_n.tolist(), small.DT_S)
     assert lists.content_hash == one.content_hash
     springpot.write_recordings(tmp_path / "a.h5", one)
     for given in (one, str(tmp_path), [tmp_path], [one]):
         (checked,) = springpot.check_recordings(given).checked
         assert checked.content_hash == one.content_hash
-    fit = small_fit()
+    fit = small.small_fit()
     springpot.write_model(tmp_path / "a.spm", fit)
     for given in (fit, tmp_path / "a.spm"):
         force_n = springpot.predict(given, one.position_m)
@@ -138,7 +129,7 @@ def no_figure_stays() -> Iterator[None]:
 
 
 def test_a_recording_is_force_against_position(monkeypatch: pytest.MonkeyPatch) -> None:
-    one = training()[0]
+    one = small.training()[0]
     axes = pyplot.figure().subplots()
     assert one.plot(axes) is axes
     np.testing.assert_array_equal(axes.lines[0].get_xydata().T, [1e3 * one.position_m, one.force_n])
