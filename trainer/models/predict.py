@@ -127,15 +127,17 @@ def extrapolations(model: Model, recording: Recording) -> Iterator[str]:
 
     An object that flows, pressed ten times faster than trained, was missed by 35 % of its peak.
     """
-    words = f"{recording.name}: goes to {{:.3g}} times the trained {{}}: there the force is an "
-    words += "extrapolation"
-    if (times := times_trained(model, recording)) > _DEEP:
-        yield words.format(times, "depth")
     inside_m, ticks = depth_m(recording, model.contact), max(1, round(SPEED_S / recording.dt_s))
-    mps = float(np.abs(inside_m[ticks:] - inside_m[:-ticks]).max(initial=0.0))
-    mps /= ticks * recording.dt_s
-    if mps > FASTER * model.trained.max_mps > 0.0:
-        yield words.format(mps / model.trained.max_mps, "speed")
+    fastest_m = float(np.abs(inside_m[ticks:] - inside_m[:-ticks]).max(initial=0.0))
+    trained_m = model.trained.max_mps * ticks * recording.dt_s
+    times_faster = fastest_m / trained_m if trained_m else 0.0
+    times_deeper = times_trained(model, recording)
+    for times, warned, of in ((times_deeper, _DEEP, "depth"), (times_faster, FASTER, "speed")):
+        if times > warned:
+            yield (
+                f"{recording.name}: goes to {times:.3g} times the trained {of}: there the force is "
+                "an extrapolation"
+            )
 
 
 def unplaced(model: Model, recording: Recording) -> str:
