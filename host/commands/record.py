@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, nullcontext
+from contextlib import AbstractContextManager, contextmanager, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -15,6 +15,7 @@ from springpot.host.options import PATH, POSITIVE, device_option
 from springpot.host.output import json_option, print_json, print_table, progress_console, say
 
 if TYPE_CHECKING:
+    from springpot.host.recording.indentation import PressedDevice
     from springpot.host.recording.protocols import Profile
     from springpot.host.recording.session import PressQuality
     from springpot.host.session.runner import Progress as SessionProgress
@@ -74,7 +75,6 @@ def record(
     """
     from springpot.host.recording.indentation import Limits
     from springpot.host.recording.protocols import load_protocol
-    from springpot.host.recording.sensed_press import opened_sensor
     from springpot.host.recording.session import open_press_device, record_session
     from springpot.host.session.terminal import stopping_on_sigterm
 
@@ -85,7 +85,7 @@ def record(
     limits = Limits(max_force_n, max_depth_mm / 1e3, max_speed_mps)
     profiles = load_protocol(protocol, seed)
     with (
-        opened_sensor(sensor_url) if sensor_url else nullcontext() as pressing,
+        _sensor(sensor_url) as pressing,
         _progress(profiles) as (on_progress, on_press),
         stopping_on_sigterm(),
     ):
@@ -98,6 +98,15 @@ def record(
         print_json({"out": out, "recordings": qualities, "duration_s": duration_s})
     else:
         _print(qualities)
+
+
+def _sensor(url: str | None) -> AbstractContextManager[Callable[..., PressedDevice] | None]:
+    """A force sensor beside the device, opened; nothing without its URL."""
+    if url is None:
+        return nullcontext()  # on systems without fcntl too
+    from springpot.host.recording.sensed_press import opened_sensor
+
+    return opened_sensor(url)
 
 
 @contextmanager
