@@ -93,6 +93,8 @@ def test_good_news_is_logged_and_doubts_are_warnings(tmp_path, caplog, capsys):
     rows = np.c_[np.arange(len(rec.force_n)) * small.DT_S, 1e3 * rec.position_m, rec.force_n]
     file = tmp_path / "press.csv"
     np.savetxt(file, rows, "%.9g", ",", header="t,x,f", comments="")
+    with pytest.raises(UsageError, match="no files: give at least one"):
+        springpot.import_recordings([])
     (found,) = springpot.import_recordings(file, "time=t:s,position=x:mm,force=f:N")
     np.testing.assert_allclose(found.position_m, rec.position_m, atol=1e-9)
     assert str(file) in caplog.text

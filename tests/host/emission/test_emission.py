@@ -106,8 +106,8 @@ def test_the_selftest_sees_other_floating_point_and_nan_assumed_away(
     sources = sorted(emission_of(shape).folder.glob("*.c"))
     for more, passes in (((), True), (options, safe)):
         program = tmp_path / "program"
-        our = [*flags("SP_CFLAGS"), *more]
-        subprocess.run(["gcc", *our, *sources, "-o", program, "-lm"], check=True)
+        command = ["gcc", *flags("SP_CFLAGS"), *more, *sources, "-o", program, "-lm"]
+        subprocess.run(command, check=True)
         result = subprocess.run([program], input="", capture_output=True, text=True, check=False)
         assert (result.returncode == 0) is passes
         assert ("self-test passed" if passes else "-ffp-contract=off") in result.stderr

@@ -49,7 +49,7 @@ def test_sessions_to_the_last_question(plan: StudyPlan, monkeypatch: pytest.Monk
     with pytest.raises(UsageError, match="participant 01 has finished all sessions"):
         run_session(plan, "01", DEVICE)
 
-    rows = read_table(plan.folder("01") / "responses.csv", RESPONSE_COLUMNS)
+    rows, felt_n = read_table(plan.folder("01") / "responses.csv", RESPONSE_COLUMNS), []
     assert [Trial(*list(row.values())[:7]) for row in rows] == list(plan.trials)
     assert [row["rating"] for row in rows] == ["50", "70", "71.5", *["72"] * 4, *["73"] * 6]
     answers = (plan.folder("01") / "answers.csv").read_text().splitlines()
@@ -64,7 +64,6 @@ def test_sessions_to_the_last_question(plan: StudyPlan, monkeypatch: pytest.Monk
         assert one["mean"] == pytest.approx(np.mean(ratings))
 
     # On a real object the force is zero; on the rendered side it is felt: in the log of each trial.
-    felt_n: list[float] = []
     for row in rows:
         (log,) = read_recordings(plan.folder("01") / row["log"])
         called = (log.channels["call"].astype(int) & NONE) == 0
