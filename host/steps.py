@@ -152,7 +152,7 @@ def predict(
     from springpot.host.quality import in_python
     from springpot.trainer.models.predict import (
         extrapolations,
-        limited_n,
+        limited_each_n,
         require_compatible,
         unplaced,
         zero_of,
@@ -173,7 +173,7 @@ def predict(
     if place_m is not None:
         recording = replace(recording, place_x_m=place_m[0], place_y_m=place_m[1])
     require_compatible(recording, model)
-    force_n = limited_n(model, recording)
+    (force_n,) = limited_each_n(model, [recording])
     for doubt in (*doubts, unplaced(model, recording), *extrapolations(model, recording)):
         if doubt:
             warnings.warn(in_python(doubt), UserWarning, stacklevel=2)

@@ -22,6 +22,7 @@ from springpot.codegen.model.features import (
     RecursiveBank,
 )
 from springpot.codegen.model.formulas import foaw, loss_and_gain
+from springpot.trainer.recordings.signals import came_before
 
 POLES_PER_DECADE = 2.5
 _FASTEST_STEPS = 0.25  # shortest time constant
@@ -147,6 +148,13 @@ def feature_values(features: Features, depth_m: Samples, dt_s: float, rows: Indi
     features registers its own; raises TypeError for one that did not.
     """
     raise TypeError(f"{type(features).__name__} has no values: register them with feature_values")
+
+
+def depth_features(features: Features, depth_m: Samples, dt_s: float, rows: Indices) -> Samples:
+    """Features at rows of a recording at depths (n,), m, after `came_before`: (rows, features)."""
+    before_m = came_before(depth_m)
+    along_m = np.concatenate([before_m, depth_m])
+    return feature_values(features, along_m, dt_s, len(before_m) + rows)
 
 
 @feature_values.register

@@ -116,7 +116,7 @@ def _candidates(model: Model) -> Iterator[Model]:
 
 def _evaluation(model: Model, recordings: Sequence[Recording]) -> tuple[Samples, Samples]:
     """Features of some samples, (n, features), and what the trees must give, (n,), N."""
-    from springpot.trainer.features import feature_values
+    from springpot.trainer.features import depth_features
     from springpot.trainer.models.depths import depth_m
     from springpot.trainer.models.predict import predict_each_n
 
@@ -124,7 +124,7 @@ def _evaluation(model: Model, recordings: Sequence[Recording]) -> tuple[Samples,
     every = -(-sum(len(item.force_n) for item in recordings) // _EVALUATED)
     pieces = [(item, np.arange(0, len(item.force_n), every)) for item in recordings]
     values = [
-        feature_values(model.features, depth_m(item, model.contact), model.dt_s, rows)
+        depth_features(model.features, depth_m(item, model.contact), model.dt_s, rows)
         for item, rows in pieces
     ]
     # What is not the trees': the passive part, which remembers through a session.

@@ -151,7 +151,7 @@ def replayed(
     for motion in motions_of(plan, recordings):
         place_m = recordings[motion.recordings[0]].place_m if plan.has_places else None
         force_n, notes = replay.run(motion.depth_m, place_m=place_m)
-        ramps[motion.recordings[0]] = start_up_ramp(notes)
+        ramps[motion.recordings[0]] = start_up_ramp(notes[motion.starts[0] :])
         for number, start in zip(motion.recordings, motion.starts, strict=True):
             its = slice(start, start + len(recordings[number].force_n))
             forces[number] = force_n[its].astype(np.float64)

@@ -82,7 +82,7 @@ def compared_all(
     low = mismatches = 0
     counts = dict.fromkeys(NOTE_NAMES.values(), 0)
     for motion in counted(motions_of(plan, ticked), "replaying"):
-        number = motion.recordings[0]
+        number, begin = motion.recordings[0], motion.starts[0]
         first = recordings[number]
         position = motion.depth_m.astype(plan.dtype)
         velocity = backward_velocity(position, plan.dt_s)
@@ -95,6 +95,7 @@ def compared_all(
         mismatches += int(np.sum(other))
         again = repeat_session(replay, first, scene_hash)
         if again is None:
+            force, notes = force[begin:], notes[begin:]
             ramps[number] = samples_of(start_up_ramp(notes), first, plan.dt_s)
         else:
             force, notes, others = again
@@ -103,7 +104,7 @@ def compared_all(
         for bit, name in NOTE_NAMES.items():
             counts[name] += int(np.sum(notes & bit != 0))
         for k, start in zip(motion.recordings, motion.starts, strict=True):
-            its = slice(start, start + len(ticked[k].force_n))
+            its = slice(start - begin, start - begin + len(ticked[k].force_n))
             predicted[k] = at_samples(force[its].astype(np.float64), recordings[k], plan.dt_s)
     forces_n = tuple(predicted[k] for k in range(len(recordings)))
     return Compared(forces_n, tuple(ramps), counts, low, mismatches)

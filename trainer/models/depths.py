@@ -1,8 +1,9 @@
 """Depths of recordings as the object met them: from its surface on, one session one motion."""
 
 from collections.abc import Hashable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
-from math import inf
+from itertools import pairwise
 
 import numpy as np
 
@@ -11,7 +12,12 @@ from springpot.codegen.errors import DataError
 from springpot.codegen.model.model import Contact
 from springpot.trainer.recordings.contact_point import find_contact
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.signals import sensor_noise_n, smoothed, smoothing_samples
+from springpot.trainer.recordings.signals import (
+    came_before,
+    sensor_noise_n,
+    smoothed,
+    smoothing_samples,
+)
 
 _LOWEST = 0.02  # of the depth: where an object's force is 0 if position 0 is its surface
 _REST_SHARE = 0.02  # of the peak force
@@ -45,8 +51,12 @@ def contact_of(recordings: Sequence[Recording]) -> tuple[Contact, str]:
             "pulls as it does; if nothing held it, look for drift or delay of the force"
         )
     rest_n = rest_force_n(recordings)
-    if abs(rest_n) < _REST_SHARE * peak_n or peak_n <= 0.0 or any(map(_shows_contact, recordings)):
+    if abs(rest_n) < _REST_SHARE * peak_n or peak_n <= 0.0:
         return "surface", ""
+    for recording in recordings:
+        with suppress(DataError):
+            find_contact(recording)
+            return "surface", ""
     if all("tare_n" in recording.details for recording in recordings):
         return "always", ""
     return "always", (
@@ -84,14 +94,6 @@ def rest_force_n(recordings: Sequence[Recording]) -> float:
     return float(np.median(force_n[low]))
 
 
-def _shows_contact(recording: Recording) -> bool:
-    try:
-        find_contact(recording)
-    except DataError:
-        return False
-    return True
-
-
 def depth_m(recording: Recording, contact: Contact) -> Samples:
     """Positions as the model sees them, (n,), m: those above the surface count as 0."""
     if contact == "always":
@@ -119,7 +121,7 @@ def motions(
     """Join recordings of one session and place by their times; others are one each.
 
     In a pause the tool stands above the surface; if the object has none, at the lower of the depths
-    at the ends of the pause.
+    at the ends of the pause. Before the first recording is what `came_before` finds in it.
     """
     sessions: dict[Hashable, list[int]] = {}
     for number, recording in enumerate(recordings):
@@ -129,20 +131,15 @@ def motions(
     found = []
     for numbers in sessions.values():
         numbers.sort(key=lambda number: recordings[number].start_s or 0.0)
-        whole = [numbers] if _follow(numbers, recordings) else [[number] for number in numbers]
-        found += [_joined(part, recordings, depths_m, surface) for part in whole]
+        # Each begins after the one before has ended, to within a few samples.
+        pairs = pairwise(recordings[number] for number in numbers)
+        late_s = (
+            (b.start_s or 0.0) - (a.start_s or 0.0) - a.duration_s + _LATE * b.dt_s
+            for a, b in pairs
+        )
+        parts = [numbers] if min(late_s, default=0.0) >= 0.0 else [[number] for number in numbers]
+        found += [_joined(part, recordings, depths_m, surface) for part in parts]
     return tuple(found)
-
-
-def _follow(numbers: Sequence[int], recordings: Sequence[Recording]) -> bool:
-    """Whether each begins after the one before has ended, to within a few samples."""
-    ends_s = -inf
-    for number in numbers:
-        recording = recordings[number]
-        if (recording.start_s or 0.0) < ends_s - _LATE * recording.dt_s:
-            return False
-        ends_s = (recording.start_s or 0.0) + recording.duration_s
-    return True
 
 
 def _joined(
@@ -151,12 +148,14 @@ def _joined(
     depths_m: Sequence[Samples],
     surface: bool,
 ) -> DepthMotion:
-    parts: list[Samples] = []
-    starts, pauses, length, ends_s = [], [], 0, 0.0
+    first_m = depths_m[numbers[0]]
+    parts = [came_before(np.maximum(first_m, 0.0) if surface else first_m)]
+    starts: list[int] = []
+    pauses, length, ends_s = [], len(parts[0]), 0.0
     for number in numbers:
         recording, depth_m = recordings[number], depths_m[number]
         start_s = recording.start_s or 0.0
-        if parts:
+        if starts:
             low_m = 0.0 if surface else min(parts[-1][-1], depth_m[0])
             parts.append(np.full(2, low_m))
             pauses.append((length + 1, max(start_s - ends_s, 0.0)))

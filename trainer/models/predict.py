@@ -13,10 +13,11 @@ from springpot.codegen.errors import DataError
 from springpot.codegen.model.forest import forest_force, quantised_leaves, rounded
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.regressors import Forest, Linear, Rbf, Regressor
-from springpot.trainer.features import feature_values
+from springpot.trainer.features import depth_features
 from springpot.trainer.models.depths import depth_m, motions
 from springpot.trainer.models.passive.passive_force import model_along
 from springpot.trainer.recordings.recording import Recording, Site, Zero, site_words
+from springpot.trainer.recordings.signals import came_before
 
 _DEEP, FASTER = 1.5, 4.0  # times the trained depth and speed: from here on a line warns
 SPEED_S = 0.01  # of motion to a speed: an encoder's step is no speed
@@ -38,7 +39,7 @@ def predict_each_n(model: Model, pieces: Sequence[tuple[Recording, Indices]]) ->
     force_n = np.zeros(sum(len(rows) for _, rows in pieces))
     if model.features is not None and model.regressor is not None:
         values = [
-            feature_values(model.features, depth, model.dt_s, rows)
+            depth_features(model.features, depth, model.dt_s, rows)
             for depth, (_, rows) in zip(depths, pieces, strict=True)
         ]
         force_n += regressor_force(model.regressor, np.concatenate(values))
@@ -94,18 +95,10 @@ def kernel(z: Samples, centers: Samples) -> Samples:
     return np.concatenate([square * np.sqrt(square), np.ones((len(z), 1)), z], axis=1)
 
 
-def limited_n(model: Model, recording: Recording) -> Samples:
-    """Force along a recording's positions, (n,), N, float64, at least 0 where there is a surface.
+def limited_each_n(model: Model, recordings: Sequence[Recording]) -> list[Samples]:
+    """Force along positions, (n,), N, float64, at least 0 where there is a surface; by sessions.
 
     Raises DataError for positions ten times deeper than any training press.
-    """
-    return limited_each_n(model, [recording])[0]
-
-
-def limited_each_n(model: Model, recordings: Sequence[Recording]) -> list[Samples]:
-    """The same of several recordings, those of one session one after another.
-
-    Raises DataError as `limited_n`.
     """
     for recording in recordings:
         if (times := times_trained(model, recording)) > _TOO_DEEP:
@@ -123,7 +116,7 @@ def limited_each_n(model: Model, recordings: Sequence[Recording]) -> list[Sample
 
 
 def extrapolations(model: Model, recording: Recording) -> Iterator[str]:
-    """Yield a line where positions go deeper, or faster, than the force is known.
+    """Yield a line where the force is not known: deeper, faster, or what came before is assumed.
 
     Objects with a viscosity that saturates, pressed ten times faster than trained, were missed by
     26 to 39 % of the peak.
@@ -139,6 +132,11 @@ def extrapolations(model: Model, recording: Recording) -> Iterator[str]:
                 f"{recording.name}: goes to {times:.3g} times the trained {of}: there the force is "
                 "an extrapolation"
             )
+    if len(before_m := came_before(inside_m)):
+        yield (
+            f"{recording.name}: begins in motion inside the object: its own later motion, "
+            f"{len(before_m) * recording.dt_s:.3g} s of it, is taken to have come before"
+        )
 
 
 def unplaced(model: Model, recording: Recording) -> str:

@@ -12,7 +12,7 @@ from springpot.codegen.errors import UsageError
 from springpot.codegen.model.features import Features, FractionalBank, PositionVelocity
 from springpot.codegen.model.regressors import Rbf
 from springpot.codegen.types import JsonMapping
-from springpot.trainer.features import feature_values
+from springpot.trainer.features import depth_features
 from springpot.trainer.models.depths import depth_m
 from springpot.trainer.models.fit import Fit, FitOptions, assemble
 from springpot.trainer.models.folds import Folds, fold_families
@@ -152,7 +152,7 @@ def _paper_errors(
     """RMSE of every pair on evenly spaced rows of the validation recordings."""
     step = max(1, sum(len(rec.force_n) for rec in validation) // SEARCH_ROWS)
     tests = [
-        (feature_values(bank, depth_m(rec, data.contact), rec.dt_s,
+        (depth_features(bank, depth_m(rec, data.contact), rec.dt_s,
                         np.arange(0, len(rec.force_n), step)), rec.force_n[::step])
         for rec in validation
     ]  # fmt: skip

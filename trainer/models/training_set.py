@@ -13,7 +13,7 @@ from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.messages import short_repr
 from springpot.codegen.model.features import Features
 from springpot.codegen.model.model import Contact, TrainedRange
-from springpot.trainer.features import feature_values
+from springpot.trainer.features import depth_features
 from springpot.trainer.models.depths import DepthMotion, contact_of, depth_m, motions
 from springpot.trainer.recordings.formats.importing import one_session
 from springpot.trainer.recordings.formats.sampling import MAX_UPSAMPLING
@@ -87,7 +87,7 @@ class TrainingSet:
 
     def features(self, features: Features, rows: Indices) -> Samples:
         """Features at rows, shape (rows, features)."""
-        return self.along(rows, lambda depth, at: feature_values(features, depth, self.dt_s, at))
+        return self.along(rows, lambda depth, at: depth_features(features, depth, self.dt_s, at))
 
     def along(self, rows: Indices, values: Callable[[Samples, Indices], Samples]) -> Samples:
         """`values` of each recording's depths, (n,), m, at its rows; all of them end to end."""

@@ -27,7 +27,7 @@ from springpot.host.validation.store import validation_rows
 from springpot.host.validation.validation import Validation, validate
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.predict import limited_n, predict_n
+from springpot.trainer.models.predict import limited_each_n, predict_n
 from springpot.trainer.recordings.recording_file import read_recording
 
 
@@ -43,7 +43,7 @@ def validated(folder: Path, mode: str, details: dict[str, object] | None = None)
     emit(chosen, folder / "m.spm", folder / "c")
     found = validate(folder / "c", recordings, paced_s=0.0)
     pairs = zip(recordings, found.ramped, strict=True)
-    errors = [(limited_n(model, item) - item.force_n)[ramp:] for item, ramp in pairs]
+    errors = [(limited_each_n(model, [item])[0] - item.force_n)[ramp:] for item, ramp in pairs]
     assert found.model_rmse_n == pytest.approx(rms(np.concatenate(errors)), rel=1e-9)
     return found
 
@@ -67,15 +67,17 @@ def test_a_bare_scene_is_its_model(tmp_path: Path) -> None:
 def test_the_model_alone_is_judged_on_the_samples_of_the_scene(tmp_path: Path) -> None:
     """Each error is at most the sum of the others, on the same samples."""
     begun = [recording(f"{k}", item.position_m[k:]) for k, item in enumerate(training()[:3], 60)]
+    begun.append(recording("of many", np.tile(training()[1].position_m, 3)[160:]))  # goes on
     model = fit_model("hammerstein", "x", training()[4:8], FitOptions()).model
     write_model(tmp_path / "m.spm", model)
     emit(scene(), tmp_path / "m.spm", tmp_path / "c")
     found = validate(tmp_path / "c", begun, paced_s=0.0)
-    assert all(found.ramped) and sum(found.ramped) == found.accuracy.ramped
+    assert [ramp > 0 for ramp in found.ramped] == [True] * 3 + [False]
+    assert sum(found.ramped) == found.accuracy.ramped and found.mismatches == 0
     three = sorted((found.accuracy.rmse_n, found.model_rmse_n, found.rendering_n))
     assert three[2] <= (three[0] + three[1]) * (1.0 + 1e-9)
     pairs = zip(begun, found.ramped, strict=True)
-    errors = [(limited_n(model, item) - item.force_n)[ramp:] for item, ramp in pairs]
+    errors = [(limited_each_n(model, [item])[0] - item.force_n)[ramp:] for item, ramp in pairs]
     assert found.model_rmse_n == pytest.approx(rms(np.concatenate(errors)), rel=1e-9)
 
 

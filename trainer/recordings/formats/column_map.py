@@ -76,6 +76,11 @@ class Column:
     unit: str | None = None
     rate_hz: float | None = None
 
+    def __str__(self) -> str:
+        """As `--map` has it."""
+        column = f"{self.header_or_number}" + f":{self.unit}" * bool(self.unit)
+        return column if self.rate_hz is None else f"{self.rate_hz:g}Hz"
+
 
 ColumnMap = Mapping[Quantity, Column]
 
@@ -218,7 +223,8 @@ def column_units(
     missing = [q for q in chosen if not any(places[q].values())]
     if missing:
         wanted = {**columns, **{q: Column(named[q].header_or_number, "UNIT") for q in missing}}
-        option = shlex.quote(",".join(_stated(q, wanted[q]) for q in QUANTITIES if q in wanted))
+        stated = (f"{q}={each}" for q in QUANTITIES if (each := wanted.get(q)))
+        option = shlex.quote(",".join(stated))
         raise DataError(
             f"{where}, {', '.join(at[q] for q in missing)}: no unit of {', of '.join(missing)}: "
             f"pass --map {option}, with a unit such as "
@@ -228,13 +234,6 @@ def column_units(
         q: choose_unit(places[q], q, f"{where}, {at[q]}", str(named[q].header_or_number))
         for q in chosen
     }
-
-
-def _stated(quantity: Quantity, column: Column) -> str:
-    """One channel as `--map` has it."""
-    if column.rate_hz is not None:
-        return f"{quantity}={column.rate_hz:g}Hz"
-    return f"{quantity}={column.header_or_number}" + f":{column.unit}" * bool(column.unit)
 
 
 def place_m(

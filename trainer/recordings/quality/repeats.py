@@ -186,7 +186,9 @@ def find_noise_floor(
     From repeated presses; else from cycles, which are found if they are not given; else from the
     force's noise. By what repeats of one session differ is no noise: the object remembers.
     """
-    if repeats := [group for group in find_repeats(recordings) if not _one_session(group)]:
+    found = ((group, {each.start_s is not None and each.session for each in group})
+             for group in find_repeats(recordings))  # fmt: skip
+    if repeats := [group for group, sessions in found if len(sessions) > 1 or not all(sessions)]:
         number = " or ".join(map(str, sorted({len(group) for group in repeats})))
         presses = "one press" if len(repeats) == 1 else f"each of {len(repeats)} presses"
         words = f"from {number} repeats of {presses}"
@@ -222,11 +224,6 @@ def _same_press(one: Recording, other: Recording) -> bool:
         return False
     pairs = ((one.position_m, other.position_m), (one.force_n, other.force_n))
     return any(_alike(np.stack(pair)) for pair in pairs)
-
-
-def _one_session(group: Sequence[Recording]) -> bool:
-    timed = all(each.session and each.start_s is not None for each in group)
-    return timed and len({each.session for each in group}) == 1
 
 
 def _repeat_noise_n(group: Sequence[Recording]) -> float:
