@@ -23,14 +23,12 @@ def test_json(tmp_path: Path) -> None:
     assert result.exit_code == 0
     printed = json.loads(result.stdout)
     (row,) = printed["recordings"]
-    assert row.pop("signs")["loops"] == 0
-    assert row.pop("glance").startswith("stroke 2 mm, peak 3 N")
+    assert row.pop("signs")["loops"] == 0 and row.pop("glance").startswith("stroke 2 mm, peak 3 N")
     assert row == {
         "name": "a_b", "file": str(out / "a_b.h5"), "samples": 3, "rate_hz": 2.0,
         "position_m": [0.0, 0.002], "force_n": [0.0, 3.0],
     }  # fmt: skip
-    assert "column 2 'position_mm' in mm" in printed["guess"]
-    assert printed["guess"] in result.stderr
+    assert "column 2 'position_mm' in mm" in printed["guess"] and printed["guess"] in result.stderr
     assert [str(file.parent) for file in out.iterdir()] == [printed["out"]]
     assert read_recording(out / "a_b.h5").zero == "first"
 
