@@ -90,6 +90,7 @@ def test_a_header_of_another_program_is_refused(tmp_path: Path, changes: dict[st
         ("rf-fd", "regressor", {"roots": np.zeros(2, np.int32)}, "regressor.left, right: node 0"),
         ("rf-fd", "regressor", {"roots": np.full(1, 10**6, np.int32)}, "regressor.roots: "),
         ("rbf-fd", "regressor", {"weights_n": np.array([np.nan])}, "not finite"),
+        ("rbf-fd-fast", "features", {"length": 5}, "features.length: 5 samples"),
         ("rbf-pv", "features", {"weight": 0.0}, "features.weight: "),
         ("rbf-fd", "regressor", {"tail_n": np.ones(1)}, "regressor.tail_n: shape"),
         ("hammerstein", "hammerstein", {"span_m": 0.0}, "hammerstein.span_m: "),
