@@ -147,8 +147,7 @@ def held_speed_mps(
         apart_m, apart_mps = proxy_m - seen_m, proxy_mps - seen_mps
         queue.append(-k * apart_m - b * apart_mps)
         moved = follows @ [apart_m - rest_m, apart_mps]
-        proxy_m = seen_m + dt_s * seen_mps + rest_m + moved[0]
-        proxy_mps = seen_mps + moved[1]
+        proxy_m, proxy_mps = seen_m + dt_s * seen_mps + rest_m + moved[0], seen_mps + moved[1]
         x, v = moves @ [x - meant_m, v, queue.pop(0)]
         x += meant_m
         if tick > 0.9 * ticks:

@@ -110,8 +110,7 @@ def test_a_place_is_taken_once_the_tool_is_off_the_object(there: tuple[float, fl
 
 def test_a_reset_keeps_the_place() -> None:
     plan = make_plan(placed(), scene(number="float64"))
-    position = np.concatenate([np.zeros(20), press(1.0)])
-    library = built(plan)
+    position, library = np.concatenate([np.zeros(20), press(1.0)]), built(plan)
     fresh, _ = called(library, position, backward_velocity(position, plan.dt_s), [(0, SOFT)])
     state = library.new_state()
     state.place(SOFT)

@@ -56,8 +56,7 @@ def test_nothing_is_written_or_overwritten_when_one_file_is_refused(tmp_path: Pa
     assert not out.exists()  # for two files of one name
     bad.write_text(TABLE)
     run(bad, "--out", out)
-    before = (out / "b.h5").read_bytes()
-    result = run(good, bad, "--zero", "min", "--out", out)
+    before, result = (out / "b.h5").read_bytes(), run(good, bad, "--zero", "min", "--out", out)
     assert isinstance(result.exception, UsageError)
     assert "b.h5: exists already" in str(result.exception)
     assert [file.read_bytes() for file in out.iterdir()] == [before]
