@@ -80,8 +80,7 @@ def guard_config(model: Model, watchdog_s: float, ticks: SceneTicks) -> GuardCon
 
     A tool may also wait far above a surface.
     """
-    dt_s, real = ticks.dt_s, ticks.dtype
-    trained = model.trained
+    dt_s, real, trained = ticks.dt_s, ticks.dtype, model.trained
     deepest_m = max(abs(trained.min_m), abs(trained.max_m))
     believed_m = max(MIN_BELIEVED_M, BELIEVED_PER_RANGE * deepest_m)
     before_latch = int(watchdog_s / dt_s) - 1
@@ -100,8 +99,7 @@ def max_mps(model: Model) -> float:
 
 def output_config(model: Model, scene: Scene, ticks: SceneTicks) -> OutputConfig:
     """Forces that leave. Raises DataError where the model never pushes out."""
-    dt_s, contact, real = ticks.dt_s, ticks.surface, ticks.dtype
-    trained = model.trained
+    dt_s, contact, real, trained = ticks.dt_s, ticks.surface, ticks.dtype, model.trained
     peak_n = trained.max_n if contact else max(abs(trained.min_n), abs(trained.max_n))
     max_n = scene.guard.max_force_n or FORCE_MARGIN * peak_n
     if max_n <= 0.0:

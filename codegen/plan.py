@@ -199,8 +199,7 @@ def member_offset(plan: Plan, name: str) -> int:
 def _layout(plan: Plan) -> tuple[dict[str, int], int]:
     sizes = {REAL: plan.dtype(0).itemsize, U32: 4, DOUBLE: 8}
     offsets = {}
-    total = 0
-    widest = 1
+    total, widest = 0, 1
     for member in state_members(plan):
         align = max(sizes[scalar] for scalar in member.scalars)
         size = sum(sizes[scalar] for scalar in member.scalars)

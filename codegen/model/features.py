@@ -181,6 +181,11 @@ class Lags(Features):
     def memory_s(self, dt_s: float) -> float:
         return max(self.samples) * dt_s
 
+    def require_valid(self) -> None:
+        lags = sorted({int(lag) for lag in self.samples})
+        fits = [*self.samples] == lags and lags[:1] == [0] and lags[-1] < 2**32
+        require(fits, f"samples: {self.samples[:12]} are no whole lags that ascend from 0")
+
     def stiffened(self, factor: float) -> tuple["Lags", float]:
         return self, factor
 
@@ -210,6 +215,7 @@ class PositionVelocity(Features):
 
     def require_valid(self) -> None:
         require(0.0 < self.weight <= 1.0, f"weight: {self.weight} is not within 0 .. 1")
+        require(self.length >= 1, f"length: {self.length} steps")
 
     def stiffened(self, factor: float) -> tuple["PositionVelocity", float]:
         return replace(self, band_m=self.band_m / factor), factor

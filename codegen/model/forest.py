@@ -100,12 +100,10 @@ def level_order(forest: Forest) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
 
     Places go tree after tree, level by level, siblings adjacent: a node then names one child only.
     """
-    place = np.empty(len(forest.feature), dtype=np.int32)
-    level_of = np.empty(len(forest.feature), dtype=np.int32)
+    place, level_of = (np.empty(len(forest.feature), dtype=np.int32) for _ in range(2))
     placed = 0
     for root in forest.roots:
-        level = np.array([root])
-        depth = 0
+        level, depth = np.array([root]), 0
         while len(level):
             place[level] = np.arange(placed, placed + len(level), dtype=np.int32)
             level_of[level] = depth

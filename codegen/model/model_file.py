@@ -63,8 +63,7 @@ def model_hash(model: Model) -> str:
     digest = hashlib.sha256(json.dumps(header, sort_keys=True).encode())
     for name in sorted(arrays):
         values = np.ascontiguousarray(arrays[name])
-        digest.update(f"{name} {values.dtype.str} {values.shape}\n".encode())
-        digest.update(values.tobytes())
+        digest.update(f"{name} {values.dtype.str} {values.shape}\n".encode() + values.tobytes())
     return digest.hexdigest()
 
 
@@ -118,6 +117,7 @@ def read_model(path: Path) -> Model:
         model = _from_parts(json.loads(arrays.pop("header").tobytes()), arrays, "model")
         if not isinstance(model, Model):
             raise DataError("describes no model")
+        _packed(model, "model", {})  # finite numbers alone, and known parts
         model.require_valid()
     except DataError as error:
         raise DataError(f"{path}: {error}: train again") from None
@@ -138,9 +138,9 @@ def _packed(value: Any, path: str, arrays: _Arrays) -> object:
         names = [item.name for item in fields(value) if not _at_default(value, item)]
         inside = {name: _packed(getattr(value, name), f"{path}.{name}", arrays) for name in names}
         return {"part": name, **inside}
+    if isinstance(value, np.ndarray | float) and not np.isfinite(value).all():
+        raise DataError(f"{path}: holds a number that is not finite: train on other recordings")
     if isinstance(value, np.ndarray):
-        if not np.isfinite(value).all():
-            raise DataError(f"{path}: holds a number that is not finite: train on other recordings")
         arrays[path] = value
         return {"array": path}
     if isinstance(value, tuple):

@@ -88,11 +88,10 @@ def amounts_at(amounts: Reals, first_m: Reals, per_step: Reals, place_m: Reals) 
     x, y, one = steps[0] - real(i), steps[1] - real(j), real(1)
     weights = ((one - x) * (one - y), (one - x) * y, x * (one - y), x * y)
     corners = (amounts[i, j], amounts[i, j + 1], amounts[i + 1, j], amounts[i + 1, j + 1])
-    total = weights[0] * corners[0]
+    total: Reals = weights[0] * corners[0]
     for weight, corner in zip(weights[1:], corners[1:], strict=True):
         total = total + weight * corner
-    found: Reals = total
-    return found
+    return total
 
 
 def mixed(amount: Reals, materials: Reals) -> Reals:

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from support.small import DT_S, press
 
-from springpot.host.metrics import press_errors_n, slope_errors
+from springpot.codegen.arrays import rms
+from springpot.host.metrics import _slopes, press_errors_n, slope_errors
 from springpot.trainer.recordings.recording import Recording
 
 DEPTH_M = press(0.5, cycles=3)
@@ -20,8 +21,7 @@ def recorded(noise_n: float = 0.0, seed: int = 1) -> Recording:
 def test_a_force_that_is_a_tenth_too_large_is_a_tenth_too_stiff(noise_n: float) -> None:
     found = slope_errors([recorded(noise_n)], [1.1 * FORCE_N])
     assert found.median_percent == pytest.approx(10.0, abs=3.0 * found.floor_percent + 1e-6)
-    assert found.floor_percent <= 3.0
-    assert found.windows >= 3 * (16 if noise_n < 0.01 else 2)
+    assert found.floor_percent <= 3.0 and found.windows >= 3 * (16 if noise_n < 0.01 else 2)
 
 
 def test_the_floor_is_the_error_of_what_is_right() -> None:
@@ -30,6 +30,12 @@ def test_the_floor_is_the_error_of_what_is_right() -> None:
     assert len(ratios) == 20
     # The median size of an error is 0.67 of its standard deviation.
     assert np.mean(ratios) == pytest.approx(0.67, rel=0.15)
+
+
+def test_the_error_of_a_slope_is_known_from_few_samples_too() -> None:
+    depth_m, noise_n = np.arange(8.0), np.random.default_rng(1).normal(size=(2000, 8))
+    found = np.concatenate([list(_slopes(depth_m, each_n, each_n, 1)) for each_n in noise_n])
+    assert rms(found[:, 1]) == pytest.approx(found[:, 0].std(), rel=0.05)
 
 
 def test_steps_in_the_slope_show_and_an_offset_does_not() -> None:

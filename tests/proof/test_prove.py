@@ -28,8 +28,7 @@ SAID = """\
 
 def test_alarms_and_states_without_bounds_are_found() -> None:
     (alarm,), (state,) = alarms_in(SAID), unbounded_in(SAID)
-    assert "sp_curve.h:38" in alarm
-    assert ".output{.model_n; .aim_n} in [-inf .. inf]" in state
+    assert "sp_curve.h:38" in alarm and ".output{.model_n; .aim_n} in [-inf .. inf]" in state
 
 
 def test_a_loop_that_never_ends_proves_nothing() -> None:
@@ -45,8 +44,7 @@ def test_every_kind_coupling_and_number_is_analysed() -> None:
     scenes = {(one.kind, one.coupling, one.number) for one in proved_scenes()}
     for kind in KINDS:
         for coupling in ("off", "tool", "proxy"):
-            assert (kind, coupling, "float32") in scenes
-            assert (kind, coupling, "float64") in scenes
+            assert (kind, coupling, "float32") in scenes and (kind, coupling, "float64") in scenes
     assert {one.name for one in PORT_DRIVERS} == {path.stem for path in PORTS.glob("*.c")}
 
 

@@ -47,8 +47,7 @@ class Calls:
 @pytest.mark.parametrize("number", ["float32", "float64"])
 @pytest.mark.parametrize("name", NAMES)
 def test_memory_that_init_never_saw_is_refused(name: str, number: str) -> None:
-    random = np.random.default_rng(1)
-    library = built(plan(name, number))
+    random, library = np.random.default_rng(1), built(plan(name, number))
     calls = Calls(library)
     for fill in (0x00, 0xCD, 0xFF, None):
         any_bytes = random.integers(0, 256, library.state_bytes)
@@ -75,10 +74,8 @@ def numbers_of(plan: Plan) -> Iterator[tuple[int, type[Any]]]:
 @pytest.mark.parametrize("number", ["float32", "float64"])
 @pytest.mark.parametrize("name", NAMES)
 def test_a_damaged_state_gives_a_force_within_its_limits_and_ends(name: str, number: str) -> None:
-    random = np.random.default_rng(2)
-    planned = plan(name, number)
-    places = list(numbers_of(planned))
-    min_n = float(planned.output.min_n)
+    random, planned = np.random.default_rng(2), plan(name, number)
+    places, min_n = list(numbers_of(planned)), float(planned.output.min_n)
     library = built(planned)
     calls = Calls(library)
     for _ in range(60):

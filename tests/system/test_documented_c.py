@@ -39,8 +39,7 @@ def test_the_example_in_the_documentation(tmp_path, cxx):
     emit(scene(), model_file(tmp_path), tmp_path / "c")
     scene_object = tmp_path / "sp.o"
     run_compiler([*flags("SP_CFLAGS"), "-c", str(tmp_path / "c" / "sp.c"), "-o", str(scene_object)])
-    program = tmp_path / "loop"
-    warnings = ["-Wall", "-Wextra", "-Werror"]
+    program, warnings = tmp_path / "loop", ["-Wall", "-Wextra", "-Werror"]
     subprocess.run(
         [cxx, "-std=c++17", *warnings, f"-I{tmp_path / 'c'}", f"-I{ROOT / 'tests/support/stubs'}",
          tmp_path / "loop.cpp", scene_object, "-o", program, "-pthread"], check=True)  # fmt: skip

@@ -140,8 +140,7 @@ def test_the_public_recording_runs(
     names, outputs = run_cells(MACH_1)
     assert names["percent"] < 1.0
     difference, measured = (axes.lines[-1].get_ydata() for axes in (names["below"], names["above"]))
-    assert abs(difference).max() < 0.05 * measured.max()
-    assert "image/png" in outputs[-1][-1]["data"]
+    assert abs(difference).max() < 0.05 * measured.max() and "image/png" in outputs[-1][-1]["data"]
 
 
 def shown(outputs: list[dict[str, Any]]) -> list[tuple[str, list[str]]]:
@@ -162,8 +161,7 @@ def test_the_quick_start_shows_what_is_stored(
     monkeypatch.chdir(tmp_path)
     names, outputs = run_cells(QUICK_START)
     stored = [cell["outputs"] for cell in code_cells(json.loads(QUICK_START.read_text()))]
-    assert list(map(shown, outputs)) == list(map(shown, stored))
-    assert names["found"].mismatches == 0
+    assert list(map(shown, outputs)) == list(map(shown, stored)) and names["found"].mismatches == 0
     assert names["found"].accuracy.rmse_percent_of_peak < 1.0
     assert QUICK_START.stat().st_size < 300_000
 

@@ -124,8 +124,7 @@ def held_speed_mps(
     stiffness_npm: float, rate_hz: float, device: LoopDevice, proxy: Coupling, hand: Hand
 ) -> float:
     """RMS speed, m/s, long after a knock: a spring on one side, position in steps, own formulas."""
-    dt_s = 1.0 / rate_hz
-    mass_kg = hand.mass_kg + device.mass_kg
+    dt_s, mass_kg = 1.0 / rate_hz, hand.mass_kg + device.mass_kg
     damping_nspm = hand.damping_nspm + device.viscous_nspm
     moves = expm(
         dt_s * np.array([[0.0, 1.0, 0.0],
@@ -144,13 +143,11 @@ def held_speed_mps(
     for tick in range(ticks):
         seen_m = STEP_M * round(x / STEP_M)
         seen_mps += dt_s / (dt_s + TIME_S) * ((seen_m - before_m) / dt_s - seen_mps)
-        before_m = seen_m
-        rest_m = -stiffness_npm * max(proxy_m, 0.0) / k
+        before_m, rest_m = seen_m, -stiffness_npm * max(proxy_m, 0.0) / k
         apart_m, apart_mps = proxy_m - seen_m, proxy_mps - seen_mps
         queue.append(-k * apart_m - b * apart_mps)
         moved = follows @ [apart_m - rest_m, apart_mps]
-        proxy_m = seen_m + dt_s * seen_mps + rest_m + moved[0]
-        proxy_mps = seen_mps + moved[1]
+        proxy_m, proxy_mps = seen_m + dt_s * seen_mps + rest_m + moved[0], seen_mps + moved[1]
         x, v = moves @ [x - meant_m, v, queue.pop(0)]
         x += meant_m
         if tick > 0.9 * ticks:

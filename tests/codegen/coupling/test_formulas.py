@@ -49,8 +49,7 @@ def ticked(state: np.ndarray, coupling: Coupling, stiffness_npm: float) -> np.nd
     """
     dt_s, hand, device = 1e-3, DESIGN_HAND, LoopDevice()
     mass_kg = hand.mass_kg + device.mass_kg
-    damping = hand.damping_nspm + device.viscous_nspm
-    system = np.zeros((3, 3))
+    damping, system = hand.damping_nspm + device.viscous_nspm, np.zeros((3, 3))
     system[0, 1] = 1.0
     system[1] = [-hand.stiffness_npm / mass_kg, -damping / mass_kg, -1.0 / mass_kg]
     low_pass = [1.0], [0.004, 1.0]  # 4 ms, by backward Euler

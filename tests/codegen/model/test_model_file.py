@@ -64,7 +64,7 @@ def test_another_schema_is_named(schema: int, tmp_path: Path) -> None:
     "changes",
     [{"regressor": {"part": "os"}}, {"regressor": {"part": "Forest"}}, {"dt_s": "x"},
      {"regressor": {"array": "none"}}, {"trained": {"part": "TrainedRange", "colour": 1}},
-     {"features": [1, 2]}, {"part": "Lags"}],
+     {"features": [1, 2]}, {"part": "Lags"}, {"dt_s": np.inf}],
 )  # fmt: skip
 def test_a_header_of_another_program_is_refused(tmp_path: Path, changes: dict[str, object]) -> None:
     body = model_bytes(golden_forces.model(KIND)).partition(b"\n")[2]
@@ -90,15 +90,20 @@ def test_a_header_of_another_program_is_refused(tmp_path: Path, changes: dict[st
         ("rf-fd", "regressor", {"roots": np.zeros(2, np.int32)}, "regressor.left, right: node 0"),
         ("rf-fd", "regressor", {"roots": np.full(1, 10**6, np.int32)}, "regressor.roots: "),
         ("rbf-fd", "regressor", {"weights_n": np.array([np.nan])}, "not finite"),
+        ("rbf-fd-fast", "features", {"length": 5}, "features.length: 5 samples"),
         ("rbf-pv", "features", {"weight": 0.0}, "features.weight: "),
+        ("rbf-pv", "features", {"length": 0}, "features.length: 0 steps"),
+        *(("rf-history-quantised", "features", {"samples": lags}, "features.samples: (")
+          for lags in ((), (1, 2), (0, -3), (0, 0), (0, 3.5), (0, 2**32))),
         ("rbf-fd", "regressor", {"tail_n": np.ones(1)}, "regressor.tail_n: shape"),
+        ("hammerstein", "hammerstein", {"bias_n": np.inf}, "hammerstein.bias_n: holds a number"),
         ("hammerstein", "hammerstein", {"span_m": 0.0}, "hammerstein.span_m: "),
         ("hammerstein", "hammerstein", {"tau_s": np.array([-1.0])}, "hammerstein."),
         ("hammerstein", "hammerstein", {"elastic_n": np.full(1, -1.0)}, "hammerstein."),
         ("hammerstein", "hammerstein", {"rate_ratio": 1e5}, "hammerstein.rate_ratio: "),
         ("hammerstein", "hammerstein", {"n_by_depth": -1}, "hammerstein.n_by_depth: "),
     ],
-)
+)  # fmt: skip
 def test_no_model_is_written_that_c_could_not_render(
     name: str, part: str, changes: dict[str, object] | None, reason: str
 ) -> None:

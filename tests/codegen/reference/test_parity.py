@@ -82,8 +82,7 @@ def test_the_proxy_of_the_c_makes_one_pass_do_and_proves_nothing_by_itself() -> 
 
 
 def test_two_halves_give_what_the_whole_gives() -> None:
-    motion = press(2.0)
-    library = built(plan_of("tool"))
+    motion, library = press(2.0), built(plan_of("tool"))
     state = library.new_state()
     halves = [state.run(part)[0] for part in (motion[:217], motion[217:])]
     np.testing.assert_array_equal(np.concatenate(halves), library.new_state().run(motion)[0])
@@ -141,10 +140,8 @@ def strokes(plan: Plan, ticks: int, low: float = 0.1, speed: float = 1.0) -> Sam
 
 def gaps(plan: Plan, ticks: int, seed: int) -> np.ndarray:
     """Draw ticks without a sample, (ticks,): gaps of at most the watchdog's time."""
-    rng = np.random.default_rng(seed)
-    longest = round(plan.watchdog_s / plan.dt_s)
-    lost = np.zeros(ticks, dtype=bool)
-    i = 150
+    rng, longest = np.random.default_rng(seed), round(plan.watchdog_s / plan.dt_s)
+    lost, i = np.zeros(ticks, dtype=bool), 150
     while i < ticks - longest:
         gap = int(rng.integers(1, longest + 1))
         lost[i : i + gap] = True
@@ -184,8 +181,7 @@ def test_a_silence_does_not_hurry_a_ramp() -> None:
 
 
 def test_samples_far_away_are_believed_only_in_a_row() -> None:
-    plan = silent_plan("hammerstein", "off")
-    position = np.full(200, 5e-3)
+    plan, position = silent_plan("hammerstein", "off"), np.full(200, 5e-3)
     position[100:104] = position[105:109] = 0.09  # a fifth in a row is taken as true
     position[104] = np.nan
     _, notes = require_same_bits(plan, position)
@@ -198,8 +194,7 @@ def test_samples_far_away_are_believed_only_in_a_row() -> None:
 @pytest.mark.parametrize("mode", MODES)
 def test_silence_beyond_the_watchdog_is_latched_at_zero(mode: str) -> None:
     plan = silent_plan("hammerstein", mode)
-    position = strokes(plan, 400)
-    longest = round(plan.watchdog_s / plan.dt_s)
+    position, longest = strokes(plan, 400), round(plan.watchdog_s / plan.dt_s)
     position[200 : 201 + longest] = np.nan
     force_n, notes = require_same_bits(plan, position)
     assert not notes[199 + longest] & LATCHED and np.all(notes[200 + longest :] & LATCHED)

@@ -50,10 +50,8 @@ def found_in(
     chosen = replace(chosen, device=replace(chosen.device, velocity=velocity))
     plan = make_plan(replace(golden_forces.model(name), contact=contact), chosen)
     tool = harness("float" if number == "float32" else "double")
-    found = tool.ffi.new("hostile_found *")
-    library = built(plan)
-    state = library.new_state()
-    told = tool.ffi.new("hostile_scene *")
+    found, library = tool.ffi.new("hostile_found *"), built(plan)
+    state, told = library.new_state(), tool.ffi.new("hostile_scene *")
     for call in ("step", "idle", "reset"):
         setattr(told, call, tool.ffi.cast("void *", library.address(call)))
     told.state = tool.ffi.cast("void *", state.address)

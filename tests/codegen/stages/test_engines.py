@@ -45,10 +45,8 @@ def test_the_fast_window_is_the_window() -> None:
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 def test_the_fast_window_is_within_its_error_in_the_number_of_the_scene(dtype: type) -> None:
-    bank = paper_bank()
-    fast = fractional_features(DT_S, None, "fir-fast")
-    depth = hand_motion(12.0).astype(dtype)
-    starts = np.array([0, 4000])
+    bank, fast = paper_bank(), fractional_features(DT_S, None, "fir-fast")
+    depth, starts = hand_motion(12.0).astype(dtype), np.array([0, 4000])
     found = fast_fir_stage(fast, COLUMNS, DT_S, dtype).reference(depth, starts)
     wanted = fir_stage(bank, COLUMNS, DT_S, np.float64).reference(depth.astype(np.float64), starts)
     shares = np.mean((found - wanted) ** 2, axis=0) / np.mean(wanted**2, axis=0)

@@ -11,8 +11,13 @@ from support.c.same_bits import require_same_bits
 
 from springpot import Model
 from springpot.codegen.make_plan import make_plan
+from springpot.codegen.model.formulas import curve_nodes, curve_place, curve_values
+from springpot.codegen.model.passive import Damage
 from springpot.codegen.plan import planned_headers
 from springpot.codegen.reference import run_reference
+from springpot.codegen.stages.passive.beside import steepest_n
+from springpot.codegen.stages.passive.maxwell import branch_steps
+from springpot.codegen.stages.stage import SceneTicks
 from springpot.host.native.scene_library import built
 
 HOUR_S = 4e3  # slow: more than 1e5 ticks
@@ -77,6 +82,20 @@ def test_half_the_time_step_gives_nearly_the_same_force(law: str, share: float) 
     assert np.abs(coarse_n - fine_n).max() < share * coarse_n.max()
 
 
+@pytest.mark.parametrize("power", [1, 3])
+def test_a_straight_curve_of_damage_is_bound_by_its_steepest(power: int) -> None:
+    straight = Damage(np.zeros(1), np.array([power]), np.ones((1, 9)))  # v (v/M)^power, at v = M
+    np.testing.assert_allclose(steepest_n(straight, 0.0), 1.0 + power)
+
+
+def test_slopes_grow_for_a_quarter_of_the_depth_beyond_the_trained_one() -> None:
+    u = np.linspace(1.0, 1.5, 51)
+    values = curve_values(curve_nodes(np.linspace(1.0, 2.0, 9)[None], 1.0), curve_place(u, 9))
+    bends = np.diff(values[:, 0], 2)
+    np.testing.assert_allclose(bends[u[1:-1] < 1.245], 1e-4)
+    np.testing.assert_allclose(bends[u[1:-1] > 1.255], 0.0, atol=1e-12)
+
+
 TICKS = (4e6, 2.4e7)
 
 
@@ -100,6 +119,13 @@ def test_hours_of_relaxation_are_those_of_float64(ticks: float) -> None:
         force_n = library.new_state().run(held_m)[0]
         drops_n.append(float(force_n[5000]) - float(force_n[-1]))
     assert drops_n[1] > 5e-3 and abs(drops_n[0] / drops_n[1] - 1) < 2e-3
+
+
+@pytest.mark.parametrize(("ratio", "double"), [(3.0, False), (16.0, True), (1 / 16, True)])
+def test_what_is_slow_at_one_depth_alone_is_kept_in_double(ratio: float, double: bool) -> None:
+    passive = replace(slow_model(0.5e5).hammerstein, n_by_depth=2, rate_ratio=ratio)
+    steps = branch_steps(passive, SceneTicks(small.DT_S, np.float32))[0]
+    assert any(step.double for step in steps) is double
 
 
 @pytest.mark.slow

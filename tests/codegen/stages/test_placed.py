@@ -33,8 +33,7 @@ LAWS: dict[str, dict[str, Any]] = {"plain": {}, "all": RICH}
 @cache
 def placed(law: str = "plain", materials: int = 2, seed: int = 0) -> Model:
     """Model of 3 x 2 nodes with random amounts."""
-    fitted = passive_model()
-    rng = np.random.default_rng(seed)
+    fitted, rng = passive_model(), np.random.default_rng(seed)
     tau_s = np.array([0.01, 0.2, 2.0])
     passive = replace(
         fitted.hammerstein, elastic_n=CURVE_N, tau_s=tau_s, recovers=False,
@@ -82,12 +81,10 @@ def test_same_bits_as_the_reference(law: str, materials: int, mode: str, number:
     position = np.concatenate([1.2 * press(4.0), wandering(3)[:400], *[press(8.0)] * 12])
     position[130:134] = np.nan
     position = position.astype(plan.dtype)
-    velocity = backward_velocity(position, plan.dt_s)
-    rng = np.random.default_rng(1)
+    velocity, rng = backward_velocity(position, plan.dt_s), np.random.default_rng(1)
     ticks = [100, 300, *range(640, len(position) - 125, 125)]  # most of them just before a press
     corners = [*map(tuple, rng.uniform(-0.02, 0.03, (12, 2)).tolist()), (0.02, 0.01), (9.0, 9.0)]
-    places = list(zip(ticks, corners, strict=True))
-    library = checked_library(plan)
+    places, library = list(zip(ticks, corners, strict=True)), checked_library(plan)
     assert library.state_bytes == state_bytes(plan)
     force_n, notes = called(library, position, velocity, places)
     reference = run_reference(plan, position, velocity, places=places)
@@ -101,8 +98,7 @@ def test_same_bits_as_the_reference(law: str, materials: int, mode: str, number:
 def test_a_place_is_taken_once_the_tool_is_off_the_object(there: tuple[float, float]) -> None:
     plan = make_plan(placed(), scene(number="float64"))
     again = np.concatenate([np.zeros(20), press(1.0)])
-    position = np.concatenate([press(1.0), again])
-    library = built(plan)
+    position, library = np.concatenate([press(1.0), again]), built(plan)
     velocity = backward_velocity(position, plan.dt_s)
     before, _ = called(library, position, velocity, [(0, SOFT)])
     later, _ = called(library, position, velocity, [(0, SOFT), (len(press(1.0)) // 2, there)])
@@ -114,8 +110,7 @@ def test_a_place_is_taken_once_the_tool_is_off_the_object(there: tuple[float, fl
 
 def test_a_reset_keeps_the_place() -> None:
     plan = make_plan(placed(), scene(number="float64"))
-    position = np.concatenate([np.zeros(20), press(1.0)])
-    library = built(plan)
+    position, library = np.concatenate([np.zeros(20), press(1.0)]), built(plan)
     fresh, _ = called(library, position, backward_velocity(position, plan.dt_s), [(0, SOFT)])
     state = library.new_state()
     state.place(SOFT)
@@ -162,9 +157,13 @@ def test_limits_and_coupling_are_those_of_the_stiffest_place() -> None:
 )  # fmt: skip
 def test_a_map_that_would_not_be_passive_is_no_model(field: str, value: np.ndarray) -> None:
     law = placed().hammerstein
-    wrong = replace(law, places=replace(law.places, **{field: value}))
-    with pytest.raises(DataError, match="places"):
-        model_bytes(replace(placed(), hammerstein=wrong))
+    one_n = law.slopes_n * np.where(np.arange(law.slopes_n.size) == 2, 0.9, 1.0)
+    for wrong in (
+        replace(law, places=replace(law.places, **{field: value})),
+        replace(law.with_slopes(one_n), places=law.places),
+    ):
+        with pytest.raises(DataError, match="places"):
+            model_bytes(replace(placed(), hammerstein=wrong))
 
 
 def min_work(model: Model, position: np.ndarray, taken: list[Any]) -> float:
@@ -199,8 +198,7 @@ def test_no_press_at_any_places_gives_energy_back(seeds: range) -> None:
 
 
 def test_a_place_that_changed_in_contact_would_give_energy_back() -> None:
-    model = placed()
-    amounts = np.full((3, 2, 2), 0.2)
+    model, amounts = placed(), np.full((3, 2, 2), 0.2)
     amounts[2, 1] = 2.0
     harder = with_places(model.hammerstein, replace(model.hammerstein.places, amounts=amounts))
     position = np.concatenate([press(1.0), [-1e-4, -1e-4]])

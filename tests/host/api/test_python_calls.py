@@ -44,8 +44,7 @@ def test_a_model_alone_is_a_scene_of_defaults(tmp_path):
 
 
 def test_run_takes_lists_and_velocities(folder):
-    loaded = springpot.load(folder)
-    position_m = [0.0, 1e-4, 3e-4]
+    loaded, position_m = springpot.load(folder), [0.0, 1e-4, 3e-4]
     by_default, _ = loaded.run(position_m)
     given, _ = loaded.run(position_m, np.diff(position_m, prepend=0.0) / loaded.dt_s)
     np.testing.assert_allclose(by_default, given, rtol=1e-6)
@@ -97,8 +96,7 @@ def test_good_news_is_logged_and_doubts_are_warnings(tmp_path, caplog, capsys):
         springpot.import_recordings([])
     (found,) = springpot.import_recordings(file, "time=t:s,position=x:mm,force=f:N")
     np.testing.assert_allclose(found.position_m, rec.position_m, atol=1e-9)
-    assert str(file) in caplog.text
-    assert springpot.check_recordings(found).sign_words in caplog.text
+    assert str(file) in caplog.text and springpot.check_recordings(found).sign_words in caplog.text
     rows[:, 2] = np.round(rows[:, 2])
     np.savetxt(file, rows, "%.9g", ",", header="t,x,f", comments="")
     with pytest.warns(UserWarning, match="force has steps of 1 N") as warned:
@@ -131,8 +129,7 @@ def no_figure_stays() -> Iterator[None]:
 
 
 def test_a_recording_is_force_against_position(monkeypatch: pytest.MonkeyPatch) -> None:
-    one = small.training()[0]
-    axes = pyplot.figure().subplots()
+    one, axes = small.training()[0], pyplot.figure().subplots()
     assert one.plot(axes) is axes
     np.testing.assert_array_equal(axes.lines[0].get_xydata().T, [1e3 * one.position_m, one.force_n])
     assert isinstance(one.plot(), Axes)

@@ -77,6 +77,8 @@ def test_a_table_is_conditioned_as_a_file_is(surface_m, tmp_path):
     np.testing.assert_allclose(found.force_n, read.force_n, atol=1e-9)
     assert abs(found.details["contact_position_m"] - surface_m) < 3e-4
     assert Recording.from_frame(table).position_m[0] == 0.0
+    with refusing(DataError, "position_m spans", "are these mm?"):
+        Recording.from_frame(table | {"position_m": 1e3 * position_m})
 
 
 @pytest.mark.parametrize(("unit", "per_m"), [("mm", 1e3), ("m", 1.0), ("um", 1e6)])

@@ -67,8 +67,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_the_default_sweep_is_wide_enough() -> None:
     sweep = default_sweep(1e-3, PLAIN)
-    assert len({candidate.kind for candidate in sweep}) == 5
-    assert len(set(sweep)) == len(sweep) == 54
+    assert len({candidate.kind for candidate in sweep}) == 5 and len(set(sweep)) == len(sweep) == 54
     assert {c.options.engine for c in sweep} >= {None, "fir-fast", "recursive"}
     plain = {c.kind for c in sweep if not c.named_options()}
     assert plain >= {"rf-fd", "rbf-fd", "rbf-pv"}  # the paper's
@@ -80,8 +79,7 @@ def test_rows_and_what_is_null(folder: Path) -> None:
     assert len(result["points"]) == len(SMALL) - 1
     board = next(board for board in BOARDS.values() if board.target == "cortex-m4f")
     for point in result["points"]:
-        assert set(point) >= KEYS
-        assert (point["tick_ns_p999"] is not None) == point["pareto"]
+        assert set(point) >= KEYS and (point["tick_ns_p999"] is not None) == point["pareto"]
         assert (point["bounded"] is not None) == point["pareto"]
         counts = point["pareto"] and not missing(board)
         assert (point["instructions"] is not None) == counts
@@ -101,10 +99,13 @@ def test_what_is_measured_is_not_measured_again(folder: Path, tmp_path: Path) ->
     with mock.patch.object(bench_module, "Parallel", None):  # no worker may start
         after = run(again, SMALL)
     assert after["points"] == before["points"]
-    fewer = replace(asked(), validation=asked().validation[1:])
+    first, second = asked().validation
+    fewer = replace(asked(), validation=(second,))
+    stiffer = replace(asked(), validation=(replace(first, force_n=2.0 * first.force_n), second))
     for other in (
         mock.patch.object(bench_module, "code_hash", lambda: "other"),
         mock.patch(f"{__name__}.asked", lambda _: fewer),
+        mock.patch(f"{__name__}.asked", lambda _: stiffer),
     ):
         with other, mock.patch.object(bench_module, "Parallel", None), pytest.raises(TypeError):
             run(again, SMALL)

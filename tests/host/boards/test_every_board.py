@@ -65,8 +65,7 @@ def model_of(variant: str) -> Model:
 
 def passive_of(branches: int, stops: int, **of_depth: Any) -> Model:
     """A passive model of so many branches and stops."""
-    rng = np.random.default_rng(1)
-    whole = passive_model()
+    rng, whole = np.random.default_rng(1), passive_model()
     passive = dataclasses.replace(
         whole.hammerstein,
         elastic_n=rng.random(9),

@@ -85,8 +85,7 @@ def test_each_period_is_a_call_of_the_scene(tmp_path: Path, missing: int) -> Non
 
 def test_a_scene_whose_self_test_fails_renders_nothing(tmp_path: Path) -> None:
     emit(scene(), model_file(tmp_path), tmp_path / "c")
-    source = tmp_path / "c" / "sp.c"
-    begin = "int sp_selftest(void)\n{\n"
+    source, begin = tmp_path / "c" / "sp.c", "int sp_selftest(void)\n{\n"
     assert begin in source.read_text()
     source.write_text(source.read_text().replace(begin, f"{begin}    return 7;\n"))
     rows = motion(slice(0, 0))

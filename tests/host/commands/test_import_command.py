@@ -23,14 +23,12 @@ def test_json(tmp_path: Path) -> None:
     assert result.exit_code == 0
     printed = json.loads(result.stdout)
     (row,) = printed["recordings"]
-    assert row.pop("signs")["loops"] == 0
-    assert row.pop("glance").startswith("stroke 2 mm, peak 3 N")
+    assert row.pop("signs")["loops"] == 0 and row.pop("glance").startswith("stroke 2 mm, peak 3 N")
     assert row == {
         "name": "a_b", "file": str(out / "a_b.h5"), "samples": 3, "rate_hz": 2.0,
         "position_m": [0.0, 0.002], "force_n": [0.0, 3.0],
     }  # fmt: skip
-    assert "column 2 'position_mm' in mm" in printed["guess"]
-    assert printed["guess"] in result.stderr
+    assert "column 2 'position_mm' in mm" in printed["guess"] and printed["guess"] in result.stderr
     assert [str(file.parent) for file in out.iterdir()] == [printed["out"]]
     assert read_recording(out / "a_b.h5").zero == "first"
 
@@ -58,8 +56,7 @@ def test_nothing_is_written_or_overwritten_when_one_file_is_refused(tmp_path: Pa
     assert not out.exists()  # for two files of one name
     bad.write_text(TABLE)
     run(bad, "--out", out)
-    before = (out / "b.h5").read_bytes()
-    result = run(good, bad, "--zero", "min", "--out", out)
+    before, result = (out / "b.h5").read_bytes(), run(good, bad, "--zero", "min", "--out", out)
     assert isinstance(result.exception, UsageError)
     assert "b.h5: exists already" in str(result.exception)
     assert [file.read_bytes() for file in out.iterdir()] == [before]

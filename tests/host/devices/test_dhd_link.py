@@ -94,8 +94,7 @@ def test_walls_rise_from_zero_after_resets_and_pauses_and_never_at_once(seed: in
 
 
 def test_the_handle_is_taken_up_within_a_second() -> None:
-    sdk = Sdk(weight_n=2.0)
-    up_n = []
+    sdk, up_n = Sdk(weight_n=2.0), []
     for now_ms in (1, 501, 1001, 3001):
         sdk.tick(now_ms)
         up_n.append(sdk.forces[-1][2])

@@ -74,8 +74,7 @@ class CLink:
 
 def test_a_flooded_bus_does_not_keep_a_tick(link_of, tmp_path):
     """512 frames a call; what is more comes with the next ones."""
-    link = link_of(family="0.5")
-    flood = tmp_path / "flood"
+    link, flood = link_of(family="0.5"), tmp_path / "flood"
     flood.write_bytes(struct.pack("=IB3x8s", ENCODER, 8, bytes(8)) * 4000)
     with flood.open("rb") as file:
         os.dup2(file.fileno(), link.near.fileno())
@@ -170,8 +169,7 @@ def test_only_data_frames_with_short_identifiers_are_samples(link_of, flag):
 
 def test_the_greatest_force_is_sent_whatever_the_rounding(link_of):
     """A session is let in to a millionth, and its forces are float32: never a trip at the limit."""
-    rng = np.random.default_rng(7)
-    link = link_of(family="0.6")
+    rng, link = np.random.default_rng(7), link_of(family="0.6")
     drive = link.library.ffi.new("sp_odrive *")
     for _ in range(2000):
         max_nm, m_per_turn = float(10 ** rng.uniform(-2, 1)), float(10 ** rng.uniform(-3, 0))

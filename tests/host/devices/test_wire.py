@@ -51,8 +51,7 @@ def test_each_message_both_ways(c_end, name):
     ffi, lib = c_end
     message = messages()[name]
     sender, receiver = Sender(), Receiver()
-    sequence = ffi.new("uint32_t *")
-    room = ffi.new("uint8_t[61]")
+    sequence, room = ffi.new("uint32_t *"), ffi.new("uint8_t[61]")
     state, frame = ffi.new("sp_wire_receiver *"), ffi.new("sp_wire_frame *")
     for k in range(3):
         values = {field: EXAMPLES[kind][k] for field, kind in message.fields}
@@ -60,8 +59,7 @@ def test_each_message_both_ways(c_end, name):
         for field, _ in message.fields:
             setattr(given, field, values[field])
         count = getattr(lib, f"sp_wire_send_{name}")(sequence, given, room)
-        by_c = bytes(room[0:count])
-        by_python = sender.encode(name, **values)
+        by_c, by_python = bytes(room[0:count]), sender.encode(name, **values)
         assert by_c == by_python and len(by_c) == message.wire_bytes
         (read,) = receiver.feed(by_c)
         assert (read.name, read.sequence, read.old) == (name, k, False)
@@ -83,8 +81,7 @@ def test_both_ends_count_alike(c_end):
 
     And a frame that is whole always comes through, whatever came before it.
     """
-    rng = np.random.default_rng(5)
-    sender = Sender()
+    rng, sender = np.random.default_rng(5), Sender()
     frames = [sender.encode("force", force_n=float(k)) for k in range(FRAMES)]
     stream, whole = bytearray(), set()
     for k in range(FRAMES):

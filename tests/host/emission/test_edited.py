@@ -63,8 +63,7 @@ def test_an_edit_is_named_in_a_warning_result_log_and_report(folder: Path, emitt
     assert said["edited"] == ["sp.c"]
     # Neither a board nor a log of the C that was emitted is taken for one of these.
     assert found["run"]["hash"] == found["validate"]["hash"] == said["hash"]
-    assert said["hash"] != read_emission(emitted).hash
-    assert spring("report", folder).returncode == 0
+    assert said["hash"] != read_emission(emitted).hash and spring("report", folder).returncode == 0
     page = (folder / "report.html").read_text()
     assert "This C is not what springpot emitted: sp.c" in page
     (folder / "sp.h").write_text("/* another change */\n" + (folder / "sp.h").read_text())

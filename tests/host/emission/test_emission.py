@@ -161,8 +161,7 @@ EVALUATION = recording("judge", press(1.5, 0.011))
 @pytest.fixture(scope="module")
 def tight(tmp_path_factory: pytest.TempPathFactory) -> tuple[Scene, Model, int]:
     """A scene whose budget is two thirds of what the model takes."""
-    folder = tmp_path_factory.mktemp("tight")
-    model = small_fit(trees=10).model
+    folder, model = tmp_path_factory.mktemp("tight"), small_fit(trees=10).model
     whole = emit(scene(), model, folder / "whole").footprint
     budget = Budget(flash_bytes=2 * whole.flash_bytes // 3)
     return dataclasses.replace(scene(), budget=budget), model, 2 * whole.flash_bytes // 3

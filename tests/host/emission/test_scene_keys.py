@@ -136,9 +136,10 @@ def test_a_name_that_would_end_a_comment_is_refused(name: str) -> None:
     refused("name", name)
 
 
-def test_a_delay_is_stated_once() -> None:
+@pytest.mark.parametrize("delay_s", [0.001, 0.0])
+def test_a_delay_is_stated_once(delay_s: float) -> None:
     content = json.loads(scene_to_json(PLAIN))
-    content["device"] |= {"delay_samples": 1, "delay_s": 0.001}
+    content["device"] |= {"delay_samples": 1, "delay_s": delay_s}
     with pytest.raises(UsageError) as error:
         scene_from_json(json.dumps(content), "scene.toml")
     told = "scene.toml: device.delay_s: beside delay_samples: state one of the two"

@@ -102,8 +102,7 @@ def test_the_c_of_a_regressor_gives_its_predictions(regressor, kind, monkeypatch
     passive = passive_model().hammerstein  # what lies outside the trained depth is not looked at
     monkeypatch.setattr(own, "fit_passive", lambda data, options: (passive, None, None))
     fitted = clone(regressor).fit(*ensemble_data(OBJECTS[kind], fraction=0.2, seed=1))
-    model = from_ensemble(fitted, OBJECTS[kind])
-    position_m = press(3.0, 0.8 * DEPTH_M)
+    model, position_m = from_ensemble(fitted, OBJECTS[kind]), press(3.0, 0.8 * DEPTH_M)
     given_n, _ = require_same_bits(make_plan(model, scene("float64"), True), position_m)
     require_same_bits(make_plan(model, scene("float32"), True), wandering(1))
     values = feature_values(model.features, position_m, model.dt_s, np.arange(len(position_m)))

@@ -26,8 +26,7 @@ def heard(*rows: tuple[float, float, float]) -> Any:
 @pytest.mark.parametrize("rate", [1.0, 1 + 2e-4, 1 - 2e-4])
 def test_the_line_below_late_arrivals(rate: float) -> None:
     """Held back by 2 ms on average and 30 now and then: the fastest are what counts."""
-    draw = np.random.default_rng(5)
-    stamps_s = np.arange(20_000) * 1e-3
+    draw, stamps_s = np.random.default_rng(5), np.arange(20_000) * 1e-3
     arrived_s = 100.0 + rate * stamps_s + draw.exponential(2e-3, len(stamps_s))
     arrived_s[::500] += 0.03
     arrived_s = np.maximum.accumulate(arrived_s)

@@ -57,8 +57,7 @@ def test_a_scene_with_places_is_refused_in_one_line(tmp_path: Path) -> None:
 
 
 def test_a_missing_compiler_is_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    folder = emitted(tmp_path / "soft")
-    module = "springpot.host.pages.wasm_module"
+    folder, module = emitted(tmp_path / "soft"), "springpot.host.pages.wasm_module"
     monkeypatch.setattr(f"{module}.shutil.which", lambda _: None)
     monkeypatch.setattr(f"{module}.packaged_compiler", lambda: ())
     with pytest.raises(

@@ -7,8 +7,7 @@ from springpot.host.recording import protocols
 
 def test_training_is_27_cycles_of_48_850_samples():
     profiles = protocols.training()
-    assert len(profiles) == 27
-    assert sum(len(profile.command_n) for profile in profiles) == 48_850
+    assert len(profiles) == 27 and sum(len(profile.command_n) for profile in profiles) == 48_850
     names = [profile.name for profile in profiles]
     assert sorted(set(names)) == names
     pairs = {

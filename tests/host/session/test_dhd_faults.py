@@ -42,8 +42,7 @@ def test_forces_that_go_off_in_the_device(folder, tmp_path):
     with peer("dhd_device", "--trip-after", 0.6) as device:
         result, said, read = felt(folder, tmp_path, device)
         fault = device.wait_for("fault")
-    assert fault["was_n"] > 0.05
-    assert "it switched its forces off for it moved too fast" in said
+    assert fault["was_n"] > 0.05 and "it switched its forces off for it moved too fast" in said
     assert result["latched"] and result["watchdog_trips"] == 1
     require_zero_from(read, first_not_at_work(read))
 

@@ -42,8 +42,7 @@ class Host:
 
 def wait_for_force(device: Peer, log: Path) -> None:
     """Until the hand has pressed for a while, as the peer's clock shows and the log's rows do."""
-    start = device.wait_for("start")["at_s"]
-    journal = log.with_suffix(".journal")
+    start, journal = device.wait_for("start")["at_s"], log.with_suffix(".journal")
     wait_until(lambda: journal.exists() and journal.stat().st_size > 3 * 4096, 10, "no log")
     time.sleep(max(0.0, start + 0.9 - time.monotonic()))
 
@@ -62,8 +61,7 @@ def test_host_killed_in_a_press(tmp_path, folder, round_, kind):
         host.process.communicate()
         tripped = device.wait_for("tripped")
     assert tripped["was_n"] > 0 and tripped["at_s"] - killed_s < 0.050
-    read = faithful(folder, host.log)
-    started_s = device.named("start")[-1]["at_s"]
+    read, started_s = faithful(folder, host.log), device.named("start")[-1]["at_s"]
     assert read.duration_s > killed_s - started_s - 1.0 and "recovered" in read.details
 
 
@@ -188,8 +186,7 @@ def test_asked_to_end_in_a_press(tmp_path, folder, number, kind):
     assert stop["force_n"] == 0
     assert device.named("zero"), "the hand was not pressing"
     # A host that is slow to leave after its last force, zero, may meet the device's own watchdog.
-    assert not any(trip["was_n"] for trip in device.named("tripped"))
-    assert "until reset" not in err
+    assert not any(trip["was_n"] for trip in device.named("tripped")) and "until reset" not in err
     read = faithful(folder, host.log)
     assert not np.any(read.channels["call"].astype(int) & SILENT)
     assert "interrupted" in out["stopped"]

@@ -84,7 +84,8 @@ def test_a_log_that_was_altered_does_not_validate(log, folder):
     call = read.channels["call"].copy()
     call[at] += UNSENT  # what a tick left unsent was not felt, and is no other force
     altered = replace(read, force_n=felt, channels={**read.channels, "call": call})
-    assert validate(folder, [altered], paced_s=0.01).mismatches == 0
+    found = validate(folder, [altered], paced_s=0.01)
+    assert found.mismatches == 0 and found.predicted_n[0][at] == np.float32(felt[at])
 
 
 def test_a_replay_gives_the_forces_of_validation(tmp_path, log, folder):
@@ -143,6 +144,7 @@ def test_limits_end_it_before_the_force_is_sent(tmp_path, folder):
     for limits, says in (({"max_force_n": 0.4}, "force reached"), ({"max_depth_m": 2e-3}, "deep")):
         session = ended(folder, "sim://ecoflex-00-30", log := tmp_path / f"{says}.h5", **limits)
         assert says in session.line and isinstance(session.error, SpringpotError)
+        assert session._requirements.max_n <= limits.get("max_force_n", 99)  # of the device
         assert exit_status(session.error) == 1
         read = faithful(folder, log)
         assert read.force_n[-1] == 0 and read.force_n.max() <= limits.get("max_force_n", 99)

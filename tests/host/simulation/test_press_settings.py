@@ -69,8 +69,7 @@ def test_a_press_and_its_return_take_work_and_never_pull() -> None:
     way = np.cumsum(rng.normal(0, 1e-4, 3000))
     position_m = np.concatenate([way, np.linspace(way[-1], -1e-3, 50)])
     force_n = pressed_n(LUMP, position_m)
-    assert force_n.min() > -1e-9
-    assert np.sum(force_n * np.diff(position_m, prepend=0.0)) > 0.0
+    assert force_n.min() > -1e-9 and np.sum(force_n * np.diff(position_m, prepend=0.0)) > 0.0
 
 
 def test_a_bench_goes_to_another_place_of_a_fresh_object() -> None:

@@ -70,8 +70,7 @@ def test_a_small_fast_cycle_on_a_recovering_surface_gives_no_energy():
 
 
 def test_noise_is_what_its_seed_says():
-    command_n = protocols.training()[4].command_n
-    url = "sim://ecoflex-00-50?seed={}"
+    command_n, url = protocols.training()[4].command_n, "sim://ecoflex-00-50?seed={}"
 
     def press(seed):
         return SimulatedBench(parse_url(url.format(seed))).press(command_n)

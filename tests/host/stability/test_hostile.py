@@ -84,10 +84,8 @@ def test_float32_stays_beside_float64(kind: str, share: float) -> None:
     hz, amplitude_m = np.array([0.31, 0.83, 2.7, 6.1]), 0.13 * DEPTH_M
     phases = np.random.default_rng(2).uniform(0, 6, 4)
     plans = [make_plan(model, scene(number=n), accept_unsafe=True) for n in ("float32", "float64")]
-    chunk = min(100_000, DRIFT_TICKS // 4)
-    errors = []
-    single = built(plans[0])
-    double = built(plans[1])
+    chunk, errors = min(100_000, DRIFT_TICKS // 4), []
+    single, double = built(plans[0]), built(plans[1])
     one, other = single.new_state(), double.new_state()
     for begin in range(0, DRIFT_TICKS, chunk):
         time_s = np.arange(begin, begin + chunk)[:, None] * DT_S
@@ -124,8 +122,7 @@ def test_scales_of_a_micrometre_to_a_metre(
         plan = make_plan(model, dataclasses.replace(options, guard=guard))
         forces.append(run_reference(plan, motion).force_n.astype(np.float64))
     np.testing.assert_allclose(forces[0], forces[1], atol=2e-5 * peak_n)
-    assert forces[1].max() > 0.9 * min(peak_n, 1e4)
-    assert forces[1].max() <= min(2.0 * peak_n, 1e4)
+    assert forces[1].max() > 0.9 * min(peak_n, 1e4) and forces[1].max() <= min(2.0 * peak_n, 1e4)
 
 
 @pytest.mark.few(1)
@@ -138,8 +135,7 @@ def test_hours_of_pressing_give_no_energy_and_do_not_drift(hand: str, mode: str)
     2 x 1/2 K (v dt) x depth of energy, with K the stiffness felt; twice that with the sensors.
     """
 
-    model = fitted("hammerstein")
-    chosen = scene()
+    model, chosen = fitted("hammerstein"), scene()
     if mode == "auto-stiff":
         model = model.stiffened(10.0)
         chosen = dataclasses.replace(chosen, coupling=Coupling())
@@ -148,8 +144,7 @@ def test_hours_of_pressing_give_no_energy_and_do_not_drift(hand: str, mode: str)
     reach_m = depth_m + 8.0 / {"mid": 400.0, "firm": 5000.0, "light": 50.0}[hand]
     max_mps = 1.5 * reach_m / 0.1  # a stroke of 0.1 s
     bound_j = 2.0 * plan.coupling.felt_npm * max_mps * plan.dt_s * 1.3 * reach_m
-    library = built(plan)
-    ticks = round(PRESS_S / plan.dt_s)
+    library, ticks = built(plan), round(PRESS_S / plan.dt_s)
     found = pressed(library, Operator(hand), ticks, plan.dt_s, reach_m)
     assert found["not_finite"] == 0 and found["latched"] == 0
     assert found["presses"] > 0.1 * PRESS_S and found["max_returned_j"] <= bound_j

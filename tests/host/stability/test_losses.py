@@ -109,8 +109,7 @@ def test_what_is_lost_and_at_which_rates() -> None:
 
 def judged_after(change: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> Losses:
     """Losses of `lost-2`, its force changed; change takes force and ticks since the last loss."""
-    plan = plan_of("off")
-    outcome = outcomes("off")["lost-2"]
+    plan, outcome = plan_of("off"), outcomes("off")["lost-2"]
     lost = np.flatnonzero(outcome.played.scenario.dropped == cases.LOST)
     at = np.arange(len(outcome.trace.force_n))
     since = at - lost[np.maximum(np.searchsorted(lost, at, side="right") - 1, 0)]

@@ -112,8 +112,7 @@ def test_no_active_cells_for_passive_models_and_the_default_forest(name: str, ki
     guard = dataclasses.replace(PLAIN.guard, max_force_n=1000.0)
     plan = make_plan(model, dataclasses.replace(PLAIN, guard=guard))
     found = small_signal_map(plan, built(plan), 0)
-    assert found.active(outside=False) == (0, 30)
-    assert found.active(outside=True) == (0, 18)
+    assert found.active(outside=False) == (0, 30) and found.active(outside=True) == (0, 18)
 
 
 @pytest.mark.slow
@@ -140,8 +139,7 @@ def test_emit_refuses_an_unstable_loop_and_names_what_would_do(tmp_path: Path) -
     assert read_emission(tmp_path / "c").plan.accept_unsafe
     auto = dataclasses.replace(unsafe, coupling=Coupling())
     safe = emit(auto, file, tmp_path / "safe")
-    assert safe.manifest["accept_unsafe"] is False
-    assert safe.manifest["coupling"]["mode"] == "proxy"
+    assert safe.manifest["accept_unsafe"] is False and safe.manifest["coupling"]["mode"] == "proxy"
     assert safe.manifest["coupling"]["felt_stiffness_npm"] < emission.plan.stiffness_npm
 
 

@@ -114,8 +114,7 @@ def test_no_side_is_felt_after_the_watchdog_until_reset(monkeypatch: pytest.Monk
     assert study_session._ask(trial, session) == 30.0 and called == ["resume", "pause"]
     state.tripped = True
     types(monkeypatch, "l", "r", "50", "reset", "l", "r", "40", seconds=0.0)
-    assert study_session._ask(trial, session) == 40.0
-    assert called[2:] == ["reset", "resume", "pause"]
+    assert study_session._ask(trial, session) == 40.0 and called[2:] == ["reset", "resume", "pause"]
     session.over = True
     types(monkeypatch, "50", seconds=0.0)
     assert study_session._ask(trial, session) is None

@@ -89,8 +89,7 @@ def test_there_and_back_is_the_recording(own_hz: float, tick_hz: float) -> None:
     own = Recording("x", 1e-4 * position_m, force_n, 1 / own_hz)
     ticked = at_ticks(own, 1 / tick_hz)
     back_n = at_samples(ticked.force_n, own, 1 / tick_hz)
-    whole = tick_hz % own_hz == 0
-    steepest = np.abs(np.diff(force_n)).max()
+    whole, steepest = tick_hz % own_hz == 0, np.abs(np.diff(force_n)).max()
     last = -1 if not whole else None  # a last sample between two ticks has no tick behind it
     assert np.abs(back_n - force_n)[:last].max() <= (1e-9 if whole else steepest)
     assert samples_of(len(ticked.force_n), own, 1 / tick_hz) == pytest.approx(300, abs=1)
@@ -175,8 +174,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_each_recording_is_rendered_at_its_place(folder: Path) -> None:
     recordings = [pressed(place_m, f"at-{k}") for k, place_m in enumerate(PLACES)]
     found = validate(folder, recordings, paced_s=0.01)
-    assert found.mismatches == 0
-    assert [error.place_m for error in found.places] == list(PLACES)
+    assert found.mismatches == 0 and [error.place_m for error in found.places] == list(PLACES)
     assert max(error.rmse_percent_of_peak for error in found.places) < 1.0
     moved = replace(recordings[0], place_x_m=0.01, place_y_m=0.01)
     assert validate(folder, [moved], paced_s=0.01).places[0].rmse_percent_of_peak > 10.0
@@ -238,8 +236,7 @@ def test_a_session_at_a_place_is_logged_with_it_and_repeated_bit_for_bit(
 ) -> None:
     logs = []
     for k, place_m in enumerate(PLACES[::2]):
-        log = tmp_path / f"felt-{k}.h5"
-        url = "sim://ecoflex-00-30"
+        log, url = tmp_path / f"felt-{k}.h5", "sim://ecoflex-00-30"
         ended(folder, url, log, seconds=0.3, place_m=place_m)
         logs.append(read_recording(log))
     assert [log.place_m for log in logs] == list(PLACES[::2])
@@ -250,8 +247,7 @@ def test_figures_of_a_known_error() -> None:
     measured = [np.array([0.0, 4.0, -10.0, 3.0]), np.array([5.0, 5.0])]
     predicted = [np.array([1.0, 4.0, -10.0, 3.6]), np.array([5.0, 5.4])]
     found = accuracy(measured, predicted)
-    assert found.samples == 6
-    assert found.rmse_n == pytest.approx(np.sqrt((1 + 0.36 + 0.16) / 6))
+    assert found.samples == 6 and found.rmse_n == pytest.approx(np.sqrt((1 + 0.36 + 0.16) / 6))
     assert found.rmse_percent_of_peak == pytest.approx(10 * found.rmse_n)
     each = [np.sqrt(1.36 / 4), np.sqrt(0.16 / 2)]
     assert found.mean_recording_rmse_n == pytest.approx(np.mean(each))

@@ -110,8 +110,7 @@ def test_a_second_material_has_to_earn_it_at_sites_left_out() -> None:
 def lump() -> Model:
     """A map of 5 x 5 recorded sites."""
     with TemporaryDirectory() as folder:
-        sites = Path(folder) / "sites"
-        bench = open_press_device("sim://lump")
+        sites, bench = Path(folder) / "sites", open_press_device("sim://lump")
         record_session(bench, "sim://lump", "map", grid_profiles(5), sites)
         return fit_model("auto", "lump", read_recordings([sites]), FitOptions()).model
 

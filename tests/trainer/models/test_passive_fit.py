@@ -69,8 +69,7 @@ def one_twice_as_deep() -> list[Recording]:
 def test_a_fold_without_the_deepest_recording_has_ordinary_weights_and_errors() -> None:
     # Without a penalty on bends: weights of 1e25 on the curves that the fold never reached.
     data = training_set(one_twice_as_deep(), smooth_s=0.0)
-    peak_n = data.trained.max_n
-    rows = np.arange(0, data.rows_total, 5)
+    peak_n, rows = data.trained.max_n, np.arange(0, data.rows_total, 5)
     for nodes in passive_fit.NODES:
         terms = plain_terms(data, nodes)
         values, force_n = term_columns(terms, data, rows), data.force_n(rows)
@@ -100,8 +99,7 @@ def test_a_rise_between_two_trained_depths_goes_on_smoothly(
 def test_slopes_that_no_row_saw_go_on_as_the_last_ones_seen() -> None:
     data = training_set([tissue("half", press(1.0, 0.5 * DEPTH_M), 2.0)], smooth_s=0.0)
     whole = training_set([tissue("whole", press(1.0, DEPTH_M), 2.0)], smooth_s=0.0)
-    terms = plain_terms(whole, 9)
-    rows = np.arange(data.rows_total)
+    terms, rows = plain_terms(whole, 9), np.arange(data.rows_total)
     normal = normal_equations(term_columns(terms, data, rows), data.force_n(rows))
     weights = sparse_solve(normal.penalised(1e-4 * terms.roughness()), terms.blocks, 0.005)
     spring_n = to_model(terms, weights).elastic_n
@@ -118,8 +116,7 @@ def test_an_object_is_pressed_deeper_than_it_was_trained(stiffening: float, deep
     training = [tissue(f"{k}", press(hz, share * DEPTH_M), stiffening)
                 for k, (share, hz) in enumerate(presses)]  # fmt: skip
     model = fit_model("hammerstein", "x", training, FitOptions()).model
-    assert model.hammerstein is not None
-    assert (model.hammerstein.growth > 0.0) is (stiffening > 0.0)
+    assert model.hammerstein is not None and (model.hammerstein.growth > 0.0) is (stiffening > 0.0)
     deep = tissue("deep", press(1.0, deeper * DEPTH_M), stiffening)
     constant = replace(model, hammerstein=replace(model.hammerstein, growth=0.0))
     error_n, its_n = (
@@ -208,6 +205,15 @@ def test_a_richer_law_has_to_gain_what_counts(
     plain_n: tuple[float, ...], richer_n: tuple[float, ...], law: str
 ) -> None:
     assert passive_fit.better(choice("plain", *plain_n), choice("flow", *richer_n)).law == (law,)
+
+
+@pytest.mark.parametrize(("covered", "nodes"), [(True, 25), (False, 13)])
+def test_the_finest_curves_alone_need_a_row_between_all_nodes(covered: bool, nodes: int) -> None:
+    def laws(count: int) -> Any:
+        its = replace(choice("plain", count**-4.0), terms=SimpleNamespace(nodes=count))
+        return SimpleNamespace(covered=covered, choices=lambda _: [its])
+
+    assert passive_fit._smoothest(laws, ())[1].terms.nodes == nodes
 
 
 def test_the_error_on_what_is_held_out_is_that_of_a_fit_without_it() -> None:

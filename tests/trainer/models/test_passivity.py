@@ -38,8 +38,7 @@ Force = Callable[[np.ndarray, float], np.ndarray]
 def closed_press(numbers: np.ndarray, samples: int) -> tuple[np.ndarray, float]:
     """Depths (m) and their step (s): from and to one depth, at rest at both ends."""
     start, duration, *waves = numbers
-    t = np.linspace(0.0, 1.0, samples)
-    k = np.arange(1, WAVES + 1)[:, None]
+    t, k = np.linspace(0.0, 1.0, samples), np.arange(1, WAVES + 1)[:, None]
     cosines, sines = np.reshape(waves, (2, WAVES, 1))
     motion = (cosines * np.cos(2 * np.pi * k * t) + sines * np.sin(2 * np.pi * k * t)).sum(axis=0)
     # Soft at the surface: a kink would be the trapezoids' error, not the model's.
@@ -141,8 +140,7 @@ def test_no_press_of_a_fitted_model_gives_energy_back() -> None:
 @pytest.mark.parametrize("surface", [False, True])
 @pytest.mark.parametrize("seed", range(6))
 def test_the_c_is_the_reference(seed: int, surface: bool) -> None:
-    model = random_model(seed, surface)
-    rng = np.random.default_rng(seed)
+    model, rng = random_model(seed, surface), np.random.default_rng(seed)
     depth_m, dt_s = closed_press(rng.normal(0.3, 0.3, 2 + 2 * WAVES), SAMPLES)
     force_n = model_force(model, surface)(depth_m, dt_s)
     wanted_n = passive_force_n(model, depth_m, dt_s, surface)

@@ -129,6 +129,15 @@ def test_a_zener_solid_comes_back_with_its_instant_stiffness() -> None:
     assert np.abs(predict_n(model, moved[2]) - moved[2].force_n).max() < 0.05
 
 
+@pytest.mark.parametrize(("times", "numbers"), [(0.97, 3), (0.93, 4)])
+def test_a_fourth_number_has_to_be_worth_it(
+    times: float, numbers: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    target = "springpot.trainer.models.springpot._left_out"  # of what is held out: fits, error
+    monkeypatch.setattr(target, lambda _, its: ([its] * 3, times if its.time_s else 1.0))
+    assert len(law_of(fitted(1.0, 1.0, 0.3))) == numbers
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("is_zener", [False, True])
 def test_intervals_hold_what_is_found_without_noise(is_zener: bool) -> None:

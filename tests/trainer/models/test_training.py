@@ -23,7 +23,7 @@ from springpot.trainer.models.depths import motions, pulls
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.folds import fold_families, held_out_whole, pieces, repeats_apart
 from springpot.trainer.models.predict import predict_n
-from springpot.trainer.models.rf_fd import depth_scale
+from springpot.trainer.models.rf_fd import depth_scale, history_features
 from springpot.trainer.models.training_set import TrainingSet, choose_rows, training_set
 from springpot.trainer.recordings.signals import smoothed
 
@@ -113,6 +113,10 @@ def test_unscaled_metres_would_not_do() -> None:
     fit = fit_model("rf-fd", "small", small, FitOptions(seed=1, trees=5, leaf=20))
     reference = predict_n(small_fit().model, training()[1])
     np.testing.assert_allclose(predict_n(fit.model, small[1]), reference, atol=1e-5)
+
+
+def test_ten_past_positions_span_the_window() -> None:
+    assert history_features(DT_S, 0.1).samples == tuple(range(0, 100, 11))
 
 
 def test_functions_of_validation_rows_are_those_of_the_fit() -> None:
@@ -225,6 +229,9 @@ def test_repeats_of_one_press_go_to_different_folds() -> None:
         number = repeats_apart(data.depths_m, data.dt_s, 5, seed).number
         assert np.all(number[::2] != number[1::2])
         assert max(Counter(number.tolist()).values()) == 5  # 24 recordings in 5 folds
+    full_m, half_m = press(1.0), DEPTH_M / 2 + press(2.0, DEPTH_M / 2)  # alike but for the top
+    six_m = [full_m, full_m, half_m, full_m, half_m, half_m]
+    assert set(repeats_apart(six_m, DT_S, 3, 0).number[[0, 1, 3]].tolist()) == {0, 1, 2}
 
 
 def test_each_depth_and_each_speed_is_held_out_whole() -> None:
@@ -232,8 +239,7 @@ def test_each_depth_and_each_speed_is_held_out_whole() -> None:
     rows = data.bounds[:-1] + 1
     depth, speed = held_out_whole(data, rows)
     assert depth.number.tolist() == [group for group in (0, 1, 2) for _ in range(8)]
-    assert np.all(speed.number[::2] == speed.number[1::2])
-    assert speed.tested == (0, 1, 2, 3, 4)
+    assert np.all(speed.number[::2] == speed.number[1::2]) and speed.tested == (0, 1, 2, 3, 4)
     # Presses in one recording, of an object whose zero is elsewhere: each from top to top.
     in_a_row_m = 0.03 + np.concatenate([press(1.0, share * DEPTH_M) for share in SHARES])
     data = training_set([Recording("deep", in_a_row_m, in_a_row_m, DT_S)], smooth_s=0.0)

@@ -27,8 +27,7 @@ def recording(
 def test_delays_are_metadata_unless_taken_out() -> None:
     late = recording(1000 * 5e-3 * (1 - np.cos(PHASE - 2 * np.pi * 3.0 * 0.0025)))
     noted, told = condition(late, Conditioning(force_delay_s=0.0025))
-    assert (noted.force_delay_s, told) == (0.0025, [])
-    assert noted.content_hash == late.content_hash
+    assert (noted.force_delay_s, told) == (0.0025, []) and noted.content_hash == late.content_hash
     aligned, told = condition(late, Conditioning(force_delay_s=0.0025, align=True))
     assert aligned.force_delay_s == 0.0 and aligned.details["aligned_s"] == 0.0025
     assert "force shifted by 2.5 ms against position, 3 samples at the end cut" in told[0]
@@ -83,14 +82,18 @@ AUTO = Conditioning(contact_force="auto")
 def test_presses_with_one_zero_keep_it() -> None:
     """The rig has counted from one place: so do the recordings, and that is the surface."""
     raw = presses([5e-3] * 6)
-    moved, told = on_one_surface([condition(each, AUTO)[0] for each in raw], AUTO)
+    found = [condition(each, AUTO)[0] for each in raw]
+    moved, told = on_one_surface(found, AUTO)
     zeros_m = [
         before.position_m - after.position_m for before, after in zip(raw, moved, strict=True)
     ]
     assert np.ptp(zeros_m) < 1e-12
-    surface_m, doubt_m = (moved[0].details[f"contact_{k}_m"] for k in ("position", "uncertainty"))
+    keys = "contact_position_m", "contact_uncertainty_m"
+    (surface_m, doubt_m), *own = ([each.details[k] for k in keys] for each in (moved[0], *found))
     assert np.mean(zeros_m) == pytest.approx(surface_m, abs=1e-12)
     assert abs(surface_m - 7e-3) <= doubt_m + 1e-6
+    ends_m = max(at_m - its_m for at_m, its_m in own), min(at_m + its_m for at_m, its_m in own)
+    assert max(abs(end_m - surface_m) for end_m in ends_m) == pytest.approx(doubt_m, abs=1e-12)
     assert told.startswith("one surface for all 6, where their bounds meet: ")
 
 

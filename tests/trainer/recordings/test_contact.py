@@ -63,8 +63,7 @@ def test_a_session_on_a_simulated_object_needs_no_other_zero(name: str, tmp_path
 
 def test_the_doubt_covers_the_surface_of_any_power_law() -> None:
     """Spheres (1.5), cones (2) and what stiffens more: the line back alone misses two of three."""
-    rng = np.random.default_rng(3)
-    missed = 0
+    rng, missed = np.random.default_rng(3), 0
     for seed in range(60):
         surface_m, power = rng.uniform(0.0, 2e-3), rng.uniform(1.0, 2.5)
         try:

@@ -93,8 +93,7 @@ def kinds(recordings: list[Recording]) -> set[str]:
 
 
 def test_right_ones_have_no_finding(recwarn: pytest.WarningsRecorder) -> None:
-    assert kinds(presses(right)) == set() and error(presses(right)) < 0.006
-    assert not recwarn.list
+    assert kinds(presses(right)) == set() and error(presses(right)) < 0.006 and not recwarn.list
 
 
 @pytest.mark.filterwarnings("always::UserWarning")
@@ -107,8 +106,7 @@ def test_a_drift_is_named_with_its_bound_and_taken_off() -> None:
     assert abs(slope - 6.0) < bound < 0.2 and error(drifting) > 0.05
     mended = [condition(each, Conditioning(tare="auto"))[0] for each in drifting]
     assert "drift" not in kinds(mended)
-    assert mended[2].details["tare_n"] == pytest.approx(0.4, abs=0.02)
-    assert error(mended) < 0.006
+    assert mended[2].details["tare_n"] == pytest.approx(0.4, abs=0.02) and error(mended) < 0.006
 
 
 def test_a_sensor_that_stands_still_is_named_and_no_drift() -> None:
@@ -214,6 +212,13 @@ def test_rows_that_a_logger_wrote_twice_count_once() -> None:
     table["force_n"] = table["force_n"] + np.where(np.arange(len(rows)) == 41, 1.0, 0.0)
     with pytest.raises(DataError, match="time stands still"):
         Recording.from_frame(table)
+
+
+def test_a_load_that_one_of_the_recordings_has_is_no_refusal() -> None:
+    one_loaded = presses(lambda x, f, number: (x, f + 3.0 * (number == 1)))
+    findings = springpot.check_recordings(one_loaded).findings
+    its = [(each.where, each.severity) for each in findings if each.kind == "tare"]
+    assert its == [("p1", "warning")]
 
 
 @pytest.mark.slow

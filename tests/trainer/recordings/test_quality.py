@@ -37,8 +37,7 @@ def kinds(*recordings: Recording) -> list[str]:
 
 
 def test_a_good_recording_has_no_findings(tmp_path: Path) -> None:
-    assert kinds(sine("a", 0.5), sine("b", 2.0), sine("c", 5.0)) == []
-    assert kinds(*training()) == []
+    assert kinds(sine("a", 0.5), sine("b", 2.0), sine("c", 5.0)) == [] and kinds(*training()) == []
     protocol = tmp_path / "p.toml"
     press = "[[profile]]\namplitude_n = {}\nfrequency_hz = {}\n"
     protocol.write_text("".join(press.format(n, hz) for n in (4, 9) for hz in (1, 4)))
@@ -102,8 +101,7 @@ def test_wraps(seed: int) -> None:
 
 def test_cycles_of_a_sine() -> None:
     cycles = find_cycles(sine(hz=2.0, noise_n=0.03))
-    assert cycles.metadata()["count"] == 7
-    assert cycles.frequency_hz == pytest.approx(2.0, rel=1e-3)
+    assert cycles.metadata()["count"] == 7 and cycles.frequency_hz == pytest.approx(2.0, rel=1e-3)
     assert cycles.stiffness_npm == pytest.approx(1000.0, rel=1e-2)
     assert cycles.lead_rad == pytest.approx(0.1, abs=2e-3)
     ramp_m = np.linspace(0, 10e-3, 4000)
@@ -177,6 +175,9 @@ def test_skew_is_estimated_with_its_uncertainty(skew_ms: int) -> None:
         loss = metadata["cycles"]["loss"]
         true_rad = 0.06 + 0.01 * np.log(metadata["cycles"]["frequency_hz"])
         assert abs(loss["angle_rad"] - true_rad) < min(loss["angle_uncertainty_rad"], 0.02)
+    if not skew_ms:  # nothing is late, whatever was stated
+        wrong = check_recordings([replace(r, force_delay_s=9e-3) for r in recordings])
+        assert "alignment" not in {finding.kind for finding in wrong.findings}
     # Of one frequency nothing can be told, and no loss is quoted.
     alone = check_recordings(recordings[:1])
     assert alone.skew is None and alone.recordings[0]["cycles"]["loss"] is None
@@ -226,8 +227,7 @@ def test_a_softer_object_under_the_same_force_is_no_explanation_of_itself() -> N
     found = find_noise_floor(presses)
     # Half the difference stands for each of two, and their mean depth is 3 % deeper.
     expected_n = 0.06 / 1.03 * float(np.sqrt(np.mean(force_n**2))) / np.sqrt(2)
-    assert found.source == "repeats"
-    assert found.rms_n == pytest.approx(expected_n, rel=0.03)
+    assert found.source == "repeats" and found.rms_n == pytest.approx(expected_n, rel=0.03)
 
 
 def test_cycles_stand_in_for_repeats() -> None:

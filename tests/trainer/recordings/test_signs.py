@@ -110,8 +110,7 @@ def test_real_recordings_of_every_sign(shared_data: Path, mach1_file: Path) -> N
 
 def noisy(seed: int, peak_n: float, noise_n: float, loss: float) -> Recording:
     """One press of 5 mm in 1 s whose loop is `loss` of travel times peak, at 200 Hz."""
-    rng = np.random.default_rng(seed)
-    phase = np.linspace(0.0, 2.0 * np.pi, 200)
+    rng, phase = np.random.default_rng(seed), np.linspace(0.0, 2.0 * np.pi, 200)
     depth = 0.5 * (1.0 - np.cos(phase))
     force_n = peak_n * (depth**1.5 + loss * 4.0 / np.pi * np.sin(phase) / 2.0)
     force_n += noise_n * rng.standard_normal(200)

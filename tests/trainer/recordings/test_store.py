@@ -141,8 +141,7 @@ def test_flipped_bits_and_cuts_are_never_silent(tmp_path: Path, kind: str, count
     for begin in range(0, count, 150):
         files = []
         for k in range(begin, min(begin + 150, count)):
-            changed = bytearray(content)
-            at = int(rng.integers(len(content)))
+            changed, at = bytearray(content), int(rng.integers(len(content)))
             if k % 5 < 3:
                 changed[at] ^= 1 << int(rng.integers(8))
             else:

@@ -103,14 +103,12 @@ def test_small_motions_are_within_the_trained_depth(monkeypatch):
         return motion.position_m
 
     monkeypatch.setattr(predict, "predict_n", predicted_n)
-    assert active_cells(glued) == 0
-    assert begins_m == {0.0052, 0.0061, 0.007, 0.0079, 0.0088}
+    assert active_cells(glued) == 0 and begins_m == {0.0052, 0.0061, 0.007, 0.0079, 0.0088}
 
 
 def test_trees_only_for_what_is_felt():
     scores = score("hammerstein", 1.0), score("trees", 0.5)
-    assert forest_wins(*scores, 0.05, peak_n=10.0)
-    assert not forest_wins(*scores, 0.05, peak_n=2000.0)
+    assert forest_wins(*scores, 0.05, peak_n=10.0) and not forest_wins(*scores, 0.05, peak_n=2000.0)
     assert "nobody feels that" in reason(*scores, 0.05, 2000.0, 0)
 
 
@@ -118,6 +116,9 @@ def test_the_best_fold_is_left_out_and_a_family_of_many_folds_counts_as_one_of_f
     errors_n, one_family = np.array([0.2, 1.0, 1.0]), np.zeros(3, dtype=np.intp)
     found = scores._score("trees", errors_n, np.ones(3), one_family)
     assert found.ratio == pytest.approx(0.2 ** (1 / 3)) and found.ratio_without_best == 1.0
+    lower_n, passive_n = np.array([0.4, 0.3]), np.array([1.0, 0.5])
+    found = scores._score("trees", lower_n, passive_n, one_family[:2])
+    assert found.ratio_without_best == pytest.approx(0.6)
     errors_n, families = np.array([1.0, 1.0, 1.0, 16.0]), np.array([0, 0, 0, 1])
     found = scores._score("trees", errors_n, np.ones(4), families)
     assert (found.recordings_n, found.conditions_n) == pytest.approx((1.0, 16.0))

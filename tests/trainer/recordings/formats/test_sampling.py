@@ -48,8 +48,7 @@ def test_a_gap_is_found_at_any_row_and_a_logger_that_slows_down_has_none(
     assert 25.0 < rate_hz <= 100.0
     resampled = load(tmp_path, rows(slows), resample_hz=rate_hz)
     assert resampled.duration_s == pytest.approx(slows[-1] - slows[0], abs=0.05)
-    row = int(draw.integers(10, 90))
-    even = np.arange(100) * 0.01
+    row, even = int(draw.integers(10, 90)), np.arange(100) * 0.01
     even[row:] += draw.uniform(0.01, 5.0)
     assert f"row {row + 2}: gap of" in refusal(tmp_path, rows(even), rate=100.0)
 
