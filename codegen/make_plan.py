@@ -70,8 +70,7 @@ def _plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
     watchdog_s = watchdog_s_of(scene, dt_s)
     stages = model_stages(model, scene, ticks)
     trained = RangeConfig(
-        min_m=dtype(0.0 if contact else model.trained.min_m),
-        max_m=dtype(model.trained.max_m),
+        min_m=dtype(0.0 if contact else model.trained.min_m), max_m=dtype(model.trained.max_m)
     )
     fade_m = FADE * (float(trained.max_m) - float(trained.min_m))
     output = output_config(model, scene, ticks)

@@ -29,9 +29,7 @@ def exit_status(error: errors.SpringpotError) -> int:
 
 
 @click.group(
-    cls=CommandGroup,
-    table=COMMANDS,
-    context_settings={"help_option_names": ["-h", "--help"]},
+    cls=CommandGroup, table=COMMANDS, context_settings={"help_option_names": ["-h", "--help"]}
 )
 @click.version_option(package_name="springpot")
 def springpot() -> None:

@@ -30,9 +30,7 @@ _OPTION = re.compile(
 
 
 def report_quality(
-    recordings: Recordings,
-    doubt: Callable[[str], None] = say,
-    good: Callable[[str], None] = say,
+    recordings: Recordings, doubt: Callable[[str], None] = say, good: Callable[[str], None] = say
 ) -> QualityReport:
     """Say the warnings and which way is in, by default on standard error.
 

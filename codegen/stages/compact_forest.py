@@ -98,11 +98,7 @@ def compact_forest(forest: Forest, leaves: QuantisedLeaves) -> CompactForest:
     roots = np.full(n_padded, order.size - 1, dtype=np.uint32)
     roots[: len(order.roots)] = order.roots
     return CompactForest(
-        top=top,
-        nodes=nodes,
-        roots=roots,
-        n_trees=len(order.roots),
-        thresholds=thresholds,
+        top=top, nodes=nodes, roots=roots, n_trees=len(order.roots), thresholds=thresholds
     )
 
 

@@ -24,9 +24,7 @@ if TYPE_CHECKING:
 @click.command()
 @device_option
 @click.option(
-    "--protocol",
-    required=True,
-    help="paper, validation, extended, or a FILE.toml of profiles.",
+    "--protocol", required=True, help="paper, validation, extended, or a FILE.toml of profiles."
 )
 @click.option("--force", "sensor_url", help="Force sensor beside it: serial:///dev/ttyACM1.")
 @click.option(

@@ -96,8 +96,7 @@ class DhdDevice(OpenedDevice):
         members = dict(ffi.typeof("sp_dhd").fields)
         functions = {
             member: ffi.cast(
-                members[member].type,
-                int(sdk.ffi.cast("uintptr_t", sdk.ffi.addressof(sdk.c, name))),
+                members[member].type, int(sdk.ffi.cast("uintptr_t", sdk.ffi.addressof(sdk.c, name)))
             )
             for member, name in _LINKED.items()
         }

@@ -42,12 +42,7 @@ MODEL_COPY = "from/model.spm"
 SCENE_COPY = "from/scene.json"
 
 
-def emit(
-    scene: Scene,
-    model: Model | Path,
-    folder: Path,
-    accept_unsafe: bool = False,
-) -> Emission:
+def emit(scene: Scene, model: Model | Path, folder: Path, accept_unsafe: bool = False) -> Emission:
     """Emit `scene` of a model, or of its file, into `folder`, replacing an earlier emission there.
 
     Raises UsageError where the folder holds anything else, BudgetError where the C does not fit

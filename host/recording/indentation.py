@@ -133,9 +133,7 @@ class PressedDevice:
         self.place_m = place_m
 
     def press(
-        self,
-        command_n: Samples,
-        on_samples: TakeSamples = lambda _position_m, _force_n: None,
+        self, command_n: Samples, on_samples: TakeSamples = lambda _position_m, _force_n: None
     ) -> tuple[Samples, Samples]:
         """Drive one press; command_n: (n,), N, one value each ms. Returns position_m and force_n.
 
@@ -162,11 +160,7 @@ class PressedDevice:
         """A press begins with this loop."""
 
     def drive(
-        self,
-        command_n: Samples,
-        gains: Mapping[str, float],
-        rows: PressRows,
-        room: float,
+        self, command_n: Samples, gains: Mapping[str, float], rows: PressRows, room: float
     ) -> None:
         """Let the loop follow the command; room: of the limit over it.
 

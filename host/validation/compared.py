@@ -67,10 +67,7 @@ class Compared:
 
 
 def compared_all(
-    plan: Plan,
-    library: SceneLibrary,
-    recordings: Sequence[Recording],
-    ticked: Sequence[Recording],
+    plan: Plan, library: SceneLibrary, recordings: Sequence[Recording], ticked: Sequence[Recording]
 ) -> Compared:
     """Run every recording from a fresh state, or those of a session in a row.
 

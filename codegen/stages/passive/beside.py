@@ -21,12 +21,7 @@ from springpot.codegen.model.formulas import (
     with_beyond,
 )
 from springpot.codegen.model.passive import Damage, Flow, power_order
-from springpot.codegen.stages.stage import (
-    LARGEST,
-    REAL,
-    Member,
-    SceneTicks,
-)
+from springpot.codegen.stages.stage import LARGEST, REAL, Member, SceneTicks
 from springpot.codegen.types import RealType, Scalar
 
 FUNCTIONS = (1, 2, 4)  # degrees, SP_FLOW_FUNCTIONS of sp_flow.h

@@ -56,7 +56,7 @@ _LABELS: tuple[dict[Quantity, str], ...] = (
 )
 # "Compression stress" and "Extension rate" are neither positions nor forces.
 _NO_LABELS = {
-    *("stress", "strain", "rate", "speed", "velocity", "setpoint", "command", "place", "dimension"),
+    *("stress", "strain", "rate", "speed", "velocity", "setpoint", "command", "place", "dimension")
 }
 _BRACKETED_UNIT = re.compile(r"(.*?)[\s_,/]*[(\[{]\s*([^()\[\]{}]+?)\s*[)\]}]")
 _SEPARATED_UNIT = re.compile(r"(.+?)\s*[,/]\s*([^,/]+)")
