@@ -3,6 +3,7 @@
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
+from functools import cache
 
 import numpy as np
 
@@ -87,12 +88,10 @@ class _ProxySearch:
         self, stiffness_npm: float, dt_s: float, device: LoopDevice, smoothing: float
     ) -> None:
         self._loads_npm = stiffness_npm * STIFFNESS_MARGIN_PROXY * np.geomspace(0.01, 1.0, 8)
-        loops = [
-            LinearLoop(dt_s, Coupling("off"), hand, device.later(more), smoothing)
-            for hand, more in CHECKED[::-1]  # what most often fails comes first
-        ]
         self._loops = []
-        for loop in loops:  # a mass that swings on any spring loses exp(-b t/2m)
+        for hand, more in CHECKED[::-1]:  # what most often fails comes first
+            loop = LinearLoop(dt_s, Coupling("off"), hand, device.later(more), smoothing)
+            # A mass that swings on any spring loses exp(-b t/2m).
             damping_nspm = loop.hand.damping_nspm + loop.device.viscous_nspm
             mass_kg = loop.hand.mass_kg + loop.device.mass_kg
             max_radius = math.exp(-DAMPING_LEFT * damping_nspm / (2.0 * mass_kg) * loop.dt_s)
@@ -124,9 +123,11 @@ class _ProxySearch:
         """The stiffest of one mass and damping; None if it is not stiffer than that."""
         steps = [replace(softest, stiffness_npm=float(each)) for each in _STIFFNESSES_NPM]
         top = last = len(steps) - 1
-        while top >= 0 and steps[min(top + 1, last)].stiffness_npm > _WITHIN * than_npm:
-            softer = range(max(top - _TENTH, 0), top + 1)
-            unstable = next((k for k in softer if not self._stable(steps[k])), None)
+        lowest = np.searchsorted(_STIFFNESSES_NPM[1:], _WITHIN * than_npm, "right")  # of use
+        stable = cache(lambda k: self._stable(steps[k]))
+        while top >= lowest:  # that one first: every top from here on needs it
+            softer = sorted(range(max(top - _TENTH, 0), top + 1), key=lambda k: k != lowest)
+            unstable = next((k for k in softer if not stable(k)), None)
             if unstable is None:
                 low, high = steps[top], steps[min(top + 1, last)]
                 while high.stiffness_npm > _WITHIN * low.stiffness_npm:
@@ -138,8 +139,7 @@ class _ProxySearch:
         return None
 
     def _stable(self, proxy: Coupling) -> bool:
-        limits = (limit for _, limit in self._loops)
-        return all(radius <= limit for radius, limit in zip(self.radii(proxy), limits, strict=True))
+        return all(r <= most for r, (_, most) in zip(self.radii(proxy), self._loops, strict=True))
 
     def radii(self, proxy: Coupling) -> Iterator[float]:
         for loop, _ in self._loops:

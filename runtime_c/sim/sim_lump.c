@@ -46,13 +46,12 @@ void sim_lump_init(void *material, double stiffer, double step_s)
     sim_lump_place(lump, 0.0, 0.0);
 }
 
-static void put_column(sim_lump *lump, int i, double x_m, double y_m)
+static void put_column(sim_lump *lump, int i, double x_m, double y_m, double below_m)
 {
     double stiffness;
     double slower;
-    const int x = i % SIM_LUMP_ACROSS - SIM_LUMP_ACROSS / 2;
-    const int y = i / SIM_LUMP_ACROSS - SIM_LUMP_ACROSS / 2;
-    ground(x_m + pitch_m * x, y_m + pitch_m * y, &stiffness, &slower);
+    ground(x_m, y_m, &stiffness, &slower);
+    lump->below_m[i] = below_m;
     lump->stiffness_npm[i] = foundation_npm3 * pitch_m * pitch_m * stiffness;
     lump->squeezed_m[i] = 0.0;
     lump->slope[i] = 1.0;
@@ -64,21 +63,20 @@ static void put_column(sim_lump *lump, int i, double x_m, double y_m)
     lump->per_slope[i] = 1.0 / lump->slope[i];
 }
 
-/* The sphere above column i; beyond the sphere a metre, which nothing reaches. */
-static double surface_above_m(int i)
-{
-    const double x_m = pitch_m * (i % SIM_LUMP_ACROSS - SIM_LUMP_ACROSS / 2);
-    const double y_m = pitch_m * (i / SIM_LUMP_ACROSS - SIM_LUMP_ACROSS / 2);
-    const double far_m = hypot(x_m, y_m);
-    const double up_m = sqrt(far_m < sphere_m ? sphere_m * sphere_m - far_m * far_m : 0.0);
-    return up_m > 0.0 ? sphere_m - up_m : 1.0;
-}
-
 void sim_lump_place(sim_lump *lump, double x_m, double y_m)
 {
-    for (int i = 0; i < SIM_LUMP_COLUMNS; i++) {
-        put_column(lump, i, x_m, y_m);
-        lump->below_m[i] = surface_above_m(i);
+    int n = 0;
+    for (int i = 0; i < SIM_LUMP_ACROSS * SIM_LUMP_ACROSS; i++) {
+        const double right_m = pitch_m * (i % SIM_LUMP_ACROSS - SIM_LUMP_ACROSS / 2);
+        const double up_m = pitch_m * (i / SIM_LUMP_ACROSS - SIM_LUMP_ACROSS / 2);
+        const double far_m = hypot(right_m, up_m);
+        if (far_m < sphere_m && n < SIM_LUMP_COLUMNS) {
+            const double below_m = sphere_m - sqrt(sphere_m * sphere_m - far_m * far_m);
+            put_column(lump, n++, x_m + right_m, y_m + up_m, below_m);
+        }
+    }
+    for (; n < SIM_LUMP_COLUMNS; n++) {
+        lump->below_m[n] = HUGE_VAL;
     }
 }
 
@@ -86,14 +84,11 @@ void sim_lump_place(sim_lump *lump, double x_m, double y_m)
 static void columns_hold(const sim_lump *lump, double *held_m)
 {
     for (int i = 0; i < SIM_LUMP_COLUMNS; i++) {
+        const double half_m = 0.5 * lump->squeezed_m[i];
         held_m[i] = 0.0;
-    }
-    for (int k = 0; k < SIM_LUMP_BRANCHES; k++) {
-        const double *gain = lump->gain[k];
-        const double *memory_m = lump->memory_m[k];
-        for (int i = 0; i < SIM_LUMP_COLUMNS; i++) {
-            double half_m = 0.5 * lump->squeezed_m[i];
-            held_m[i] += column_share * (memory_m[i] + gain[i] * (half_m - memory_m[i]));
+        for (int k = 0; k < SIM_LUMP_BRANCHES; k++) {
+            const double memory_m = lump->memory_m[k][i];
+            held_m[i] += column_share * (memory_m + lump->gain[k][i] * (half_m - memory_m));
         }
     }
 }
@@ -104,25 +99,30 @@ double sim_lump_step(void *material, double tool_m)
 {
     sim_lump *lump = material;
     double held_m[SIM_LUMP_COLUMNS];
+    double inside_m[SIM_LUMP_COLUMNS];
     double mean_m[SIM_LUMP_COLUMNS];
+    double pushes_n[SIM_LUMP_COLUMNS];
     double force_n = 0.0;
     columns_hold(lump, held_m);
     for (int i = 0; i < SIM_LUMP_COLUMNS; i++) {
         double under_m = tool_m - lump->below_m[i];
-        double inside_m = under_m > 0.0 ? under_m : 0.0;
+        inside_m[i] = under_m > 0.0 ? under_m : 0.0;
+    }
+    for (int i = 0; i < SIM_LUMP_COLUMNS; i++) {
         double free_m = held_m[i] * lump->per_slope[i];
-        double pressed_m = inside_m + stiffening_pm * inside_m * inside_m;
+        double pressed_m = inside_m[i] + stiffening_pm * inside_m[i] * inside_m[i];
         double after_m = pressed_m > free_m ? pressed_m : free_m;
         mean_m[i] = 0.5 * (lump->squeezed_m[i] + after_m);
         lump->squeezed_m[i] = after_m;
-        double pushes_n = lump->stiffness_npm[i] * (lump->slope[i] * after_m - held_m[i]);
-        force_n += pushes_n;
+        pushes_n[i] = lump->stiffness_npm[i] * (lump->slope[i] * after_m - held_m[i]);
     }
     for (int k = 0; k < SIM_LUMP_BRANCHES; k++) {
-        double *memory_m = lump->memory_m[k];
         for (int i = 0; i < SIM_LUMP_COLUMNS; i++) {
-            memory_m[i] += lump->gain[k][i] * (mean_m[i] - memory_m[i]);
+            lump->memory_m[k][i] += lump->gain[k][i] * (mean_m[i] - lump->memory_m[k][i]);
         }
+    }
+    for (int i = 0; i < SIM_LUMP_COLUMNS; i++) {
+        force_n += pushes_n[i];
     }
     return lump->stiffer * force_n;
 }
