@@ -64,6 +64,13 @@ def window_samples(window_s: float, dt_s: float) -> int:
     return round(window_s / dt_s)
 
 
+def history_features(dt_s: float, window_s: float | None) -> Lags:
+    """Ten positions, evenly spaced over the window ([24])."""
+    length = PAPER_TAPS if window_s is None else window_samples(window_s, dt_s)
+    lags = np.round(np.linspace(0, length - 1, HISTORY_LAGS)).astype(int)
+    return Lags(tuple(lags.tolist()))
+
+
 def fit_rf_fd(
     name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
 ) -> Fit:
@@ -74,10 +81,7 @@ def fit_rf_fd(
     """
     features: Features
     if options.past_positions:
-        window_s = options.window_s
-        length = PAPER_TAPS if window_s is None else window_samples(window_s, data.dt_s)
-        lags = np.round(np.linspace(0, length - 1, HISTORY_LAGS)).astype(int)
-        features = Lags(tuple(lags.tolist()))
+        features = history_features(data.dt_s, options.window_s)
     else:
         orders = options.orders or PAPER_ORDERS
         features = fractional_features(data.dt_s, options.window_s, options.engine, orders)

@@ -19,7 +19,6 @@ from springpot.codegen.scene import Coupling
 from springpot.codegen.stages.windows import TIME_S
 
 STEP_M = 10e-6  # of an encoder
-QUIET_MPS = 1.2e-3
 MANY = pytest.mark.parametrize("count", [6, pytest.param(12, marks=pytest.mark.long)])
 
 
@@ -112,7 +111,7 @@ def test_a_choice_is_quiet_with_an_encoder_and_can_be_stated(count: int) -> None
             speed_mps = held_speed_mps(
                 stiffness_npm, rate_hz, device.later(more), choice.coupling, hand
             )
-            assert speed_mps < QUIET_MPS
+            assert speed_mps < 1.2e-3
 
 
 def test_the_devices_own_friction_is_to_be_left_too() -> None:

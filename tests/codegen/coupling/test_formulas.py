@@ -21,10 +21,11 @@ from springpot.codegen.scene import Coupling
 from springpot.runtime_c.paths import SIM
 
 OFF = Coupling(mode="off")
-LIGHT_DEVICE = LoopDevice(0.05, 0.5)
 
 
-@pytest.mark.parametrize("device", [LoopDevice(), LIGHT_DEVICE, LoopDevice(delay_samples=2)])
+@pytest.mark.parametrize(
+    "device", [LoopDevice(), LoopDevice(0.05, 0.5), LoopDevice(delay_samples=2)]
+)
 @pytest.mark.parametrize("coupling", [OFF, Coupling("tool", 4000.0, 10.0, 0.05)])
 def test_a_limit_is_stable_and_little_more_is_not(device: LoopDevice, coupling: Coupling) -> None:
     for hand in HAND_MODELS:

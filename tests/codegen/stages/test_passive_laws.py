@@ -20,13 +20,10 @@ from springpot.codegen.stages.passive.maxwell import branch_steps
 from springpot.codegen.stages.stage import SceneTicks
 from springpot.host.native.scene_library import built
 
-HOUR_S = 4e3  # slow: more than 1e5 ticks
 CURVE_N = np.linspace(0.5, 3.0, 9)
 LAWS: dict[str, dict[str, Any]] = {
-    "all": {
-        "n_by_depth": 2, "rate_ratio": 16.0, "flow": small.flow(0.6),
-        "damage": small.damage(CURVE_N), "recovers": True,
-    },
+    "all": {"n_by_depth": 2, "rate_ratio": 16.0, "flow": small.flow(0.6), "recovers": True,
+            "damage": small.damage(CURVE_N)},
     "rates": {"n_by_depth": 2, "rate_ratio": 16.0},
     "inverse": {"n_by_depth": 3, "rate_ratio": 1 / 16, "recovers": True},
     "flow": {"flow": small.flow(0.6)},
@@ -38,7 +35,7 @@ LAWS: dict[str, dict[str, Any]] = {
 def model_of(kind: str, law: str, slow: bool = False) -> Model:
     fitted = small.small_model() if kind == "rf-fd" else small.passive_model()
     passive = fitted.hammerstein
-    tau_s = np.array([0.01, 0.2, 2.0, HOUR_S if slow else 0.05])
+    tau_s = np.array([0.01, 0.2, 2.0, 4e3 if slow else 0.05])  # above 1e5 ticks
     branch_n = np.linspace(0.1, 0.4, 4)[:, None] * CURVE_N
     stop_n = np.zeros((len(passive.radius_m), 9))
     changed = replace(

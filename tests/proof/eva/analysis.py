@@ -82,7 +82,7 @@ class Question:
 
     def hash(self) -> str:
         """Of all that decides about the answer: of a flag's folder, the files."""
-        parts = [_version(), *self.options]
+        parts = [_said_by("frama-c", "-version"), *self.options]
         parts += [flag for flag in self.flags if not flag.startswith("-I")]
         parts += [f"{path.name}\n{path.read_text()}" for path in sorted(self.files)]
         return hashlib.sha256("\0".join(parts).encode()).hexdigest()
@@ -130,10 +130,6 @@ def _run_eva(question: Question, timeout_s: float) -> tuple[str, float]:
 
 
 @cache
-def _version() -> str:
-    return _said_by("frama-c", "-version")
-
-
 def _said_by(*command: str) -> str:
     return subprocess.run(command, capture_output=True, text=True, check=True).stdout.strip()
 

@@ -63,13 +63,10 @@ support.small.passive_model()"""
     assert {its["num_threads"] for its in eval(found) if its["user_api"] == "blas"} == {1}
 
 
-FREQUENCIES = ["0.1", "0.2", "0.5", "1", "2"]
-
-
 @pytest.fixture(scope="module")
 def mach1(mach1_file: Path) -> dict:
     found = mach1_recordings(mach1_file)
-    return dict(zip(FREQUENCIES, found, strict=True))
+    return dict(zip(("0.1", "0.2", "0.5", "1", "2"), found, strict=True))
 
 
 def percent_of_peak(kind: str, mach1: dict, held_out: str) -> float:

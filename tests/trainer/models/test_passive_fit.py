@@ -38,8 +38,7 @@ SPRING_N = 6.0
 LETS_GO = Hammerstein(
     origin_m=0.0, span_m=DEPTH_M, elastic_n=np.full(9, 1.0), tau_s=np.array([0.1, 0.3]),
     branch_n=np.full((2, 9), 3.0), radius_m=np.zeros(0), stop_n=np.zeros((0, 9)), bias_n=0.0,
-    recovers=True,
-)  # fmt: skip
+    recovers=True)  # fmt: skip
 
 
 def tissue(name: str, position_m: np.ndarray, stiffening: float) -> Recording:
@@ -59,15 +58,11 @@ def about(share: float, stiffening: float) -> list[Recording]:
     ]
 
 
-def one_twice_as_deep() -> list[Recording]:
-    motions = {"half": press(0.5, 0.005), "again": press(2.0, 0.005), "deep": press(1.0, DEPTH_M)}
-    return [tissue(name, position_m, 4.0) for name, position_m in motions.items()]
-
-
 @pytest.mark.slow
 def test_a_fold_without_the_deepest_recording_has_ordinary_weights_and_errors() -> None:
     # Without a penalty on bends: weights of 1e25 on the curves that the fold never reached.
-    data = training_set(one_twice_as_deep(), smooth_s=0.0)
+    motions_m = press(0.5, 0.005), press(2.0, 0.005), press(1.0, DEPTH_M)
+    data = training_set([tissue(f"{k}", each, 4.0) for k, each in enumerate(motions_m)], 0.0)
     peak_n, rows = data.trained.max_n, np.arange(0, data.rows_total, 5)
     for nodes in passive_fit.NODES:
         terms = plain_terms(data, nodes)

@@ -207,7 +207,6 @@ def test_same_seed_and_recordings_give_the_same_hash() -> None:
 
 
 SHARES = (0.3, 0.7, 1.0)
-SPEEDS_HZ = (0.5, 1.0, 3.0, 5.0)
 
 
 def with_repeats() -> TrainingSet:
@@ -216,7 +215,7 @@ def with_repeats() -> TrainingSet:
         [
             recording(f"{share}-{hz}-{slower}", press(hz * slower, share * DEPTH_M * deeper))
             for share in SHARES
-            for hz in SPEEDS_HZ
+            for hz in (0.5, 1.0, 3.0, 5.0)
             for slower, deeper in ((1.0, 1.0), (0.97, 0.99))
         ],
         smooth_s=0.0,

@@ -68,10 +68,6 @@ def comes_off(position_m: Samples, force_n: Samples, number: int) -> tuple[Sampl
     return position_m, np.append(force_n[:off], noise_n)
 
 
-def other_object(position_m: Samples, force_n: Samples, number: int) -> tuple[Samples, Samples]:
-    return position_m, force_n * (1.6 if number == 2 else 1.0)
-
-
 def spikes(position_m: Samples, force_n: Samples, number: int) -> tuple[Samples, Samples]:
     random = np.random.default_rng(number)
     at = random.random(len(force_n)) < 0.02
@@ -147,7 +143,8 @@ def test_a_press_that_begins_inside_shows_no_surface(power: float, preload_m: fl
 @pytest.mark.slow
 @pytest.mark.filterwarnings("always::UserWarning")
 def test_presses_of_another_object_are_named() -> None:
-    fit = springpot.train(presses(other_object), "hammerstein")
+    another = presses(lambda x, force_n, k: (x, force_n * (1.6 if k == 2 else 1.0)))
+    fit = springpot.train(another, "hammerstein")
     (line,) = [line for line in fit.warnings if "at equal motion" in line]
     assert line.startswith("p2: ") and "try --model rf-fd" in line
     assert not springpot.train(presses(right), "hammerstein").warnings

@@ -189,12 +189,9 @@ def table(header: str, scales: tuple[float, ...], order: str = "txf", end: str =
     return "\n".join([header, *rows]) + "\n"
 
 
-def german(text: str) -> str:
-    return text.replace(",", ";").replace(".", ",")
-
-
+GERMAN = str.maketrans(",.", ";,")
 EXPORTS = {
-    "a logger": german(table("Zeit (s),Weg (mm),Kraft (mN)", (1.0, 1e-3, 1e-3))),
+    "a logger": table("Zeit (s),Weg (mm),Kraft (mN)", (1.0, 1e-3, 1e-3)).translate(GERMAN),
     "a comma at the header's end": table("time_s,position_mm,force_N,", (1.0, 1e-3, 1.0)),
     "a comma at every line's end": table("time_s,position_mm,force_N,", (1.0, 1e-3, 1.0), end=","),
     "JSON above the table": '{"rig": "4"}\n' + table("time_s,position_mm,force_N", (1, 1e-3, 1)),
