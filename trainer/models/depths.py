@@ -148,10 +148,9 @@ def _joined(
     depths_m: Sequence[Samples],
     surface: bool,
 ) -> DepthMotion:
-    first_m = depths_m[numbers[0]]
+    first_m, starts, pauses = depths_m[numbers[0]], list[int](), list[tuple[int, float]]()
     parts = [came_before(np.maximum(first_m, 0.0) if surface else first_m)]
-    starts: list[int] = []
-    pauses, length, ends_s = [], len(parts[0]), 0.0
+    length, ends_s = len(parts[0]), 0.0
     for number in numbers:
         recording, depth_m = recordings[number], depths_m[number]
         start_s = recording.start_s or 0.0

@@ -23,7 +23,7 @@ MAX_SMOOTHED = 0.25  # of the shortest recording
 _IN_CONTACT = 0.1  # of the largest force
 _BENT = 0.5  # of the noise
 _HALVINGS = 3
-_NEAR = 0.02  # of the range: at a depth
+_NEAR, _STILL = 0.02, 0.05  # of the range: at a depth; of that: it does not move
 _STRONG = 0.5  # of the set's largest force: in weaker recordings noise makes the peaks
 
 
@@ -114,16 +114,17 @@ def came_before(depth_m: Samples) -> Samples:
     """Depths, (k,), m, that are taken to have come before a motion; empty: the object was at rest.
 
     A recording that was cut out of a longer one begins in motion inside the object: the tool leaves
-    its first depth as fast as it leaves it later. Before it the motion is taken to have been as it
-    is up to the last such time, from its mean on; rest at the first depth errs three times more.
+    its first depth at once, as fast as it does later. Before it the motion is taken to have been as
+    it is up to the last such time, from its mean on; rest there errs three times more.
     """
     off_m, step_m = depth_m - depth_m[0], float(np.abs(np.diff(depth_m)).max(initial=0.0))
     near_m = max(_NEAR * float(np.ptp(depth_m)), step_m)
     (_, leaves), *later = runs(np.abs(off_m) <= near_m)
-    for begin, end in reversed(later):
+    moves = off_m.min() < -near_m and np.ptp(off_m[: leaves // 2 + 1]) > _STILL * near_m
+    for begin, end in reversed(later if moves else []):
         back = begin + np.flatnonzero(np.abs(off_m[begin:end]) <= step_m)
         same = end < len(off_m) and off_m[leaves] * off_m[end] > 0.0 and leaves <= end - begin
-        if same and len(back) and off_m.min() < -near_m:
+        if same and len(back):
             before_m = depth_m[: back[np.argmin(np.abs(back - (end - leaves)))]]
             return before_m[np.argmin(np.abs(before_m - before_m.mean())) :]
     return depth_m[:0]
