@@ -270,12 +270,12 @@ def test_a_recording_cut_out_of_a_longer_one_goes_on(share: float) -> None:
 
 
 def test_without_such_a_sign_a_recording_begins_at_rest() -> None:
-    """In the air, at its lowest, after a hold, where the tool never comes back the same way."""
+    """At its lowest, after a hold, where motion swells or never comes back the same way."""
     cycles_m, held_m = press(1.0, DEPTH_M, 3), np.full(400, 0.3 * DEPTH_M)
     cut_m = cycles_m[int(np.argmax(cycles_m > held_m[0])) :]
     steps_m = np.convolve(np.repeat([3.0, 5.0, 3.0, 1.0] * 3, 400), np.full(50, 0.02), "valid")
-    before_m = np.append(held_m, cut_m)
-    for depth_m in (cycles_m, 1e-3 + cycles_m, before_m, cut_m[:700], held_m, steps_m):
+    swelling_m = np.sin(np.linspace(0.0, 30.0, 5000)) * np.linspace(0.0, 1.0, 5000)
+    for depth_m in (cycles_m, np.append(held_m, cut_m), cut_m[:700], held_m, steps_m, swelling_m):
         assert not len(came_before(depth_m))
     assert len(came_before(cut_m))
 
