@@ -2,7 +2,6 @@
 
 import ctypes
 from dataclasses import replace
-from itertools import chain
 
 import numpy as np
 import pytest
@@ -169,9 +168,10 @@ def test_python_stands_still_for_300_ms(log, folder):
     assert len(faithful(folder, log).position_m) == result["ticks"] >= 1498
 
 
+@pytest.mark.realtime
 def test_damage_on_the_line_is_never_a_force(log, folder):
-    share = {"--damage": 0.02, "--drop": 0.02, "--duplicate": 0.05, "--reorder": 0.01}
-    with peer("serial_device", *chain(*share.items()), "--delay-ms", 0.5) as device:
+    harms = "--damage", 0.02, "--drop", 0.02, "--duplicate", 0.05, "--reorder", 0.01
+    with peer("serial_device", *harms, "--delay-ms", 0.5) as device:
         session = ended(folder, device.url, log, seconds=1.5)
     result, read = session.result(), faithful(folder, log)
     whole = result["samples"] / 1500  # less where the machine held device or session up
