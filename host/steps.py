@@ -142,15 +142,16 @@ def predict(
     position_m: also a `Recording`, which says its time step and zero itself. dt_s: time between
     samples, s, where it is known: another one than the model's is a DataError, and so are positions
     ten times deeper than the training presses, as in millimetres. A UserWarning says from 1.5 times
-    the trained depth, and from 4 times the trained speed on, that the force is an extrapolation, of
-    a recording that its signs are no object's, and that a model with a map was given no place.
-    place_m: x and y, m; by default the recording's.
+    the trained depth, and from 4 times the trained speed on, that the force is an extrapolation; of
+    a recording, that its signs are no object's, or that it begins in motion; and that a model with
+    a map was given no place. place_m: x and y, m; by default the recording's.
 
     >>> predict(model, [0.0, 1e-3, 2e-3]).shape
     (3,)
     """
     from springpot.host.quality import in_python
     from springpot.trainer.models.predict import (
+        beginnings,
         extrapolations,
         limited_each_n,
         require_compatible,
@@ -174,7 +175,8 @@ def predict(
         recording = replace(recording, place_x_m=place_m[0], place_y_m=place_m[1])
     require_compatible(recording, model)
     (force_n,) = limited_each_n(model, [recording])
-    for doubt in (*doubts, unplaced(model, recording), *extrapolations(model, recording)):
+    doubts += [unplaced(model, recording), *extrapolations(model, recording)]
+    for doubt in (*doubts, *beginnings(model, [recording])):
         if doubt:
             warnings.warn(in_python(doubt), UserWarning, stacklevel=2)
     return force_n

@@ -36,7 +36,7 @@ from springpot.host.validation.compared import (
     place_errors,
 )
 from springpot.host.validation.seen import seen_by
-from springpot.trainer.models.predict import extrapolations, limited_each_n, require_compatible
+from springpot.trainer.models import predict
 from springpot.trainer.recordings.quality.repeats import NoiseFloor, find_noise_floor
 from springpot.trainer.recordings.quality.signs import sign_doubts
 from springpot.trainer.recordings.recording import Recording, axes_for_plot
@@ -137,15 +137,15 @@ def validate(folder: File, recordings: Recordings, paced_s: float = PACED_S) -> 
     emitted = read_emission(folder)
     plan, model = emitted.plan, emitted.model
     for recording in recordings:
-        require_compatible(recording, model, plan.dt_s)
+        predict.require_compatible(recording, model, plan.dt_s)
         if plan.has_places and recording.place_m is None and not recording.channels:
             raise DataError(
                 f"{recording.name}: has no place, and this scene has a map of them: give it on "
                 "import, --place X,Y"
             )
     judged = [item for item in recordings if not is_log_of(item, emitted.hash)]
-    beyond = (line for item in judged for line in extrapolations(model, item))
-    for doubt in (*sign_doubts(judged), *beyond):
+    beyond = (line for item in judged for line in predict.extrapolations(model, item))
+    for doubt in (*sign_doubts(judged), *beyond, *predict.beginnings(model, judged)):
         caution(doubt)
     library = SceneLibrary(folder)
     library.manifest["hash"] = emitted.hash  # of the C that was built, edits and all
@@ -180,7 +180,7 @@ def _parts(
     objects = [k for k, item in enumerate(recordings) if not is_log_of(item, emitted.hash)]
     dt_s = emitted.plan.dt_s
     model = replace(emitted.model, dt_s=dt_s)  # of a scene with a rate of its own, as exact
-    alone = limited_each_n(model, [ticked[k] for k in objects])
+    alone = predict.limited_each_n(model, [ticked[k] for k in objects])
     errors, added = [], []
     for k, ticks_n in zip(objects, alone, strict=True):
         alone_n, begin = at_samples(ticks_n, recordings[k], dt_s), found.ramped[k]

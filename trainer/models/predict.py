@@ -17,7 +17,6 @@ from springpot.trainer.features import depth_features
 from springpot.trainer.models.depths import depth_m, motions
 from springpot.trainer.models.passive.passive_force import model_along
 from springpot.trainer.recordings.recording import Recording, Site, Zero, site_words
-from springpot.trainer.recordings.signals import came_before
 
 _DEEP, FASTER = 1.5, 4.0  # times the trained depth and speed: from here on a line warns
 SPEED_S = 0.01  # of motion to a speed: an encoder's step is no speed
@@ -116,7 +115,7 @@ def limited_each_n(model: Model, recordings: Sequence[Recording]) -> list[Sample
 
 
 def extrapolations(model: Model, recording: Recording) -> Iterator[str]:
-    """Yield a line where the force is not known: deeper, faster, or what came before is assumed.
+    """Yield a line where positions go deeper, or faster, than the force is known.
 
     Objects with a viscosity that saturates, pressed ten times faster than trained, were missed by
     26 to 39 % of the peak.
@@ -132,11 +131,18 @@ def extrapolations(model: Model, recording: Recording) -> Iterator[str]:
                 f"{recording.name}: goes to {times:.3g} times the trained {of}: there the force is "
                 "an extrapolation"
             )
-    if len(before_m := came_before(inside_m)):
-        yield (
-            f"{recording.name}: begins in motion inside the object: its own later motion, "
-            f"{len(before_m) * recording.dt_s:.3g} s of it, is taken to have come before"
-        )
+
+
+def beginnings(model: Model, recordings: Sequence[Recording]) -> Iterator[str]:
+    """Yield a line for each that begins in motion: what came before is assumed (`came_before`)."""
+    positions_m = [recording.position_m for recording in recordings]
+    for motion in motions(recordings, positions_m, model.contact == "surface"):
+        first = recordings[motion.recordings[0]]
+        if before_s := motion.starts[0] * first.dt_s:
+            yield (
+                f"{first.name}: begins in motion inside the object: its own later motion, "
+                f"{before_s:.3g} s of it, is taken to have come before"
+            )
 
 
 def unplaced(model: Model, recording: Recording) -> str:

@@ -23,7 +23,8 @@ MAX_SMOOTHED = 0.25  # of the shortest recording
 _IN_CONTACT = 0.1  # of the largest force
 _BENT = 0.5  # of the noise
 _HALVINGS = 3
-_NEAR, _STILL, _SLOWER = 0.02, 0.05, 1.5  # of the range: at a depth; of that; times the samples
+_NEAR, _STILL = 0.02, 0.05  # of the range: at one depth; of that: no motion
+_SLOWER = 1.5  # times the samples until it leaves a depth: as fast
 _STRONG = 0.5  # of the set's largest force: in weaker recordings noise makes the peaks
 
 
@@ -123,10 +124,10 @@ def came_before(depth_m: Samples) -> Samples:
     moves = off_m.min() < -near_m and np.ptp(off_m[: leaves // 2 + 1]) > _STILL * near_m
     for begin, end in reversed(later if moves else []):
         left = end - begin - np.flatnonzero(np.abs(off_m[begin:end]) <= step_m)
-        same = end < len(off_m) and off_m[leaves] * off_m[end] > 0.0 and len(left)
-        if same and leaves <= _SLOWER * (its := left[np.argmin(np.abs(left - leaves))]):
-            before_m = depth_m[: end - its]
-            return before_m[np.argmin(np.abs(before_m - before_m.mean())) :]
+        same_way = end < len(off_m) and off_m[leaves] * off_m[end] > 0.0 and len(left)
+        if same_way and leaves <= _SLOWER * (alike := left[np.argmin(np.abs(left - leaves))]):
+            before_m = depth_m[: end - alike]
+            return before_m[np.argmax(np.abs(before_m - before_m.mean()) <= step_m) :]
     return depth_m[:0]
 
 

@@ -257,12 +257,11 @@ def test_how_recordings_begin_is_learnt_from_them(goes_on: bool) -> None:
     assert its_n < 0.5 * other_n
 
 
-@pytest.mark.parametrize("share", [0.31, 0.5, 0.77])
-def test_a_recording_cut_out_of_a_longer_one_goes_on(share: float) -> None:
+@pytest.mark.parametrize("cut", [8310, 8500, 8770])
+def test_a_recording_cut_out_of_a_longer_one_goes_on(cut: int) -> None:
     """Cycles of an object that relaxes for seconds: rest at the cut errs by 0.09 to 0.4 N."""
-    whole_m, cut = press(1.0, DEPTH_M, 12), round((8.0 + share) / DT_S)
-    slow = replace(LETS_GO, tau_s=np.array([0.1, 3.0]), recovers=False)
-    model = replace(passive_model(), hammerstein=slow)
+    whole_m, slow_s = press(1.0, DEPTH_M, 12), np.array([0.1, 3.0])
+    model = replace(passive_model(), hammerstein=replace(LETS_GO, tau_s=slow_s, recovers=False))
     wanted_n = predict_n(model, Recording("whole", whole_m, whole_m, DT_S))[cut:]
     with pytest.warns(UserWarning, match="later: begins in motion inside .*: its own later motion"):
         found_n = predict(model, Recording("later", whole_m[cut:], wanted_n, DT_S))
@@ -277,7 +276,8 @@ def test_without_such_a_sign_a_recording_begins_at_rest() -> None:
     swelling_m = np.sin(np.linspace(0.0, 30.0, 5000)) * np.linspace(0.0, 1.0, 5000)
     for depth_m in (cycles_m, np.append(held_m, cut_m), cut_m[:700], held_m, steps_m, swelling_m):
         assert not len(came_before(depth_m))
-    assert len(came_before(cut_m))
+    noisy_m = cut_m + np.random.default_rng(0).normal(0.0, 1e-5, len(cut_m))
+    assert min(len(came_before(noisy_m[k:])) for k in range(0, 700, 100)) > 900  # about a period
 
 
 @pytest.mark.parametrize(("rest_s", "starts"), [(0.05, True), (300.0, False)])
