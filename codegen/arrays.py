@@ -66,7 +66,7 @@ def require_positive(name: str, values: Samples, shape: tuple[int, ...]) -> None
 def require_not_negative(name: str, values: Samples, shape: tuple[int, ...]) -> None:
     """Raise DataError for an array of another shape, or with numbers below 0."""
     require_shape(name, values, shape)
-    require(bool(np.all(values >= 0.0)), f"{name}: negative, so not passive")
+    require(bool(np.all(values >= 0.0)), f"{name}: negative")
 
 
 def runs(flags: Flags) -> list[tuple[int, int]]:

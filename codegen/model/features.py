@@ -216,6 +216,7 @@ class PositionVelocity(Features):
     def require_valid(self) -> None:
         require(0.0 < self.weight <= 1.0, f"weight: {self.weight} is not within 0 .. 1")
         require(self.length >= 1, f"length: {self.length} steps")
+        require(self.band_m >= 0.0, f"band_m: {self.band_m} m is negative")
 
     def stiffened(self, factor: float) -> tuple["PositionVelocity", float]:
         return replace(self, band_m=self.band_m / factor), factor

@@ -22,7 +22,7 @@ _TOGETHER = 1 << 18  # samples times trees, traversed side by side: more leave t
 class QuantisedLeaves:
     """Leaves as whole numbers of equal steps over their range, each within half a step.
 
-    quantised: (IR nodes,), uint16, 0 where the node is no leaf.
+    quantised: (nodes,), uint16, 0 where the node is no leaf.
     leaf_step_n, bias_n: force = bias_n + leaf_step_n x sum of the leaves reached, N.
     error_n: bound on the error that the rounding adds to the force, N.
     """
@@ -96,7 +96,7 @@ def largest_float32_below(threshold: Samples) -> NDArray[np.float32]:
 
 
 def level_order(forest: Forest) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
-    """Place and level of each IR node, both (IR nodes,).
+    """Place and level of each node of the model, both (nodes,).
 
     Places go tree after tree, level by level, siblings adjacent: a node then names one child only.
     """

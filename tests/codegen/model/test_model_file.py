@@ -93,6 +93,7 @@ def test_a_header_of_another_program_is_refused(tmp_path: Path, changes: dict[st
         ("rbf-fd-fast", "features", {"length": 5}, "features.length: 5 samples"),
         ("rbf-pv", "features", {"weight": 0.0}, "features.weight: "),
         ("rbf-pv", "features", {"length": 0}, "features.length: 0 steps"),
+        ("rbf-pv", "features", {"band_m": -1e-6}, "features.band_m: -1e-06 m is negative"),
         *(("rf-history-quantised", "features", {"samples": lags}, "features.samples: (")
           for lags in ((), (1, 2), (0, -3), (0, 0), (0, 3.5), (0, 2**32))),
         ("rbf-fd", "regressor", {"tail_n": np.ones(1)}, "regressor.tail_n: shape"),

@@ -183,7 +183,7 @@ def _times_s(data: TrainingSet, shortest_s: float, count: int) -> tuple[float, .
 
 
 def to_model(terms: Terms, weights: Samples) -> Hammerstein:
-    """Terms and their non-negative weights -> IR, without what has weight 0."""
+    """Terms and their non-negative weights as a model, without what has weight 0."""
     plain, richer = terms.slopes_n(weights)
     elastic_n, branch_n, stop_n = np.split(plain, [1, 1 + len(terms.tau_s)])
     depth_n, damage_n = np.split(richer, [len(terms.depth_tau_s)])

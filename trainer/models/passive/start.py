@@ -20,6 +20,8 @@ from springpot.trainer.models.passive.passive_terms import DEPTH_POLES
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.recording import sites_of
 
+_HOPELESS = 3.0  # times the error that is needed; damage and flow took 2.2 times off at most
+
 
 def with_start(data: TrainingSet, options: FitOptions) -> TrainingSet:
     """Return the set; if held-out errors are a tenth lower so, as recordings that go on.
@@ -41,8 +43,13 @@ def with_start(data: TrainingSet, options: FitOptions) -> TrainingSet:
 
 
 def _quick_choice(data: TrainingSet, options: FitOptions, most_n: float = inf) -> PassiveChoice:
-    """The better of a plain law and one with damage and flow, of one penalty."""
+    """The better of a plain law and one with damage and flow, of one penalty.
+
+    The plain one if it errs by so much more than most_n that nothing repairs it.
+    """
     laws = laws_of(data, options, NODES[0])
-    names = [(), ("damage", "flow")] if options.poles >= DEPTH_POLES else [()]
-    choices = [laws.choices(law, PENALTIES[1:2], most_n)[0] for law in names]
-    return min(choices, key=lambda choice: choice.error_n)
+    plain, *_ = laws.choices((), PENALTIES[1:2], most_n)
+    if options.poles < DEPTH_POLES or plain.error_n > _HOPELESS * most_n:
+        return plain
+    richer, *_ = laws.choices(("damage", "flow"), PENALTIES[1:2], most_n)
+    return min(plain, richer, key=lambda choice: choice.error_n)
