@@ -32,12 +32,9 @@ def read_recordings(*paths: File) -> list[Recording]:
     >>> len(read_recordings("training"))
     3
     """
-    from springpot.host.quality import errors_in_python
-
     for path in paths:
         _require_file(path, "read_recordings(*paths) takes several")
-    with errors_in_python():
-        return recording_file.read_recordings(map(given_path, paths))
+    return recording_file.read_recordings(map(given_path, paths))
 
 
 def write_recordings(path: File, recordings: Recordings) -> list[Path]:
@@ -88,7 +85,7 @@ def import_recordings(
     >>> import_recordings("press.csv", "time=t:s,position=x:mm,force=f:N")[0].name
     'press'
     """
-    from springpot.host.quality import errors_in_python, warn_of_quality
+    from springpot.host.quality import warn_of_quality
     from springpot.trainer.recordings.formats.column_map import parse_map
     from springpot.trainer.recordings.formats.importing import import_set
 
@@ -97,11 +94,9 @@ def import_recordings(
         _require_file(file, "or a list of files, and columns by springpot.Recording.from_frame")
     if not files:
         raise UsageError("no files: give at least one")
-    with errors_in_python():
-        mapping = parse_map(columns) if columns else None
-        found = import_set(
-            [given_path(file) for file in files], mapping, zero, resample_hz, options, rest_s
-        )
+    mapping = parse_map(columns) if columns else None
+    given = [given_path(file) for file in files]
+    found = import_set(given, mapping, zero, resample_hz, options, rest_s)
     notice("\n".join([*found.guesses.values(), *found.notes]))
     return warn_of_quality(found.recordings).checked
 

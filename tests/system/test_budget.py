@@ -27,10 +27,10 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
     ("what", "most"),
     [
         ("codegen/*.py", 6451),
-        ("trainer/*.py", 8804),
-        ("host/*.py", 12815),
+        ("trainer/*.py", 8786),
+        ("host/*.py", 12758),
         ("runtime_c/*.[ch] codegen/*.j2", 7721),
-        ("tests/*.py", 20000),
+        ("tests/*.py", 19998),
     ],
 )
 def test_lines(what: str, most: int) -> None:

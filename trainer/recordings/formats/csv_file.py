@@ -29,7 +29,7 @@ from springpot.trainer.recordings.formats.csv_layout import (
     is_number,
     is_value,
 )
-from springpot.trainer.recordings.formats.sampling import MIN_ROWS, RawChannels
+from springpot.trainer.recordings.formats.sampling import MIN_ROWS, RawChannels, in_si
 from springpot.trainer.recordings.formats.units import factor_to_si
 
 _LAST_LINES = 2000  # with a fixed number of significant digits, the last stamps have the fewest
@@ -46,25 +46,19 @@ def read_csv(path: Path, request: FileRequest) -> tuple[RawChannels, str]:
     lines, encoding = _lines(path)
     layout = find_layout(path, lines, request)
     table = _Table(path, lines, layout)
-    scaled = {q: table.column(i) * layout.units[q].to_si for q, i in layout.columns.items()}
-    units = {q: unit.metadata() for q, unit in layout.units.items()}
-    rate_hz, count = request.rate_hz, len(table.rows)
+    rate_hz = request.rate_hz
     guess = layout.guess() + encoding + table.left_out
     if rate_hz is not None:
-        scaled["time"] = np.arange(count) / rate_hz
-        units["time"] = {"unit": f"{rate_hz:g} Hz", "from": "map"}
         beside = _beside(table, rate_hz)
         guess = f"time = rows counted at the stated {rate_hz:g} Hz{beside}; {guess}"
-    return RawChannels(
-        time_s=scaled["time"],
-        position_m=scaled["position"],
-        force_n=scaled["force"],
+    values = {q: table.column(i) for q, i in layout.columns.items()}
+    return in_si(
+        values, layout.units, rate_hz, guess,
         rows=table.rows,
         source=str(path),
         time_digit_s=table.printed_digit_s() if "time" in layout.columns else 0.0,
-        details={"columns": guess, "units": units},
         place_m=place_m(str(path), layout.header, table.column, request.place, layout.below),
-    ), guess
+    ), guess  # fmt: skip
 
 
 def _lines(path: Path) -> tuple[list[str], str]:
