@@ -144,11 +144,6 @@ def model_path(scene: Scene, scene_file: Path) -> Path:
 
 def scene_from_json(text: str, where: str) -> Scene:
     """Read a scene that `scene_to_json` wrote. Raises UsageError as `read_scene`."""
-    if "energy" in (json.loads(text).get("guard") or {}):
-        raise UsageError(
-            f"{where}: guard.energy: the account of energy was removed, because it cut the force "
-            "of a hand at rest: delete the key"
-        )
     scene = checked_keys(_ADAPTER, text, where, _known_keys)
     prefix = scene.runtime.prefix
     if not _IDENTIFIER.fullmatch(prefix) or prefix in _TAKEN or prefix.startswith("sp_"):

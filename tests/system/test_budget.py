@@ -26,11 +26,11 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
 @pytest.mark.parametrize(
     ("what", "most"),
     [
-        ("codegen/*.py", 6451),
+        ("codegen/*.py", 6449),
         ("trainer/*.py", 8786),
-        ("host/*.py", 12758),
+        ("host/*.py", 12555),
         ("runtime_c/*.[ch] codegen/*.j2", 7721),
-        ("tests/*.py", 19998),
+        ("tests/*.py", 19946),
     ],
 )
 def test_lines(what: str, most: int) -> None:
