@@ -165,24 +165,9 @@ class CLoop:
 
     def _adopt(self, device: OpenedDevice) -> CData:
         with blaming(f"{type(device).__name__}.link", type(device), DeviceError):
-            link = _link(device, self._library)
+            link = device.link(self._library)
+            if not (link and link.read and link.write and link.reset):
+                raise TypeError("returns no sp_link that has read, write and reset")
         self._links.append(link)
         self._owners.append(device)
         return link
-
-
-def _link(device: OpenedDevice, library: CLibrary) -> CData:
-    """Return the device's link. Raises DeviceError for a function that no link declares."""
-    try:
-        link = device.link(library)
-    except AttributeError as error:
-        if not str(error).isidentifier():  # cffi's is a name that no link declares
-            raise
-        raise DeviceError(
-            f"{type(device).__name__}: {error}: declare it in the C file of the device's link, "
-            'between the lines "springpot declarations begin" and "end"; or, if that file was '
-            "left out above, correct it"
-        ) from None
-    if not (link and link.read and link.write and link.reset):
-        raise TypeError("returns no sp_link that has read, write and reset")
-    return link

@@ -27,10 +27,10 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
     ("what", "most"),
     [
         ("codegen/*.py", 6449),
-        ("trainer/*.py", 8786),
-        ("host/*.py", 12555),
+        ("trainer/*.py", 8763),
+        ("host/*.py", 12512),
         ("runtime_c/*.[ch] codegen/*.j2", 7721),
-        ("tests/*.py", 19946),
+        ("tests/*.py", 19945),
     ],
 )
 def test_lines(what: str, most: int) -> None:

@@ -192,7 +192,7 @@ def frame_channels(frame: Any, name: str, columns: Mapping[Quantity, Hashable]) 
         if found is None:
             rate_hz = stated_hz(str(column)) if quantity == "time" else None
             if rate_hz is None:
-                raise UsageError(_missing(quantity, column, labels, frame))
+                raise UsageError(_missing(quantity, column, labels))
             continue
         label, stated = found
         own = split_unit(label, quantity)[1] if isinstance(label, str) else None
@@ -243,16 +243,13 @@ def _label(labels: Sequence[Hashable], column: Hashable) -> tuple[Hashable, str 
     return None
 
 
-def _missing(quantity: Quantity, column: Hashable, labels: Sequence[Hashable], frame: Any) -> str:
-    where, asked = f"{quantity}={str(column)!r}", (str(column), str(column).rpartition(":")[0])
-    same = [name for name in map(str, labels) if name in asked]
-    if len(same) > 1:
-        return f"{where}: {len(same)} columns have the name {same[0]!r}: rename or drop all but one"
-    if str(getattr(getattr(frame, "index", None), "name", None)) in asked:
-        return f"{where}: the table's index, no column: pass the table's reset_index()"
+def _missing(quantity: Quantity, column: Hashable, labels: Sequence[Hashable]) -> str:
     shown = ", ".join(repr(str(label)) for label in labels)[:_MAX_LETTERS] or "none"
     rate = ", or a rate such as time='1000Hz'" if quantity == "time" else ""
-    return f"{where}: no such column: the table has {shown}: name one of them, {quantity}=...{rate}"
+    return (
+        f"{quantity}={str(column)!r}: no column, or several, have this name: the table has {shown}:"
+        f" name one of them, {quantity}=...{rate}; of an index pass the table's reset_index()"
+    )
 
 
 def _without_zone(column: Any) -> np.ndarray[Any, Any]:

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import re
 import warnings
 from collections.abc import Sequence
 from contextlib import suppress
@@ -34,6 +35,7 @@ from springpot.trainer.recordings.formats.units import factor_to_si
 
 _LAST_LINES = 2000  # with a fixed number of significant digits, the last stamps have the fewest
 _MAX_EXPONENT = 300
+_NO_TEXT = re.compile("[\0-\b\x0e-\x19\x1b-\x1f]")  # but for Ctrl-Z at the end of DOS
 _SHOWN = 40  # letters of a line in a message
 
 
@@ -64,29 +66,21 @@ def read_csv(path: Path, request: FileRequest) -> tuple[RawChannels, str]:
 def _lines(path: Path) -> tuple[list[str], str]:
     """Lines of a text, and a note on an encoding that is not UTF-8.
 
-    Bytes that are no UTF-8 are Windows-1252 if nothing before them speaks for UTF-8.
+    Bytes that are no UTF-8 are Windows-1252. Raises DataError for bytes that are no text.
     """
     content, note = path.read_bytes(), ""
     try:
-        if content.startswith((b"\xff\xfe", b"\xfe\xff")):
-            text, note = content.decode("utf-16"), "; UTF-16 text"
-        else:
-            text = content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        before = content[: error.start]
-        try:
-            if error.encoding != "utf-8" or not before.isascii():
-                raise
-            text, note = content.decode("cp1252"), "; not UTF-8, read as Windows-1252"
-        except UnicodeDecodeError:
-            row = before.count(b"\n") + 1
-            raise DataError(
-                f"{path}, row {row}: byte 0x{content[error.start]:02x} is not {error.encoding} "
-                "text: save the file in UTF-8"
-            ) from None
-    if "\0" in text:
-        row = text[: text.index("\0")].count("\n") + 1
-        raise DataError(f"{path}, row {row}: a NUL character: export it as CSV in UTF-8")
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        wide = content.startswith((b"\xff\xfe", b"\xfe\xff"))
+        text = content.decode("utf-16" if wide else "cp1252", errors="replace")
+        note = "; UTF-16 text" if wide else "; not UTF-8, read as Windows-1252"
+    if _NO_TEXT.search(text):
+        raise DataError(
+            f"{path}: control characters, so no text: export it as CSV in UTF-8, or read it in "
+            "Python (an Excel workbook, TDMS, a log of CAN frames) and pass its columns to "
+            "springpot.Recording.from_frame"
+        )
     if not text.strip():
         raise NoRecordingError(f"{path}: the file is empty: give a header and rows of numbers")
     text = text.replace("\u2212", "-")  # the minus of typesetters
