@@ -28,9 +28,9 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
     [
         ("codegen/*.py", 6449),
         ("trainer/*.py", 8763),
-        ("host/*.py", 12512),
+        ("host/*.py", 12453),
         ("runtime_c/*.[ch] codegen/*.j2", 7721),
-        ("tests/*.py", 19945),
+        ("tests/*.py", 19880),
     ],
 )
 def test_lines(what: str, most: int) -> None:
