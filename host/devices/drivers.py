@@ -96,11 +96,6 @@ class Driver:
     place: int = 100
     __repr__ = short_repr
 
-    def __post_init__(self) -> None:
-        """Raise TypeError for links that are no tuple; of a text each letter would be a file."""
-        if not isinstance(self.links, tuple):
-            raise TypeError("links: give a tuple of paths, (Path(...),)")
-
     def function(self) -> Callable[[Address, DeviceRequirements], OpenedDevice]:
         """Return what `opens` names, loaded."""
         if not isinstance(self.opens, str):

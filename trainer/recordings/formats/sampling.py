@@ -113,7 +113,6 @@ def to_recording(raw: RawChannels, name: str, resample_hz: float | None) -> Reco
     sampling: dict[str, Any] = {
         "longest_step_s": float(steps_s.max()),
         "shortest_step_s": float(steps_s.min()),
-        "jitter_rms_s": float(np.sqrt(np.mean((steps_s - steps_s.mean()) ** 2))),
         "stamp_digit_s": raw.time_digit_s,
     }
     details["sampling"] = sampling
