@@ -13,7 +13,6 @@ from pydantic import TypeAdapter, ValidationError
 
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.files import given_path, read_bounded, write_file
-from springpot.codegen.model.model_file import MODEL_SUFFIX
 from springpot.codegen.scene import Scene
 from springpot.trainer.recordings.recording_file import File
 
@@ -40,19 +39,11 @@ def toml_as_json(path: Path, max_bytes: int, what: str) -> str:
         return json.dumps(tomllib.loads(read_bounded(path, max_bytes, what).decode()))
     except OSError as error:
         raise UsageError(f"{path}: cannot be read ({error.strerror}): give a {what}") from None
-    except DataError as error:
-        raise UsageError(f"{error}, which is text: {_meant(path, 'give its TOML')}") from None
-    except UnicodeDecodeError:
-        meant = _meant(path, "save it as UTF-8")
-        raise UsageError(f"{path}: not a {what}, which is text: {meant}") from None
-    except (ValueError, TypeError, RecursionError) as error:
-        raise UsageError(f"{path}: not a {what}: {str(error).splitlines()[0]}") from None
-
-
-def _meant(path: Path, else_do: str) -> str:
-    """What to do with a file that is no text."""
-    model = "it is a model, give --model or write a scene that names it"
-    return model if path.suffix == MODEL_SUFFIX else else_do
+    except (ValueError, TypeError, RecursionError) as error:  # DataError too
+        why = str(error).splitlines()[0]
+        raise UsageError(
+            f"{path}: not a {what} ({why}): give TOML in UTF-8; a model is for --model"
+        ) from None
 
 
 def checked_keys(

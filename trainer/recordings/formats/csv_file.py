@@ -3,7 +3,6 @@
 import csv
 import io
 import re
-import warnings
 from collections.abc import Sequence
 from contextlib import suppress
 from decimal import Decimal, InvalidOperation
@@ -88,28 +87,22 @@ def _lines(path: Path) -> tuple[list[str], str]:
 
 
 class _Table:
-    """The rows of numbers below a header: in bulk, or cell by cell where a row must be named.
+    """The rows of numbers below a header, cell by cell.
 
     rows: number of each row in the file, from 1. left_out: a note on text behind the numbers.
     """
 
     def __init__(self, path: Path, lines: Sequence[str], layout: Layout) -> None:
         self.path, self.lines, self.layout, self.left_out = path, lines, layout, ""
-        self._cells: list[Cells] | None = None
+        self._cells = list[Cells]()
         self._mark = COMMA_TO_POINT if layout.decimal == "comma" else {}
-        self._numbers = self._in_bulk()
-        rows = [k for k, line in enumerate(lines[layout.first :], layout.first + 1) if line.strip()]
-        if self._numbers.shape != (len(rows), layout.width):
-            rows = self._read_cells()
-        self.rows: Indices = np.array(rows, dtype=np.intp)
+        self.rows: Indices = np.array(self._read_cells(), dtype=np.intp)
 
     def column(self, index: int) -> Samples:
         """Return the numbers of a column, (n,), NaN for an empty cell.
 
         Raises DataError for the first cell that holds something else.
         """
-        if self._cells is None:
-            return self._numbers[:, index]
         found = [row[index].strip() for row in self._cells]
         for row, cell in zip(self.rows, found, strict=True):
             if cell and not is_number(cell, self.layout.decimal):
@@ -120,24 +113,9 @@ class _Table:
                 )
         return np.array([float(cell.translate(self._mark) or "nan") for cell in found])
 
-    def _in_bulk(self) -> Samples:
-        """All columns, (rows, columns), (0, 0) if a cell holds no number."""
-        lines = self.lines[self.layout.first :]
-        if self._mark:
-            lines = [line.translate(self._mark) for line in lines]
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # a file without rows is refused with short ones
-                return np.loadtxt(
-                    lines, delimiter=self.layout.delimiter, comments=None, quotechar='"', ndmin=2
-                )
-        except ValueError:
-            return np.empty((0, 0))
-
     def _read_cells(self) -> list[int]:
         """Read the rows as text up to the file's end, or to text behind them."""
-        layout, rows = self.layout, []
-        table = self._cells = list[Cells]()
+        layout, rows, table = self.layout, list[int](), self._cells
         reader = csv.reader(
             self.lines[layout.first :], delimiter=layout.delimiter, skipinitialspace=True
         )
