@@ -43,10 +43,7 @@ _GRAVITY_N = 5.0  # room for its gravity compensation, should the SDK's limit ho
 
 
 class DhdDevice(OpenedDevice):
-    """One device, its tool on a line along one axis; forces on, none given yet.
-
-    max_n is None: the SDK does not say.
-    """
+    """One device, its tool on a line along one axis; forces on, none given yet."""
 
     rate_advice = (
         "end other programs, plug it into a port of its own, or render a scene of its rate "

@@ -36,7 +36,7 @@ class SerialDevice(OpenedDevice):
 
     def __init__(self, address: Address, requirements: DeviceRequirements) -> None:
         """Open and start it. Raises DeviceError with one line for whatever is wrong."""
-        address.require_known(("baud", "surface_mm"))
+        address.require_known(("baud", "n_per_unit" if requirements.senses else "surface_mm"))
         self.address, self.requirements = address, requirements
         baud = address.whole("baud", BAUD, 1200, 12_000_000)
         require_fast_adapter(address.place, requirements.rate_hz)

@@ -172,8 +172,6 @@ def _activity(checked: Check) -> list[str]:
 def _unchecked(plan: Plan) -> list[str]:
     scene = plan.scene
     messages = []
-    if scene.device.surface_mm:
-        messages.append("device.surface_mm is for drivers: the C counts positions from the surface")
     if scene.runtime.number == "float64" and scene.runtime.target in SOFT_DOUBLES:
         messages.append(
             f"float64 on {scene.runtime.target}: doubles run in software there, and the flash of "

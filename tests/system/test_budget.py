@@ -28,9 +28,9 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
     [
         ("codegen/*.py", 6449),
         ("trainer/*.py", 8730),
-        ("host/*.py", 12410),
+        ("host/*.py", 12384),
         ("runtime_c/*.[ch] codegen/*.j2", 7721),
-        ("tests/*.py", 19876),
+        ("tests/*.py", 19884),
     ],
 )
 def test_lines(what: str, most: int) -> None:
