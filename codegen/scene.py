@@ -164,6 +164,8 @@ class Budget:
     """One state."""
     stack_bytes: Annotated[int, Gt(0)] | None = None
     """Of a tick, along the deepest path of calls."""
+    tick_us: Annotated[float, Gt(0)] | None = None
+    """Not checked when emitting: `springpot validate` measures it."""
     __repr__ = short_repr
 
 

@@ -18,14 +18,9 @@ from springpot.host.devices.drivers import Address
 from springpot.host.native.c_library import CLibrary
 
 _KEYS = ("library", "axis", "surface_mm", "walls_npm", "watchdog", "effector_mass_kg", "weight_n")
-_AXES = {
-    "-z": (2, -1.0),
-    "z": (2, 1.0),
-    "x": (0, 1.0),
-    "-x": (0, -1.0),
-    "y": (1, 1.0),
-    "-y": (1, -1.0),
-}  # index, and sign: along it the tool goes into the object
+# Index of the axis, and its sign: along it the tool goes into the object; the first by default.
+_AXES = {f"{sign}{name}": (axis, -1.0 if sign else 1.0)
+         for name, axis in (("z", 2), ("x", 0), ("y", 1)) for sign in ("-", "")}  # fmt: skip
 _LINKED = {
     "get_position": "dhdGetPosition",
     "get_linear_velocity": "dhdGetLinearVelocity",

@@ -89,10 +89,8 @@ class Sender:
     def encode(self, name: str, **values: Any) -> bytes:
         """Bytes of the next frame, the 0 bytes around it included."""
         ffi, c = _library().ffi, _library().c
-        sequence, room = (
-            ffi.new("uint32_t *", self.sequence),
-            ffi.new("uint8_t[]", constant("MAX_BYTES")),
-        )
+        sequence = ffi.new("uint32_t *", self.sequence)
+        room = ffi.new("uint8_t[]", constant("MAX_BYTES"))
         send = getattr(c, f"sp_wire_send_{name}")
         size = send(sequence, ffi.new(f"sp_wire_{name} *", values), room)
         self.sequence = sequence[0]

@@ -172,6 +172,10 @@ def _activity(checked: Check) -> list[str]:
 def _unchecked(plan: Plan) -> list[str]:
     scene = plan.scene
     messages = []
+    if scene.budget.tick_us is not None:
+        messages.append(
+            "budget.tick_us is not checked at emission: `springpot validate` measures it"
+        )
     if scene.runtime.number == "float64" and scene.runtime.target in SOFT_DOUBLES:
         messages.append(
             f"float64 on {scene.runtime.target}: doubles run in software there, and the flash of "

@@ -26,11 +26,11 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
 @pytest.mark.parametrize(
     ("what", "most"),
     [
-        ("codegen/*.py", 6449),
+        ("codegen/*.py", 6451),
         ("trainer/*.py", 8730),
-        ("host/*.py", 12384),
+        ("host/*.py", 12381),
         ("runtime_c/*.[ch] codegen/*.j2", 7721),
-        ("tests/*.py", 19884),
+        ("tests/*.py", 19885),
     ],
 )
 def test_lines(what: str, most: int) -> None:

@@ -204,7 +204,7 @@ def _stated_n(value: float | str | None, name: str) -> float | None:
         return None
     try:
         number = float(value)
-    except ValueError:
+    except (TypeError, ValueError):
         number = np.nan
     if not np.isfinite(number):
         raise UsageError(f"{name}={value!r}: give a force in N, or 'auto'")

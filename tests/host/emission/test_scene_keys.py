@@ -54,6 +54,7 @@ NUMBERS: dict[str, tuple[float | None, list[float], list[float]]] = {
     "budget.flash_bytes": (None, [1, 10**12], [0]),
     "budget.ram_bytes": (None, [1, 10**12], [0]),
     "budget.stack_bytes": (None, [1, 10**12], [0]),
+    "budget.tick_us": (None, [1e-9, 1e12], [0.0]),
 }
 WORDS: dict[str, tuple[Any, list[Any]]] = {
     "runtime.number": ("float32", ["float32", "float64"]),
