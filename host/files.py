@@ -14,7 +14,7 @@ from springpot.codegen.scene import Scene
 from springpot.host.emission import scene_file
 from springpot.trainer.recordings import hdf5_file, recording_file
 from springpot.trainer.recordings.formats.importing import ImportOptions
-from springpot.trainer.recordings.recording import Recording, Zero
+from springpot.trainer.recordings.recording import RECORDING_SUFFIX, Recording, Zero
 from springpot.trainer.recordings.recording_file import Recordings, given_recordings
 
 if TYPE_CHECKING:
@@ -32,12 +32,9 @@ def read_recordings(*paths: File) -> list[Recording]:
     >>> len(read_recordings("training"))
     3
     """
-    from springpot.host.quality import errors_in_python
-
     for path in paths:
         _require_file(path, "read_recordings(*paths) takes several")
-    with errors_in_python():
-        return recording_file.read_recordings(map(given_path, paths))
+    return recording_file.read_recordings(map(given_path, paths))
 
 
 def write_recordings(path: File, recordings: Recordings) -> list[Path]:
@@ -50,17 +47,32 @@ def write_recordings(path: File, recordings: Recordings) -> list[Path]:
     '.h5'
     """
     out, chosen = given_path(path), given_recordings(recordings)
-    if out.suffix == ".h5":
-        if len(chosen) != 1:
-            raise UsageError(f"{out}: {len(chosen)} recordings for one file: give a folder")
-        files = [out]
-    else:
-        files = [out / f"{recording.name}.h5" for recording in chosen]
-        if len({file.name for file in files}) < len(files):
-            raise UsageError(f"{out}: recordings of one name: give each a name of its own")
-        out.mkdir(parents=True, exist_ok=True)
-    for file, recording in zip(files, chosen, strict=True):
-        hdf5_file.write_recording(file, recording)
+    if out.suffix != RECORDING_SUFFIX:
+        return write_in_folder(out, chosen)
+    if len(chosen) != 1:
+        raise UsageError(f"{out}: {len(chosen)} recordings for one file: give a folder")
+    hdf5_file.write_recording(out, chosen[0])
+    return [out]
+
+
+def write_in_folder(
+    folder: Path, recordings: Sequence[Recording], *, overwrite: bool = True
+) -> list[Path]:
+    """Write NAME.h5 of each recording, and return these files.
+
+    Raises UsageError, and writes none, for two recordings of one name and, unless `overwrite`, for
+    a file that is there.
+    """
+    files = [folder / f"{recording.name}{RECORDING_SUFFIX}" for recording in recordings]
+    for number, file in enumerate(files):
+        if file in files[:number]:
+            sources = f"{recordings[files.index(file)].source} and {recordings[number].source}"
+            raise UsageError(f"{file}: of {sources}: write recordings of one name to two folders")
+        if file.exists() and not overwrite:
+            raise UsageError(f"{file}: exists already: remove it or choose another --out")
+    folder.mkdir(parents=True, exist_ok=True)
+    for file, recording in zip(files, recordings, strict=True):
+        hdf5_file.write_recording(file, recording, overwrite=overwrite)
     return files
 
 
@@ -88,7 +100,7 @@ def import_recordings(
     >>> import_recordings("press.csv", "time=t:s,position=x:mm,force=f:N")[0].name
     'press'
     """
-    from springpot.host.quality import errors_in_python, warn_of_quality
+    from springpot.host.quality import warn_of_quality
     from springpot.trainer.recordings.formats.column_map import parse_map
     from springpot.trainer.recordings.formats.importing import import_set
 
@@ -97,11 +109,9 @@ def import_recordings(
         _require_file(file, "or a list of files, and columns by springpot.Recording.from_frame")
     if not files:
         raise UsageError("no files: give at least one")
-    with errors_in_python():
-        mapping = parse_map(columns) if columns else None
-        found = import_set(
-            [given_path(file) for file in files], mapping, zero, resample_hz, options, rest_s
-        )
+    mapping = parse_map(columns) if columns else None
+    given = [given_path(file) for file in files]
+    found = import_set(given, mapping, zero, resample_hz, options, rest_s)
     notice("\n".join([*found.guesses.values(), *found.notes]))
     return warn_of_quality(found.recordings).checked
 

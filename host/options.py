@@ -102,10 +102,12 @@ class CommandGroup(click.Group):
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         """Resolve as click does; refuse empty words, and name the nearest of an unknown command."""
-        if not ctx.resilient_parsing:
-            _refuse_empty(ctx, args)
+        if ctx.resilient_parsing:
+            return super().resolve_command(ctx, args)
+        if any(word == "" or (word[:2] == "--" and word[-1] == "=") for word in args):
+            ctx.fail(f"{args[0]}: an argument is empty (a variable that is not set?): give a value")
         near = difflib.get_close_matches(args[0], self._table, 1)
-        if near and args[0] not in self._table and not ctx.resilient_parsing:
+        if near and args[0] not in self._table:
             ctx.fail(f"No such command {args[0]!r} (did you mean {near[0]}?)")
         return super().resolve_command(ctx, args)
 
@@ -116,18 +118,3 @@ class CommandGroup(click.Group):
             formatter.write_dl(
                 [(name, one.get_short_help_str(100)) for name, one in named.items() if one]
             )
-
-
-def _refuse_empty(ctx: click.Context, args: list[str]) -> None:
-    """Fail where a word is empty: no command means anything by it, and "" as a path is ".".
-
-    A shell variable that is not set makes one, as in `springpot import "$FOLDER"`.
-    """
-    for number, word in enumerate(args):
-        option, equals, value = word.partition("=") if word.startswith("--") else ("", "", word)
-        if value or (option and not equals):
-            continue
-        if not option:
-            before = args[number - 1] if number else ""
-            option = before if before.startswith("--") else f"argument {number}"
-        ctx.fail(f"{args[0]}: {option} is empty (a variable that is not set?): give a value")

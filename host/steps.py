@@ -119,14 +119,13 @@ def train(
     'rf-fd'
     """
     options = _fit_options(locals())
-    from springpot.host.quality import errors_in_python, in_python, warn_of_quality
+    from springpot.host.quality import warn_of_quality
     from springpot.trainer.kinds import fit_model
 
     training = warn_of_quality(some_recordings(recordings)).checked
-    with errors_in_python():
-        fit = fit_model(kind, name or kind, training, options, given_recordings(validation))
+    fit = fit_model(kind, name or kind, training, options, given_recordings(validation))
     for line in fit.warnings:
-        warnings.warn(in_python(line), UserWarning, stacklevel=2)
+        warnings.warn(line, UserWarning, stacklevel=2)
     return fit
 
 
@@ -149,7 +148,6 @@ def predict(
     >>> predict(model, [0.0, 1e-3, 2e-3]).shape
     (3,)
     """
-    from springpot.host.quality import in_python
     from springpot.trainer.models.predict import (
         beginnings,
         extrapolations,
@@ -178,7 +176,7 @@ def predict(
     doubts += [unplaced(model, recording), *extrapolations(model, recording)]
     for doubt in (*doubts, *beginnings(model, [recording])):
         if doubt:
-            warnings.warn(in_python(doubt), UserWarning, stacklevel=2)
+            warnings.warn(doubt, UserWarning, stacklevel=2)
     return force_n
 
 

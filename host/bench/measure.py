@@ -163,15 +163,9 @@ def bench_scene(number: Number, target: Target = "host") -> Scene:
     )
 
 
-def prediction_errors(
-    plan: Plan,
-    library: SceneLibrary,
-    recordings: Sequence[Recording],
-    before: Sequence[Recording] = (),
-) -> Point:
-    """Return error of the C on recordings; those of one session after the ones `before`."""
-    forces_n, ramps = replayed(plan, Replay(library), [*before, *recordings])
-    forces_n, ramps = forces_n[len(before) :], ramps[len(before) :]
+def prediction_errors(plan: Plan, library: SceneLibrary, recordings: Sequence[Recording]) -> Point:
+    """Return error of the C on recordings."""
+    forces_n, ramps = replayed(plan, Replay(library), recordings)
     found = accuracy([recording.force_n for recording in recordings], forces_n, ramps)
     named = ("rmse_n", "rmse_percent_of_peak", "mean_recording_rmse_n", "max_abs_error_n",
              "ape_below_jnd", "error_per_jnd")  # fmt: skip

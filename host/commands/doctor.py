@@ -13,7 +13,6 @@ import click
 from springpot.host.native.compiler import (
     CompilerError,
     cache_folder,
-    compiler_reason,
     compiler_version,
     find_compiler,
 )
@@ -51,7 +50,7 @@ def examine() -> Iterator[Diagnosis]:
 
     try:
         compiler = find_compiler()
-        seen = f"{' '.join(compiler)}: {compiler_version(compiler)} ({compiler_reason()})"
+        seen = f"{' '.join(compiler)}: {compiler_version(compiler)}"
         yield Diagnosis("C compiler", True, seen)
     except CompilerError as error:
         yield Diagnosis("C compiler", False, "none", str(error))

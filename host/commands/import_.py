@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
-from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,19 +16,7 @@ from springpot.trainer.recordings.formats.column_map import MAP_EXAMPLE, Decimal
 
 if TYPE_CHECKING:
     from springpot.trainer.recordings.quality.report import QualityReport
-    from springpot.trainer.recordings.recording import Recording, Zero
-
-
-def _auto_or_number(
-    ctx: click.Context, param: click.Parameter, value: str | None
-) -> float | str | None:
-    """Take auto, or a force in N."""
-    if value in (None, "auto"):
-        return value
-    with suppress(ValueError):
-        if math.isfinite(number := float(value)):
-            return number
-    raise click.BadParameter(f"{value!r} is neither auto nor a force in N")
+    from springpot.trainer.recordings.recording import Zero
 
 
 _OF_REPORT = ("name", "samples", "rate_hz", "position_m", "force_n", "signs")  # of a recording
@@ -52,10 +38,9 @@ _OF_REPORT = ("name", "samples", "rate_hz", "position_m", "force_n", "signs")  #
 @field_option(Conditioning, "force_delay_s", FiniteRange(), "Of the force's sensor.")
 @field_option(Conditioning, "align", None, "Take the stated delays out, not only note them.")
 @field_option(Conditioning, "mass_kg", NOT_NEGATIVE, "Beyond the load cell: inertia is removed.")
-@click.option("--tare", callback=_auto_or_number, metavar="auto|N", help="Force without contact.")
+@click.option("--tare", metavar="auto|N", help="Force without contact.")
 @click.option(
     "--contact-force",
-    callback=_auto_or_number,
     metavar="auto|N",
     help="Put position 0 where force passes this; auto: just above the noise.",
 )
@@ -89,6 +74,7 @@ def import_(
     One HDF5 file each. Headers such as time_s,position_m,force_N need no --map. Where one file is
     refused, nothing is written.
     """
+    from springpot.host.files import write_in_folder
     from springpot.host.quality import report_quality
     from springpot.trainer.recordings.formats.importing import (
         ImportOptions,
@@ -109,7 +95,7 @@ def import_(
         say(note)
     recordings = found.recordings
     report = report_quality(recordings)
-    rows = _rows(write_all(out, report.checked), report)
+    rows = _rows(write_in_folder(out, report.checked, overwrite=False), report)
     if not as_json:
         _show(rows)
         return
@@ -160,32 +146,3 @@ def _show(rows: Sequence[dict[str, Any]]) -> None:
             f"  {row['glance']}" + ("" if words in printed else f"\n  {words}")
         )
         printed.add(words)
-
-
-def write_all(out: Path, recordings: list[Recording]) -> list[Path]:
-    """Write all recordings, or none of them where one file exists already."""
-    from springpot.trainer.recordings.hdf5_file import write_recording
-    from springpot.trainer.recordings.recording import RECORDING_SUFFIX
-
-    files: dict[Path, Recording] = {}
-    for recording in recordings:
-        path = out / f"{recording.name}{RECORDING_SUFFIX}"
-        if path in files:
-            raise UsageError(
-                f"{path}: both {files[path].source} and {recording.source} would be written there: "
-                "import them into two folders"
-            )
-        if path.exists():
-            raise UsageError(f"{path}: exists already: remove it or choose another --out")
-        files[path] = recording
-    try:
-        out.mkdir(parents=True, exist_ok=True)
-        for path, recording in files.items():
-            write_recording(path, recording, overwrite=False)
-    except FileExistsError as error:
-        raise UsageError(
-            f"{error.filename2 or out}: came into being meanwhile: choose another --out"
-        ) from None
-    except OSError as error:
-        raise UsageError(f"{out}: cannot write here ({error}): choose another --out") from None
-    return list(files)

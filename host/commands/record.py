@@ -8,11 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
-from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-from springpot.codegen.messages import number_of
+from springpot.codegen.messages import at_step, number_of
 from springpot.host.options import PATH, POSITIVE, device_option
-from springpot.host.output import json_option, print_json, print_table, progress_console, say
+from springpot.host.output import json_option, print_json, print_table, progress_bar, say
 
 if TYPE_CHECKING:
     from springpot.host.recording.indentation import PressedDevice
@@ -114,24 +113,17 @@ def _progress(
     """A bar over all presses; yields what shows a press as it goes on, and one that is over."""
     from springpot.host.session.terminal import progress_line
 
-    progress = Progress(
-        TextColumn("{task.description}"),
-        BarColumn(),
-        TextColumn("{task.completed:.0f}/{task.total:.0f} s"),
-        TimeRemainingColumn(),
-        console=progress_console,
-        transient=True,
-    )
-    total_s = sum(len(profile.command_n) for profile in profiles) / 1000
-    task = progress.add_task("record", total=total_s)
+    total_s, done_s = round(sum(len(profile.command_n) for profile in profiles) / 1000), 0.0
 
     def on_progress(now: SessionProgress) -> None:
-        progress.update(task, description=progress_line(now, "q stop"))
+        at_step(progress_line(now, "q stop"), round(done_s), total_s)
 
     def on_press(quality: PressQuality) -> None:
-        progress.update(task, description=quality.name, advance=quality.duration_s)
+        nonlocal done_s
+        done_s += quality.duration_s
+        at_step(quality.name, round(done_s), total_s)
 
-    with progress:
+    with progress_bar("record"):
         yield on_progress, on_press
 
 

@@ -128,7 +128,6 @@ class VirtualDevice(OpenedDevice):
 
     comes_back = False
     unreached = FORCE_ZERO
-    max_n: float | None = None
 
     def stop(self) -> None:
         """End nothing: there is no motor."""

@@ -8,7 +8,6 @@ import os
 import re
 from collections.abc import Mapping
 from enum import IntEnum
-from pathlib import Path
 
 import cffi
 
@@ -16,10 +15,8 @@ from springpot.codegen.errors import DeviceError
 from springpot.codegen.types import CData
 
 LIBRARY_VARIABLE = "SPRINGPOT_LIBDHD"
-VENDOR = "1451"  # of Force Dimension on USB
-UDEV_RULE = f'SUBSYSTEM=="usb", ATTRS{{idVendor}}=="{VENDOR}", MODE="0666"'
+UDEV_RULE = 'SUBSYSTEM=="usb", ATTRS{idVendor}=="1451", MODE="0666"'
 _NAMES = ("libdhd.so.3", "libdhd.so", "libdrd.so.3", "libdrd.so")  # the second holds the first
-_USB = Path("/sys/bus/usb/devices")
 _DECLARATIONS = """
 int dhdGetDeviceCount(void);
 int dhdOpen(void);
@@ -121,7 +118,11 @@ class DhdLibrary:
         """
         count = self.c.dhdGetDeviceCount()
         if count <= 0:
-            raise DeviceError(f"{self._url}: {absent_reason()}")
+            raise DeviceError(
+                f"{self._url}: no Force Dimension device on USB that this user may open: check "
+                f"cable and power; {_ALLOW}; end other programs that hold one; in a container, "
+                "pass it on"
+            )
         if number is not None and number >= count:
             raise DeviceError(
                 f"{self._url}: there is no device {number}: {count} found, counted from 0"
@@ -137,29 +138,16 @@ class DhdLibrary:
 
 
 _UNKNOWN = "check cable and power, then try the maker's HapticDesk"
+_ALLOW = (
+    f"allow it: write `{UDEV_RULE}` to /etc/udev/rules.d/60-forcedimension.rules, then "
+    "`sudo udevadm control --reload && sudo udevadm trigger`"
+)
 _HELD = "another program holds it: end that one"
 _REMEDIES: Mapping[int, str] = {
     **dict.fromkeys((_BUSY, _IN_USE, _NOT_AVAILABLE), _HELD),
-    _DRIVER: f"allow it: write `{UDEV_RULE}` to /etc/udev/rules.d/60-forcedimension.rules, then "
-    "`sudo udevadm control --reload && sudo udevadm trigger`",
+    _DRIVER: _ALLOW,
     _DEVICE: "check cable and power",
 }
-
-
-def absent_reason() -> str:
-    """Why the SDK sees no device, from what the system sees on USB; and what to do."""
-    for vendor in _USB.glob("*/idVendor"):
-        try:
-            if vendor.read_text().strip() != VENDOR:
-                continue
-            numbers = [int((vendor.parent / name).read_text()) for name in ("busnum", "devnum")]
-        except (OSError, ValueError):
-            continue
-        node = Path("/dev/bus/usb", *(f"{number:03d}" for number in numbers))
-        if not os.access(node, os.R_OK | os.W_OK):
-            return f"a Force Dimension device is on USB ({node}), not yours: {_REMEDIES[_DRIVER]}"
-        return f"a Force Dimension device is on USB, but {_HELD}"
-    return "no Force Dimension device on USB: check cable and power; in a container, pass it on"
 
 
 def force_off_words(cause: int) -> str:

@@ -18,8 +18,9 @@ from springpot.host.devices.drivers import Address
 from springpot.host.native.c_library import CLibrary
 
 _KEYS = ("library", "axis", "surface_mm", "walls_npm", "watchdog", "effector_mass_kg", "weight_n")
+# Index of the axis, and its sign: along it the tool goes into the object; the first by default.
 _AXES = {f"{sign}{name}": (axis, -1.0 if sign else 1.0)
-         for axis, name in enumerate("xyz") for sign in ("", "-")}  # fmt: skip
+         for name, axis in (("z", 2), ("x", 0), ("y", 1)) for sign in ("-", "")}  # fmt: skip
 _LINKED = {
     "get_position": "dhdGetPosition",
     "get_linear_velocity": "dhdGetLinearVelocity",
@@ -37,10 +38,7 @@ _GRAVITY_N = 5.0  # room for its gravity compensation, should the SDK's limit ho
 
 
 class DhdDevice(OpenedDevice):
-    """One device, its tool on a line along one axis; forces on, none given yet.
-
-    max_n is None: the SDK does not say.
-    """
+    """One device, its tool on a line along one axis; forces on, none given yet."""
 
     rate_advice = (
         "end other programs, plug it into a port of its own, or render a scene of its rate "
@@ -51,7 +49,7 @@ class DhdDevice(OpenedDevice):
         """Open and arm it. Raises UsageError for a wrong URL, DeviceError with one line else."""
         address.require_known(_KEYS)
         self._url, self._address, self._required = address.url, address, requirements
-        self._axis, self._sign = _axis(address)
+        self._axis, self._sign = _AXES[address.choice("axis", tuple(_AXES))]
         self._walls_npm = address.number("walls_npm", 0.0, 0.0, _MAX_WALL_NPM)
         if self._watched and requirements.rate_hz * _WATCHDOG_STEP_S * _MAX_STEPS < 2:
             raise UsageError(
@@ -237,13 +235,3 @@ class DhdDevice(OpenedDevice):
                 self._call("dhdSetForce", 0.0, 0.0, 0.0)
             time.sleep(period_s)
         return count
-
-
-def _axis(address: Address) -> tuple[int, float]:
-    """Index of the axis, and its sign: along it the tool goes into the object."""
-    name = address.settings.get("axis", "-z")
-    if name not in _AXES:
-        raise UsageError(
-            f"{address.url}: axis={name}: give the way into the object: {', '.join(_AXES)}"
-        )
-    return _AXES[name]

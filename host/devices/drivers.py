@@ -1,7 +1,7 @@
 """Devices by URL: addresses taken apart, drivers, those that springpot brings, who opens one."""
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -96,11 +96,6 @@ class Driver:
     place: int = 100
     __repr__ = short_repr
 
-    def __post_init__(self) -> None:
-        """Raise TypeError for links that are no tuple; of a text each letter would be a file."""
-        if not isinstance(self.links, tuple):
-            raise TypeError("links: give a tuple of paths, (Path(...),)")
-
     def function(self) -> Callable[[Address, DeviceRequirements], OpenedDevice]:
         """Return what `opens` names, loaded."""
         if not isinstance(self.opens, str):
@@ -126,18 +121,16 @@ REPLAY = Driver(
 )
 
 
-def parse_device(
-    url: str, table: Mapping[str, Driver] | None = None, what: str = "device"
-) -> Address:
-    """Take a URL apart; table: the drivers that it may name, by default of devices.
+def parse_device(url: str) -> Address:
+    """Take a URL apart.
 
     Raises DeviceError for a scheme that no driver serves, UsageError for a URL without its place.
     """
-    table, parts = drivers() if table is None else table, urlsplit(url)
+    table, parts = drivers(), urlsplit(url)
     driver = table.get(parts.scheme)
     if driver is None:
         raise DeviceError(
-            f"{url}: no driver for {parts.scheme or f'a {what} without a scheme'!r}: use "
+            f"{url}: no driver for {parts.scheme or 'a device without a scheme'!r}: use "
             + "; ".join(known.example for known in table.values())
         )
     interface = parts.netloc if driver.on_bus else ""

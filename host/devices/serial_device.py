@@ -19,16 +19,14 @@ from springpot.host.devices.device import (
     too_weak,
 )
 from springpot.host.devices.drivers import Address
-from springpot.host.devices.serial_port import open_port, require_fast_adapter, require_fast_line
-from springpot.host.devices.wire import Frame, Receiver, Sender, constant, layout, messages
+from springpot.host.devices.serial_port import open_port, require_fast_adapter
+from springpot.host.devices.wire import Frame, Receiver, Sender, constant, layout
 from springpot.host.native.c_library import CLibrary
 
 BAUD = 921600
 _ASK_S, _AGAIN_S, _LOOK_S = 2.0, 0.05, 0.0005
 # A device's watchdog is asked to be quicker than what is proved: its samples say so a little later.
 _WATCHDOG_S = 0.75 * ZERO_S
-_REFUSED = {1: "that action", 2: "that rate", 3: "that watchdog"}
-_REFUSED_ACTION = 1
 
 
 class SerialDevice(OpenedDevice):
@@ -38,11 +36,9 @@ class SerialDevice(OpenedDevice):
 
     def __init__(self, address: Address, requirements: DeviceRequirements) -> None:
         """Open and start it. Raises DeviceError with one line for whatever is wrong."""
-        address.require_known(("baud", "surface_mm"))
+        address.require_known(("baud", "n_per_unit" if requirements.senses else "surface_mm"))
         self.address, self.requirements = address, requirements
         baud = address.whole("baud", BAUD, 1200, 12_000_000)
-        frame_bytes = max(messages()[name].wire_bytes for name in ("sample", "force"))
-        require_fast_line(address.place, baud, requirements.rate_hz, frame_bytes)
         require_fast_adapter(address.place, requirements.rate_hz)
         self.port: serial.Serial = open_port(address.place, baud)
         self.sender, self.receiver = Sender(), Receiver()
@@ -66,8 +62,8 @@ class SerialDevice(OpenedDevice):
     @property
     def rate_advice(self) -> str:
         return (
-            f"set its firmware to {self.requirements.rate_hz:g} Hz, or render a scene of its rate "
-            "([runtime] rate_hz, where the model allows it)"
+            f"set its firmware to {self.requirements.rate_hz:g} Hz, raise ?baud=, or render a "
+            "scene of its rate ([runtime] rate_hz, where the model allows it)"
         )
 
     def link(self, library: CLibrary) -> CData:
@@ -113,19 +109,13 @@ class SerialDevice(OpenedDevice):
                 f"{self.address.url}: {action} was not acknowledged within {patience_s:g} s: "
                 "restart the device"
             )
-        if refused := ack["refused"]:
-            raise self._refusal(action, refused)
-
-    def _refusal(self, action: str, refused: int) -> DeviceError:
-        what = f"{self.address.url}: the device refuses {_REFUSED.get(refused, 'a command')}"
-        if refused == _REFUSED_ACTION:
-            return DeviceError(
-                f"{what} ({action}): its firmware is of an older springpot: flash that of this one"
+        if ack["refused"]:
+            raise DeviceError(
+                f"{self.address.url}: the device refuses {action} at "
+                f"{self.requirements.rate_hz:g} Hz, watchdog {1e3 * self.watchdog_s:g} ms: change "
+                "runtime.rate_hz or guard.watchdog_ms in the scene, or flash the firmware of this "
+                "springpot"
             )
-        return DeviceError(
-            f"{what} ({self.requirements.rate_hz:g} Hz, watchdog {1e3 * self.watchdog_s:g} ms): "
-            "change runtime.rate_hz or guard.watchdog_ms in the scene"
-        )
 
     def frames(self) -> list[Frame]:
         """Frames that have come since the last call (before the loop takes over)."""
@@ -208,12 +198,13 @@ class SerialDevice(OpenedDevice):
         if hello is not None:
             return hello
         url = self.address.url
-        if self.receiver.other_versions:
+        counts = self.receiver.counts
+        if counts.other_versions:
             raise DeviceError(
-                f"{url}: speaks protocol version {self.receiver.other_version}, this springpot "
+                f"{url}: speaks protocol version {counts.other_version}, this springpot "
                 f"version {constant('VERSION')}: flash the firmware of this springpot"
             )
-        if self.receiver.crc_errors > 3:
+        if counts.crc_errors > 3:
             raise DeviceError(f"{url}: only damaged frames come: check ?baud= and the cable")
         raise DeviceError(
             f"{url}: no answer in {_ASK_S:g} s: is it a springpot device, and running?"

@@ -8,7 +8,6 @@ import serial
 from springpot.codegen.errors import DeviceError
 
 USB_SERIAL = Path("/sys/bus/usb-serial/devices")
-BITS_A_BYTE = 10  # with start and stop bit
 
 
 def require_port(place: str) -> None:
@@ -72,14 +71,4 @@ def require_fast_adapter(place: str, rate_hz: float) -> None:
         raise DeviceError(
             f"{place}: the adapter's latency timer is {ms} ms, {1000 // ms} exchanges a second: "
             f"`echo 1 | sudo tee {file}`"
-        )
-
-
-def require_fast_line(place: str, baud: int, rate_hz: float, frame_bytes: int) -> None:
-    """Raise DeviceError where one frame a period does not fit through the line."""
-    needed = frame_bytes * BITS_A_BYTE * rate_hz
-    if needed > baud:
-        raise DeviceError(
-            f"{place}: {baud} baud carry {baud / frame_bytes / BITS_A_BYTE:.0f} frames a second, "
-            f"{rate_hz:g} Hz need {needed:.0f} baud: raise ?baud= or lower runtime.rate_hz"
         )

@@ -1,23 +1,19 @@
-"""springpot serial, Python's end: the table of sp_wire_messages.h, frames out of it, and back."""
+"""springpot serial, Python's end: the C of runtime_c/port/wire, by the table of its messages."""
 
 import re
-import struct
 from collections.abc import Iterator
 from dataclasses import dataclass
-from functools import cache, cached_property
+from functools import cache
 from typing import Any
 
-from cobs import cobs
-from google_crc32c import value as crc32c
-
 from springpot.codegen.messages import short_repr
-from springpot.codegen.types import JsonObject
+from springpot.codegen.types import CData, JsonObject
+from springpot.host.native.c_library import CLibrary
+from springpot.host.native.compiler import shared_library
 from springpot.runtime_c.paths import PORT_WIRE
 
-_CODES = {"u8": "B", "u32": "I", "f32": "f"}
-_HEAD = struct.Struct("<BBI")
-_CRC = struct.Struct("<I")
-_WINDOW = 32
+_TYPES = {"u8": ("uint8_t", 1), "u32": ("uint32_t", 4), "f32": ("float", 4)}  # in C, and bytes
+_AROUND = 6 + 4 + 3  # bytes of a frame beside its body
 
 
 @dataclass(frozen=True)
@@ -28,15 +24,10 @@ class Message:
     number: int
     fields: tuple[tuple[str, str], ...]
 
-    @cached_property
-    def body(self) -> struct.Struct:
-        """Layout of the body."""
-        return struct.Struct("<" + "".join(_CODES[kind] for _, kind in self.fields))
-
     @property
     def wire_bytes(self) -> int:
         """Bytes of one frame on the wire."""
-        return _HEAD.size + self.body.size + _CRC.size + 3
+        return _AROUND + sum(_TYPES[kind][1] for _, kind in self.fields)
 
 
 @dataclass(frozen=True)
@@ -64,23 +55,29 @@ def messages() -> dict[str, Message]:
 
 
 @cache
+def _library() -> CLibrary:
+    """The C end, built and loaded: its macros make the struct and the calls of each message."""
+    header, table = ((PORT_WIRE / name).read_text() for name in ("sp_wire.h", "sp_wire_messages.h"))
+    sizes, structs = header.index("enum {"), header.index("typedef struct {\n    uint8_t type;")
+    declared = header[sizes : header.index("/* A struct")]
+    declared += header[structs : header.index("/* For each message")]
+    declared += "".join(re.findall(r"#define SP_WIRE_VERSION .*\n|enum \{.*\};\n", table))
+    for name, message in messages().items():
+        members = "".join(f"{_TYPES[kind][0]} {field};" for field, kind in message.fields)
+        declared += f"typedef struct {{ {members} }} sp_wire_{name};"
+        declared += f"uint32_t sp_wire_send_{name}(uint32_t *, const sp_wire_{name} *, uint8_t *);"
+        declared += f"int sp_wire_get_{name}(const sp_wire_frame *, sp_wire_{name} *);"
+    return CLibrary(shared_library([PORT_WIRE / "sp_wire.c"], [PORT_WIRE]), declared)
+
+
 def constant(name: str) -> int:
     """Return a constant of the header, such as "VERSION" or "TRIPPED"."""
-    text = (PORT_WIRE / "sp_wire_messages.h").read_text()
-    found = re.search(rf"\bSP_WIRE_{name}(?: = | )(\d+)", text)
-    assert found is not None, name
-    return int(found.group(1))
+    return int(getattr(_library().c, f"SP_WIRE_{name}"))
 
 
-@cache
 def layout() -> int:
-    """Checksum of the table: sp_wire_layout()."""
-    rows = (
-        f"{message.number} {message.name}:"
-        + "".join(f"{kind} {name};" for name, kind in message.fields)
-        for message in messages().values()
-    )
-    return int(crc32c("".join(rows).encode()))
+    """Checksum of the table."""
+    return int(_library().c.sp_wire_layout())
 
 
 class Sender:
@@ -91,73 +88,35 @@ class Sender:
 
     def encode(self, name: str, **values: Any) -> bytes:
         """Bytes of the next frame, the 0 bytes around it included."""
-        message = messages()[name]
-        plain = _HEAD.pack(message.number, constant("VERSION"), self.sequence)
-        plain += message.body.pack(*(values[field] for field, _ in message.fields))
-        self.sequence = (self.sequence + 1) & 0xFFFFFFFF
-        return bytes(b"\0" + cobs.encode(plain + _CRC.pack(crc32c(plain))) + b"\0")
+        ffi, c = _library().ffi, _library().c
+        sequence = ffi.new("uint32_t *", self.sequence)
+        room = ffi.new("uint8_t[]", constant("MAX_BYTES"))
+        send = getattr(c, f"sp_wire_send_{name}")
+        size = send(sequence, ffi.new(f"sp_wire_{name} *", values), room)
+        self.sequence = sequence[0]
+        return bytes(ffi.buffer(room, size))
 
 
 class Receiver:
-    """Cuts frames out of bytes; counts what was damaged (crc_errors) and what never came (gaps)."""
+    """Cuts frames out of bytes. counts: the C receiver, its crc_errors, gaps and other_versions."""
 
     def __init__(self) -> None:
-        self.frames = self.crc_errors = self.gaps = self.other_versions = 0
-        self.other_version = 0
-        self._pending = bytearray()
-        self._newest = 0
-        self._seen = 0
-        self._known = {message.number: message for message in messages().values()}
+        new = _library().ffi.new
+        self.counts: CData = new("sp_wire_receiver *")
+        self._frame = new("sp_wire_frame *")
+        self._names = {message.number: name for name, message in messages().items()}
 
     def feed(self, content: bytes) -> Iterator[Frame]:
         """Yield the whole frames that these bytes complete."""
-        self._pending += content
-        while (end := self._pending.find(0)) >= 0:
-            chunk = bytes(self._pending[:end])
-            del self._pending[: end + 1]
-            if chunk and (frame := self._frame(chunk)) is not None:
-                yield frame
+        new, c, frame = _library().ffi.new, _library().c, self._frame
+        for byte in content:
+            order = c.sp_wire_receive(self.counts, byte, frame)
+            if order != c.SP_WIRE_NONE and (name := self._names.get(frame.type)) is not None:
+                body = new(f"sp_wire_{name} *")
+                if getattr(c, f"sp_wire_get_{name}")(frame, body):
+                    values = {field: getattr(body, field) for field, _ in messages()[name].fields}
+                    yield Frame(name, frame.sequence, values, order == c.SP_WIRE_OLD)
 
     def restart(self) -> None:
         """Forget the sequence: the other end has started again."""
-        self._seen = 0
-
-    def _frame(self, chunk: bytes) -> Frame | None:
-        try:
-            plain = cobs.decode(chunk)
-        except cobs.DecodeError:
-            plain = b""
-        covered = len(plain) - _CRC.size
-        if covered < _HEAD.size or _CRC.pack(crc32c(plain[:covered])) != plain[covered:]:
-            self.crc_errors += 1
-            return None
-        number, version, sequence = _HEAD.unpack_from(plain)
-        if version != constant("VERSION"):
-            self.other_versions += 1
-            self.other_version = version
-            return None
-        self.frames += 1
-        message = self._known.get(number)
-        old = self._place(sequence, message is not None and message.name == "hello")
-        if message is None or message.body.size != covered - _HEAD.size:
-            return None
-        body = message.body.unpack_from(plain, _HEAD.size)
-        values = {field: value for (field, _), value in zip(message.fields, body, strict=True)}
-        return Frame(message.name, sequence, values, old)
-
-    def _place(self, sequence: int, is_hello: bool) -> bool:
-        ahead = (sequence - self._newest) & 0xFFFFFFFF
-        behind = (self._newest - sequence) & 0xFFFFFFFF
-        restarted = is_hello and ahead >= 1 << 31 and behind >= _WINDOW
-        if not self._seen or restarted:
-            self._seen = 0xFFFFFFFF  # nothing before the first frame of a start is missing
-        elif 0 < ahead < 1 << 31:
-            self.gaps += ahead - 1
-            self._seen = ((self._seen << ahead) | 1) & 0xFFFFFFFF if ahead < _WINDOW else 1
-        else:
-            if 0 < behind < _WINDOW and not self._seen >> behind & 1:
-                self._seen |= 1 << behind
-                self.gaps -= 1
-            return True
-        self._newest = sequence
-        return False
+        _library().c.sp_wire_restart(self.counts)

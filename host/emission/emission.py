@@ -31,7 +31,7 @@ from springpot.host.emission.scene_file import (
 )
 from springpot.host.native.compiler import NoCompilerError
 from springpot.host.native.scene_library import SceneLibrary, read_manifest
-from springpot.host.native.toolchain import SOFT_DOUBLES, Footprint, measure_footprint
+from springpot.host.native.toolchain import SOFT_DOUBLES, measure_footprint
 from springpot.host.output import say
 from springpot.host.stability.check import Check, check
 from springpot.host.stability.linear import require_stable
@@ -128,7 +128,6 @@ def _built(plan: Plan, aside: Path, folder: Path, write_s: float) -> Emission:
             )
         try:
             footprint = measure_footprint(aside, plan.scene.runtime.target)
-            notices += _selftest_stack(plan, footprint)
         except NoCompilerError as error:
             unmeasured = str(error)
             notices.append(f"flash and stack could not be measured: {error}")
@@ -158,20 +157,6 @@ def _built(plan: Plan, aside: Path, folder: Path, write_s: float) -> Emission:
     return emission
 
 
-def _selftest_stack(plan: Plan, found: Footprint) -> list[str]:
-    """What the self-test takes of the stack, where its state does not fit in the budget."""
-    may = plan.scene.budget.stack_bytes
-    if may is None or found.stack_bytes is None:
-        return []
-    takes = found.stack_bytes + state_bytes(plan)
-    if takes <= may:
-        return []
-    return [
-        f"the self-test takes {takes} bytes of stack, for it keeps a state of its own; the scene's "
-        f"budget is {may}: call it where there is room, or give it more"
-    ]
-
-
 def _activity(checked: Check) -> list[str]:
     """A warning where the model is not passive; never a refusal."""
     cells = []
@@ -191,8 +176,6 @@ def _unchecked(plan: Plan) -> list[str]:
         messages.append(
             "budget.tick_us is not checked at emission: `springpot validate` measures it"
         )
-    if scene.device.surface_mm:
-        messages.append("device.surface_mm is for drivers: the C counts positions from the surface")
     if scene.runtime.number == "float64" and scene.runtime.target in SOFT_DOUBLES:
         messages.append(
             f"float64 on {scene.runtime.target}: doubles run in software there, and the flash of "

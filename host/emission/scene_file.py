@@ -13,7 +13,6 @@ from pydantic import TypeAdapter, ValidationError
 
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.files import given_path, read_bounded, write_file
-from springpot.codegen.model.model_file import MODEL_SUFFIX
 from springpot.codegen.scene import Scene
 from springpot.trainer.recordings.recording_file import File
 
@@ -40,19 +39,11 @@ def toml_as_json(path: Path, max_bytes: int, what: str) -> str:
         return json.dumps(tomllib.loads(read_bounded(path, max_bytes, what).decode()))
     except OSError as error:
         raise UsageError(f"{path}: cannot be read ({error.strerror}): give a {what}") from None
-    except DataError as error:
-        raise UsageError(f"{error}, which is text: {_meant(path, 'give its TOML')}") from None
-    except UnicodeDecodeError:
-        meant = _meant(path, "save it as UTF-8")
-        raise UsageError(f"{path}: not a {what}, which is text: {meant}") from None
-    except (ValueError, TypeError, RecursionError) as error:
-        raise UsageError(f"{path}: not a {what}: {str(error).splitlines()[0]}") from None
-
-
-def _meant(path: Path, else_do: str) -> str:
-    """What to do with a file that is no text."""
-    model = "it is a model, give --model or write a scene that names it"
-    return model if path.suffix == MODEL_SUFFIX else else_do
+    except (ValueError, TypeError, RecursionError) as error:  # DataError too
+        why = str(error).splitlines()[0]
+        raise UsageError(
+            f"{path}: not a {what} ({why}): give TOML in UTF-8; a model is for --model"
+        ) from None
 
 
 def checked_keys(
@@ -144,11 +135,6 @@ def model_path(scene: Scene, scene_file: Path) -> Path:
 
 def scene_from_json(text: str, where: str) -> Scene:
     """Read a scene that `scene_to_json` wrote. Raises UsageError as `read_scene`."""
-    if "energy" in (json.loads(text).get("guard") or {}):
-        raise UsageError(
-            f"{where}: guard.energy: the account of energy was removed, because it cut the force "
-            "of a hand at rest: delete the key"
-        )
     scene = checked_keys(_ADAPTER, text, where, _known_keys)
     prefix = scene.runtime.prefix
     if not _IDENTIFIER.fullmatch(prefix) or prefix in _TAKEN or prefix.startswith("sp_"):

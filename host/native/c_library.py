@@ -1,7 +1,6 @@
 """C in this process: built through the cache, loaded, given memory; and the loop's."""
 
 import re
-import sys
 from collections.abc import Sequence
 from enum import IntEnum
 from functools import cache
@@ -23,7 +22,6 @@ _ARRAYS = {"f": "float[]", "d": "double[]", "i": "int32_t[]", "B": "uint8_t[]"}
 _ROW = (PORT_POSIX / "sp_loop.h").read_text(encoding="utf-8").partition("} sp_row;")[0]
 # Columns of a table of rows: the members of sp_row, in order.
 COLUMNS = tuple(re.findall(r"^    double (\w+);", _ROW.rpartition("typedef struct")[2], re.M))
-_UNBUILT = (CompilerError, OSError, cffi.CDefError, cffi.FFIError)  # the last: declared twice
 COLUMN = {name: k for k, name in enumerate(COLUMNS)}
 INPUT = "input_m"  # of a log: the position as sp_step got it, which may not be finite
 IDLE, RESET, NONE, SILENT, UNSENT = 1, 2, 4, 8, 16  # bits of a row's call
@@ -45,7 +43,9 @@ class CLibrary:
         try:
             self.c: CData = self.ffi.dlopen(str(path))
         except OSError as error:
-            raise CompilerError(f"{path}: cannot be loaded here ({error}): check CC") from None
+            raise CompilerError(
+                f"{path}: cannot be loaded here ({error}): remove it, check CC"
+            ) from None
 
     def memory(self, size: int, kind: str = "double") -> CData:
         """A pointer to `size` bytes for a C state of type `kind`, zero, aligned as for double."""
@@ -115,32 +115,20 @@ def loop_library(real: str) -> CLibrary:
     """Load the posix port for one number type, with the links of every device that is registered.
 
     real: "float" or "double". A link is one C file that declares what its driver calls between the
-    lines "springpot declarations begin" and "end", as those of sp_link_*.c do. Links of other
-    packages that cannot be built are left out, and a line on standard error says so: no other
-    device needs them.
+    lines "springpot declarations begin" and "end", as those of sp_link_*.c do. Raises
+    CompilerError that names the links of other packages where they cannot be built.
     """
     others = [Path(link) for driver in registered("devices", object).values()
               for link in getattr(driver, "links", ())]  # fmt: skip
     try:
         library = _built(real, others)
-    except _UNBUILT:
+    except (CompilerError, OSError, cffi.CDefError, cffi.FFIError) as error:  # declared twice
         if not others:
             raise
-        library = _built_without_faulty(real, others)
+        packages = ", ".join(map(str, others))
+        raise CompilerError(f"{error}: correct or uninstall what brings {packages}") from None
     assert library.ffi.sizeof("sp_row") == 8 * len(COLUMNS)
     assert all(getattr(library.c, f"SP_STOP_{reason.name}") == reason for reason in Stop)
-    return library
-
-
-def _built_without_faulty(real: str, others: Sequence[Path]) -> CLibrary:
-    """Build the port with each link that goes with those before it; say which are left out."""
-    library, linked = _built(real, []), list[Path]()
-    for link in others:
-        try:
-            library = _built(real, [*linked, link])
-            linked.append(link)
-        except _UNBUILT as error:
-            print(f"springpot: left out: {link}: {error}: correct or uninstall it", file=sys.stderr)
     return library
 
 

@@ -40,15 +40,6 @@ def packaged_compiler() -> tuple[str, ...]:
     return (sys.executable, "-P", "-m", "ziglang")  # -P: no module of the current folder
 
 
-def compiler_reason() -> str:
-    """Say why `find_compiler` takes the one that it takes."""
-    if os.environ.get("CC", "").strip():
-        return "CC names it"
-    if (packaged := packaged_compiler()) and find_compiler() == (*packaged, "cc"):
-        return "of springpot[cc]: there is no gcc, clang or cc on PATH, and CC is not set"
-    return "the first of gcc, clang, cc on PATH; CC would name another"
-
-
 @cache
 def find_compiler() -> tuple[str, ...]:
     """Return the command that compiles.
@@ -114,37 +105,29 @@ def shared_library(
     """
     build_flags = [*flags("SP_CFLAGS"), *flags("SP_SHARED"), *extra_flags]
     library = cache_folder() / f"{_key(sources, include, build_flags)}.so"
-    checksum = library.with_suffix(".sha256")
     try:
         library.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
-        for path in (library.parent, library, checksum):
+        for path in (library.parent, library):
             _require_own(path)
-        if _is_intact(library, checksum):
+        if library.exists():
             return library
     except OSError as error:
         raise CompilerError(
             f"{library.parent}: {error.strerror}: set XDG_CACHE_HOME to a folder that you can write"
         ) from None
     folders = [f"-I{folder}" for folder in include]
-    with written_aside(library) as built:
+    with written_aside(library, durable=True) as built:  # a part of one would crash the process
         run_compiler([*build_flags, *folders, *map(str, sources), "-o", str(built), "-lm"])
         if not built.exists():
             raise CompilerError(
                 f"{' '.join(find_compiler())} wrote no library: set CC to a C compiler"
             )
         built.chmod(0o700)  # whatever the umask: see _require_own
-        digest = hashlib.sha256(built.read_bytes()).hexdigest()
-    with written_aside(checksum) as aside:
-        aside.write_text(digest)
-        aside.chmod(0o600)
     return library
 
 
 def _require_own(path: Path) -> None:
-    """Refuse what others can write, or wrote: a library of the cache runs in this process.
-
-    Who can write the folder or a file can also write the checksum beside it.
-    """
+    """Refuse what others can write, or wrote: a library of the cache runs in this process."""
     try:
         status = path.stat()
     except FileNotFoundError:
@@ -161,14 +144,6 @@ def _require_own(path: Path) -> None:
         f"{path}: {reason}, and what lies there would run as you: set XDG_CACHE_HOME to a folder "
         f"of your own, or `chmod go-w` and remove what is not yours"
     )
-
-
-def _is_intact(library: Path, checksum: Path) -> bool:
-    """Whether the library is there as it was built: a damaged one would crash the process."""
-    try:
-        return hashlib.sha256(library.read_bytes()).hexdigest() == checksum.read_text()
-    except OSError:
-        return False
 
 
 def _key(sources: Sequence[Path], include: Sequence[Path], build_flags: Sequence[str]) -> str:

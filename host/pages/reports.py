@@ -9,9 +9,7 @@ from typing import Any
 
 import matplotlib as mpl
 import numpy as np
-from matplotlib.axis import Axis
 from matplotlib.figure import Figure
-from matplotlib.ticker import LogLocator, NullFormatter
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
@@ -37,26 +35,9 @@ STYLE: Any = {
     "svg.hashsalt": "springpot",
     "svg.fonttype": "path",
 }
-_PLAIN = (1e-4, 1e7)
 SVG_METADATA = dict.fromkeys(("Date", "Creator", "Format", "Type"))
 _SIZE_INCHES = (4.4, 3.4)
 _CURVE_POINTS, _TOTAL_POINTS = 4000, 20_000  # of a recording; of all in one figure
-
-
-def log_ticks(axis: Axis) -> None:
-    """Write plain numbers on a logarithmic axis on which all is drawn: the wider, the fewer.
-
-    Where these would be long, powers of ten stay.
-    """
-    low, high = axis.get_view_interval()
-    if low < _PLAIN[0] or high > _PLAIN[1]:
-        return
-    decades = np.log10(high / low)
-    fits = {0.7: (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0), 1.5: (1.0, 2.0, 5.0), 4.0: (1.0, 3.0)}
-    subs = next((subs for most, subs in fits.items() if decades < most), (1.0,))
-    axis.set_major_locator(LogLocator(subs=subs))
-    axis.set_major_formatter(lambda value, _: f"{value:.10g}")
-    axis.set_minor_formatter(NullFormatter())
 
 
 def svg_text(figure: Figure) -> str:
@@ -202,7 +183,5 @@ def _figure(points: Sequence[JsonMapping]) -> str:
             xscale="log", yscale="log", xlabel="time of a tick, ns",
             ylabel="RMSE on recordings that were not trained on, N",
         )  # fmt: skip
-        log_ticks(axes.xaxis)
-        log_ticks(axes.yaxis)
         axes.legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
         return svg_text(figure)

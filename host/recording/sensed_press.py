@@ -11,7 +11,7 @@ import time
 from array import array
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, contextmanager
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from functools import partial
 from typing import Any
 
@@ -22,10 +22,10 @@ from scipy.signal import chirp
 
 from springpot import SpringpotError
 from springpot.codegen.arrays import Samples
-from springpot.codegen.errors import DeviceError
+from springpot.codegen.errors import DeviceError, UsageError
 from springpot.codegen.types import JsonMapping, JsonObject
 from springpot.host.devices.device import DeviceRequirements
-from springpot.host.devices.drivers import SERIAL, Address, parse_device
+from springpot.host.devices.drivers import parse_device
 from springpot.host.devices.serial_device import SerialDevice
 from springpot.host.devices.wire import constant
 from springpot.host.output import say
@@ -151,14 +151,12 @@ class ForceSensor:
     error: SpringpotError | None = None
 
     def __init__(self, url: str) -> None:
-        sensor = replace(SERIAL, example="serial:///dev/ttyACM1?baud=921600")
-        address = parse_device(url, {"serial": sensor}, "sensor")
-        address.require_known(("baud", "n_per_unit"))
+        address = parse_device(url)
+        if address.scheme != "serial":
+            raise UsageError(f"{url}: no sensor: use serial:///dev/ttyACM1?baud=921600")
         self.url, self._factor = url, address.number("n_per_unit", 1.0, -1e6, 1e6)
         self.on_force: Callable[[float], None] = lambda _force_n: None
-        settings = {name: its for name, its in address.settings.items() if name == "baud"}
-        plain = Address(url, "serial", "", address.place, settings)
-        self._device = SerialDevice(plain, DeviceRequirements(RATE_HZ, 0.02, 0.0, senses=True))
+        self._device = SerialDevice(address, DeviceRequirements(RATE_HZ, 0.02, 0.0, senses=True))
         self._samples, self._lock, self._over = array("d"), threading.Lock(), threading.Event()
         self._thread = threading.Thread(target=self._run, daemon=True)
         self._thread.start()

@@ -66,8 +66,7 @@ class CLoop:
 
     def start(self, device: OpenedDevice) -> None:
         """Start the thread. Raises DeviceError where the system gives none."""
-        steps, stated = self._steps, asdict(self._settings)
-        real_time = stated.pop("real_time")
+        steps = self._steps
         pointer = self._library.pointer
         cpus = sorted(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else []
         config = self._ffi.new(
@@ -78,9 +77,9 @@ class CLoop:
                 "reset": pointer(steps.reset),
                 "state": pointer(steps.state),
                 "measured_n": self._ffi.cast("double *", steps.measured_n),
-                **stated,
+                **asdict(self._settings),
                 "latched_note": LATCHED,
-                "priority": _PRIORITY if real_time else 0,
+                "priority": _PRIORITY,
                 "cpu": cpus[-1] if len(cpus) > 1 else -1,  # the last one is spare
                 "rows": self._rows(self._ring),
                 "capacity": len(self._ring),
@@ -153,7 +152,7 @@ class CLoop:
 
     def refused(self) -> str:
         """Return what the system refused of that, and what to do; empty if nothing."""
-        if not self._settings.real_time or self.get_status().got & GOT_FIFO:
+        if self.get_status().got & GOT_FIFO:
             return ""
         return (
             "the system refused SCHED_FIFO, ticks may be late: `springpot doctor` says how to "
@@ -165,24 +164,9 @@ class CLoop:
 
     def _adopt(self, device: OpenedDevice) -> CData:
         with blaming(f"{type(device).__name__}.link", type(device), DeviceError):
-            link = _link(device, self._library)
+            link = device.link(self._library)
+            if not (link and link.read and link.write and link.reset):
+                raise TypeError("returns no sp_link that has read, write and reset")
         self._links.append(link)
         self._owners.append(device)
         return link
-
-
-def _link(device: OpenedDevice, library: CLibrary) -> CData:
-    """Return the device's link. Raises DeviceError for a function that no link declares."""
-    try:
-        link = device.link(library)
-    except AttributeError as error:
-        if not str(error).isidentifier():  # cffi's is a name that no link declares
-            raise
-        raise DeviceError(
-            f"{type(device).__name__}: {error}: declare it in the C file of the device's link, "
-            'between the lines "springpot declarations begin" and "end"; or, if that file was '
-            "left out above, correct it"
-        ) from None
-    if not (link and link.read and link.write and link.reset):
-        raise TypeError("returns no sp_link that has read, write and reset")
-    return link

@@ -15,7 +15,6 @@ from springpot.trainer.models.predict import FASTER, SPEED_S
 WINDOW_S = 0.05  # rows are looked at together
 CALM_S = 0.5  # without the condition: it is over
 HELD_SHARE = 0.1  # of the ticks of a window: a single lost sample is no warning
-MAX_EVENTS = 50  # of a kind: the last one counts the ticks of all further ones
 _DEEP, _FAST = "deeper than was recorded", "faster than four times the recorded speed"
 
 Alarm = Callable[[str], None]
@@ -96,6 +95,5 @@ class LiveWarnings:
         if begins:
             line = what if words is None else words
             self._alarm(f"{time_s[0]:.1f} s: warning: {line}" if line else "")
-        if begins and len(events) < MAX_EVENTS:
             events.append({"time_s": round(float(time_s[0]), 4), "what": what, "count": 0})
         events[-1]["count"] += len(time_s)

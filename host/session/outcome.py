@@ -41,7 +41,6 @@ class LoopSettings:
     max_depth_m: float = float("inf")
     reversed: bool = False
     sensed: bool = False
-    real_time: bool = True
 
 
 @dataclass(frozen=True)

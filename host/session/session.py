@@ -44,9 +44,8 @@ _CHANNELS = tuple(name for name in COLUMNS if name not in ("position_m", "sent_n
 
 
 class SessionLog(JournalWriter):
-    """The log of a session: a recording with a row for each tick. rows: so many."""
+    """The log of a session: a recording with a row for each tick."""
 
-    rows = 0
     _last: tuple[float, float] = (0.0, 0.0)
 
     def take(self, rows: LoopRows) -> None:
@@ -58,7 +57,6 @@ class SessionLog(JournalWriter):
             others = rows[:, [COLUMN[name] for name in _CHANNELS]]
             self.append(position_m, sent_n, np.column_stack((given_m, others)))
             self._last = position_m[-1], sent_n[-1]
-            self.rows += len(rows)
 
 
 def _finite(values: Samples, before: float) -> Samples:

@@ -106,7 +106,7 @@ class Stability:
         sentences = [
             loop_words(checked.stable, checked.spectral_radius),
             *outcome_words(self.outcomes, checked.stable),
-            *map_words(plan, checked.model_map, checked.scene_map),
+            *map_words(checked.model_map),
             *device_words(plan),
         ]
         return " ".join(sentences)
@@ -114,7 +114,7 @@ class Stability:
     def require_bounded(self) -> None:
         """Raise UnsafeError where the linear loop is not stable or the closed loop not bounded."""
         require_stable(self.check.plan)
-        why = why_unbounded(self.check.plan, self.outcomes)
+        why = why_unbounded(self.check.plan.scene.name, self.outcomes)
         if why:
             raise UnsafeError(why)
 

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from enum import Enum, IntEnum
 
 from springpot.codegen.coupling.linear_loop import CHECKED
-from springpot.codegen.messages import number_of
 from springpot.codegen.plan import Plan
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.simulation.cases import held_case
@@ -138,19 +137,13 @@ def outcome_words(outcomes: Sequence[Outcome], stable: bool) -> Iterator[str]:
         )
 
 
-def map_words(plan: Plan, model_map: Map, scene_map: Map) -> Iterator[str]:
-    """Sentences on active cells, of the model alone and of the whole scene."""
+def map_words(model_map: Map) -> Iterator[str]:
+    """A sentence on active cells of the model."""
     active, cells = model_map.active(False)
     if active:
         yield (
             f"The model is not passive in {active} of {cells} small-signal cells: a light hand "
             "may feel it buzz; hammerstein has none."
-        )
-    of_scene, cells = scene_map.active(False)
-    if of_scene > active:
-        yield (
-            f"The scene is not passive in {of_scene} of {cells} cells, for its "
-            f"{_between(plan)}: there the hand and the device's friction have to take energy."
         )
 
 
@@ -175,46 +168,17 @@ def vibrates(plan: Plan, library: SceneLibrary) -> bool:
     return any(Fault.LOUD in judge(outcome).faults for outcome in held)
 
 
-def why_unbounded(plan: Plan, outcomes: Sequence[Outcome]) -> str:
+def why_unbounded(scene: str, outcomes: Sequence[Outcome]) -> str:
     """Why a scene is not to be held, though its linear loop is stable; empty if nothing says so."""
     unbounded = [item.outcome for item in map(judge, outcomes) if item.unbounded]
     if not unbounded:
         return ""
     return (
-        f"{plan.scene.name}: the closed loop is not bounded on {_named(unbounded)}: do not hold "
-        f"the device with this scene; {may_do(plan, unbounded)}"
+        f"{scene}: the closed loop is not bounded on {_named(unbounded)}: do not hold "
+        "the device with this scene; what may do is a higher guard.max_force_n if the force "
+        "reaches it, coupling.mode = auto, a higher runtime.rate_hz, a passive model (hammerstein),"
+        " a device of less delay or a softer object"
     )
-
-
-def may_do(plan: Plan, faulty: Sequence[Outcome]) -> str:
-    """Name what of the scene may be changed, and is not so yet, to mend these outcomes."""
-    max_n = plan.max_force_n
-    # Half a period less delay, and less of a lost sample: a forest has the period it was fitted at.
-    faster = plan.model.regressor is None and any(item.late or item.losses for item in faulty)
-    ways = {
-        f"guard.max_force_n above {max_n:.3g} N, which the force reaches, if the device gives it": (
-            any(item.max_force_n >= 0.9999 * max_n for item in faulty)  # in float32
-        ),
-        "coupling.mode = auto": plan.scene.coupling.mode != "auto",
-        f"runtime.rate_hz of {2.0 / plan.dt_s:.5g} or more, if the device takes it": faster,
-        "a passive model (hammerstein)": plan.model.regressor is not None,
-        "a device of less delay": plan.loop_device.delay_samples > 0,
-    }
-    offered = [way for way, helps in ways.items() if helps]
-    if len(offered) > 1:
-        return f"what may do, one of these or several: {'; '.join(offered)}"
-    return f"{(offered or ['a softer object'])[0]} may do"
-
-
-def _between(plan: Plan) -> str:
-    """What stands between the model and the hand."""
-    delay = plan.loop_device.delay_samples
-    parts = {
-        "smoothing": plan.smooth_alpha is not None,
-        "coupling": plan.couple is not None,
-        f"delay of {number_of(delay, 'sample')}": delay > 0,
-    }
-    return " and ".join(name for name, there in parts.items() if there) or "limits"
 
 
 def _differs_by(outcomes: Sequence[Outcome]) -> str:

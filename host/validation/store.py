@@ -69,18 +69,6 @@ def read_validation(folder: Path) -> tuple[JsonObject, list[Validated]]:
         ) from None
 
 
-def _between_samples(validation: Validation) -> str:
-    """What the C was given between the samples of recordings that are slower than the scene."""
-    tick_s = validation.manifest["dt_s"]
-    slower = [item for item in validation.recordings if item.dt_s > 1.001 * tick_s]
-    if not slower:
-        return ""
-    return (
-        f"; between those at {slower[0].rate_hz:g} Hz the C was given positions on a straight "
-        f"line, at its {1.0 / tick_s:g} Hz"
-    )
-
-
 def _parts(validation: Validation) -> str:
     """The model's own error, and what coupling, guard and limits make of it.
 
@@ -99,18 +87,6 @@ def _parts(validation: Validation) -> str:
     return words
 
 
-def _deepest(validation: Validation) -> str:
-    """How far ticks outside went: by noise above what the model was trained on, or another press.
-
-    The trained depth is that of smoothed positions: a training press has such ticks too.
-    """
-    deepest_m = max(float(item.position_m.max()) for item in validation.recordings)
-    trained_m = float(validation.manifest["trained"]["depth_m"][1])
-    if not validation.notes.get("outside") or deepest_m <= trained_m:
-        return ""
-    return f"; deepest: {1e3 * deepest_m:.4g} of {1e3 * trained_m:.4g} mm"
-
-
 def validation_rows(validation: Validation) -> dict[str, str]:
     """A person's view of a validation."""
     found, ticks, felt = validation.accuracy, validation.ticks, validation.felt
@@ -125,8 +101,7 @@ def validation_rows(validation: Validation) -> dict[str, str]:
         "signs": accepted_words(validation.manifest),
         "edited C": ", ".join(validation.edited),
         "samples": str(found.samples)
-        + (f", {found.ramped} of them in the start-up ramp: not counted" if found.ramped else "")
-        + _between_samples(validation),
+        + (f", {found.ramped} of them in the start-up ramp: not counted" if found.ramped else ""),
     }
     differ = f"{validation.mismatches} ticks differ"
     presses = "{:.4g} N; later ones {:.4g} N"
@@ -157,7 +132,7 @@ def validation_rows(validation: Validation) -> dict[str, str]:
     note_words = notes_in_words(validation.notes, validation.clamped_low, validation.min_n)
     rows |= {
         "C against reference": differ,
-        "ticks with notes": note_words + _deepest(validation),
+        "ticks with notes": note_words,
         "tick, hot": f"{ticks.hot_median / 1e3:.3g} us",
         "tick, paced, cold": f"{ticks.p50 / 1e3:.3g} us, 99 % below {ticks.p99 / 1e3:.3g} us",
     }

@@ -26,11 +26,11 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
 @pytest.mark.parametrize(
     ("what", "most"),
     [
-        ("codegen/*.py", 6451),
-        ("trainer/*.py", 8811),
-        ("host/*.py", 12808),
+        ("codegen/*.py", 6452),
+        ("trainer/*.py", 8737),
+        ("host/*.py", 12381),
         ("runtime_c/*.[ch] codegen/*.j2", 7721),
-        ("tests/*.py", 20000),
+        ("tests/*.py", 19886),
     ],
 )
 def test_lines(what: str, most: int) -> None:

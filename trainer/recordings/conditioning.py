@@ -202,9 +202,13 @@ def _stated_n(value: float | str | None, name: str) -> float | None:
     """Force that was stated, N; None if it is to be found. Raises UsageError for other words."""
     if value is None or value == "auto":
         return None
-    if isinstance(value, str) or not np.isfinite(value):
+    try:
+        number = float(value)
+    except (TypeError, ValueError):
+        number = np.nan
+    if not np.isfinite(number):
         raise UsageError(f"{name}={value!r}: give a force in N, or 'auto'")
-    return float(value)
+    return number
 
 
 def on_one_surface(

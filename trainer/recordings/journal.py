@@ -106,7 +106,7 @@ class JournalWriter:
         self.full = False
         self.committed_rows = 0  # that survive whatever happens to this process
         self._width = 2 + len(channels)
-        self._rows, self._parts, self._committed_s = 0, 0, monotonic()
+        self.rows, self._parts, self._committed_s = 0, 0, monotonic()
         self._store: sqlite3.Connection | None = None
         metadata = {
             "schema": RECORDING_SCHEMA, "name": name, "dt_s": dt_s, "source": source,
@@ -136,7 +136,7 @@ class JournalWriter:
         if channels is not None:
             rows[:, 2:] = channels
         self._write(rows.tobytes())
-        self._rows += len(rows)
+        self.rows += len(rows)
         if monotonic() - self._committed_s > _COMMIT_S:
             self._commit()
 
@@ -184,7 +184,7 @@ class JournalWriter:
     ) -> None:
         if self._store is None:
             return
-        if self._rows < MIN_SAMPLES:
+        if self.rows < MIN_SAMPLES:
             self.discard()
             return
         with suppress(DeviceError):  # the error that is under way is reported instead
@@ -201,7 +201,7 @@ class JournalWriter:
         if not self.full and self._store is not None:
             if self._store.in_transaction:
                 self._execute("COMMIT")
-            self.committed_rows, self._committed_s = self._rows, monotonic()
+            self.committed_rows, self._committed_s = self.rows, monotonic()
 
     def _execute(self, statement: str, values: tuple[object, ...] = ()) -> None:
         assert self._store is not None, "the journal is closed"

@@ -34,14 +34,11 @@ def given_recordings(given: Recordings) -> list[Recording]:
 
 
 def _no_recording(given: object) -> UsageError:
-    remedy = "read_recordings reads files and folders"
-    if isinstance(given, Mapping) and all(isinstance(one, Recording) for one in given.values()):
-        remedy = "give a list of them, list(recordings.values())"
-    elif isinstance(given, Mapping) or hasattr(given, "columns"):
-        remedy = "Recording.from_frame makes one of a table"
-    elif hasattr(given, "shape"):
-        remedy = "Recording(name, position_m, force_n, dt_s) makes one"
-    return UsageError(f"{type(given).__name__} is no recording: {remedy}")
+    return UsageError(
+        f"{type(given).__name__} is no recording: give recordings, or files and folders as "
+        "read_recordings does; list(recordings.values()) of a dict, Recording.from_frame of a "
+        "table, Recording(name, position_m, force_n, dt_s) of arrays"
+    )
 
 
 def read_recording(path: Path) -> Recording:

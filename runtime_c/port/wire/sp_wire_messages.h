@@ -1,5 +1,5 @@
 /* The springpot serial protocol: the one table of its messages. C builds structs, packing and
- * unpacking out of it, Python reads it as text (host/wings/devices/wire.py); both ends compare a
+ * unpacking out of it, Python reads it as text (host/devices/wire.py); both ends compare a
  * checksum of it in the hello, so that two ends of different tables refuse each other.
  *
  * A frame: type u8, version u8, sequence u32, body, CRC-32C of all before it (u32), all

@@ -52,7 +52,7 @@ def test_dates_are_read_in_every_time_zone(zone):
 @pytest.mark.parametrize("name", COLUMNS)
 def test_a_refusal_says_that_a_name_is_there_twice_or_the_index(name):
     quantity = name.rpartition("_")[0]
-    with refusing(UsageError, f"{quantity}=", f"2 columns have the name '{name}'"):
+    with refusing(UsageError, f"{quantity}='{name}'", "or several, have this name"):
         Recording.from_frame(Table(COLUMNS, [*COLUMNS, name]))
     others = {key: values for key, values in COLUMNS.items() if key != name}
     with refusing(UsageError, f"{quantity}='{name}'", "index", "reset_index()"):

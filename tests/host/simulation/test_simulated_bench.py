@@ -9,8 +9,9 @@ from springpot.codegen.coupling.loop_device import LoopDevice
 from springpot.codegen.errors import DeviceError
 from springpot.host.devices.virtual import parse_url
 from springpot.host.recording import protocols
-from springpot.host.simulation.bench import SimulatedBench
+from springpot.host.simulation.bench import SimulatedBench, bench_library
 from springpot.host.simulation.objects import (
+    ALL_OBJECTS,
     FOREIGN_OBJECTS,
     HAND_NAMES,
     OBJECTS,
@@ -28,6 +29,13 @@ def energy_j(position_m, force_n):
     """Work done on the object up to each sample, trapezoids."""
     means_n = (force_n[1:] + force_n[:-1]) / 2
     return np.concatenate([[0], np.cumsum(means_n * np.diff(position_m))])
+
+
+@pytest.mark.parametrize(("kind", "names"), [("object", ALL_OBJECTS), ("hand", HAND_NAMES)])
+def test_the_c_has_the_same_names(kind, names):
+    c, text = bench_library().c, bench_library().ffi.string
+    count = getattr(c, f"sim_{kind}_count")()
+    assert tuple(text(getattr(c, f"sim_{kind}_name")(i)).decode() for i in range(count)) == names
 
 
 @pytest.mark.few(1)

@@ -21,8 +21,8 @@ from springpot.trainer.recordings.formats.column_map import (
     split_unit,
     stated_hz,
 )
-from springpot.trainer.recordings.formats.sampling import RawChannels
-from springpot.trainer.recordings.formats.units import FRAME_NAME, Quantity, choose_unit
+from springpot.trainer.recordings.formats.sampling import RawChannels, in_si
+from springpot.trainer.recordings.formats.units import Quantity, Unit, choose_unit
 from springpot.trainer.recordings.recording import FRAME_SOURCE
 
 _MAX_SHOWN = 12  # arrays in a message
@@ -67,27 +67,20 @@ def read_arrays(path: Path, kind: str, request: FileRequest) -> tuple[RawChannel
             "name": None if array.label.endswith("]") else split_unit(array.label, q)[1],
         }
         units[q] = choose_unit(texts, q, f"{path}, array {array.name!r}", array.name)
-    scaled = {q: array.values * units[q].to_si for q, array in chosen.items()}
     guess = f"{kind.upper()} file: " + ", ".join(
         f"{q} = {array.name!r} in {units[q].text} ({units[q].origin})"
         for q, array in chosen.items()
     )
-    metadata = {q: unit.metadata() for q, unit in units.items()}
-    count = len(scaled["force"])
     if request.rate_hz is not None:
-        scaled["time"] = np.arange(count) / request.rate_hz
-        metadata["time"] = {"unit": f"{request.rate_hz:g} Hz", "from": "map"}
         guess += f", time = samples counted at the stated {request.rate_hz:g} Hz"
     labels, below = [array.label for array in arrays], [array.unit for array in arrays]
-    return RawChannels(
-        time_s=scaled["time"],
-        position_m=scaled["position"],
-        force_n=scaled["force"],
-        rows=np.arange(1, count + 1),
+    values = {q: array.values for q, array in chosen.items()}
+    return in_si(
+        values, units, request.rate_hz, guess,
+        rows=np.arange(1, len(values["force"]) + 1),
         source=str(path),
-        details={"columns": guess, "units": metadata},
         place_m=place_m(str(path), labels, lambda k: arrays[k].values, request.place, below),
-    ), guess
+    ), guess  # fmt: skip
 
 
 def _choose(
@@ -191,46 +184,37 @@ def frame_channels(frame: Any, name: str, columns: Mapping[Quantity, Hashable]) 
     for what is no table and for a column that is not there, DataError for a unit.
     """
     labels = _labels(frame)
-    scaled: dict[Quantity, Samples] = {}
-    units: dict[Quantity, dict[str, Any]] = {}
+    numbers: dict[Quantity, Samples] = {}
+    units: dict[Quantity, Unit] = {}
     digit_s, rate_hz = 0.0, None
     for quantity, column in columns.items():
         found = _label(labels, column)
         if found is None:
             rate_hz = stated_hz(str(column)) if quantity == "time" else None
             if rate_hz is None:
-                raise UsageError(_missing(quantity, column, labels, frame))
-            units[quantity] = {"unit": f"{rate_hz:g} Hz", "from": "map"}
+                raise UsageError(_missing(quantity, column, labels))
             continue
         label, stated = found
+        own = split_unit(label, quantity)[1] if isinstance(label, str) else None
         where, values = f"{name}, {quantity}={str(column)!r}", _without_zone(frame[label])
         if quantity == "time" and values.dtype.kind in "mM":  # its type states the unit
             step = np.ones((), values.dtype.str.replace("M8", "m8"))
             digit_s = float(step / np.timedelta64(1, "s"))
-            scaled[quantity] = given_numbers((values - values[:1]) / np.timedelta64(1, "s"), where)
-            units[quantity] = {"unit": "s", "from": "map"}
-            continue
-        own = split_unit(label, quantity)[1] if isinstance(label, str) else None
-        texts = {"map": stated, FRAME_NAME: own}
-        unit = choose_unit(texts, quantity, where, str(label), in_python=True)
-        scaled[quantity] = given_numbers(values, where) * unit.to_si
-        units[quantity] = unit.metadata()
-    count = len(scaled["force"])
-    return RawChannels(
-        time_s=scaled["time"] if rate_hz is None else np.arange(count) / rate_hz,
-        position_m=scaled["position"],
-        force_n=scaled["force"],
-        rows=np.arange(count),
+            values, stated, own = (values - values[:1]) / np.timedelta64(1, "s"), "s", None
+        texts = {"map": stated, "column's name": own}
+        units[quantity] = choose_unit(texts, quantity, where, str(label))
+        numbers[quantity] = given_numbers(values, where)
+    return in_si(
+        numbers, units, rate_hz,
+        rows=np.arange(len(numbers["force"])),
         source=FRAME_SOURCE,
         time_digit_s=digit_s,
-        details={"units": units},
         place_m=place_m(
             name,
             [str(label) for label in labels],
             lambda k: given_numbers(np.asarray(frame[labels[k]]), f"{name}, {labels[k]}"),
         ),
-        in_python=True,
-    )
+    )  # fmt: skip
 
 
 def _labels(frame: Any) -> list[Hashable]:
@@ -259,16 +243,13 @@ def _label(labels: Sequence[Hashable], column: Hashable) -> tuple[Hashable, str 
     return None
 
 
-def _missing(quantity: Quantity, column: Hashable, labels: Sequence[Hashable], frame: Any) -> str:
-    where, asked = f"{quantity}={str(column)!r}", (str(column), str(column).rpartition(":")[0])
-    same = [name for name in map(str, labels) if name in asked]
-    if len(same) > 1:
-        return f"{where}: {len(same)} columns have the name {same[0]!r}: rename or drop all but one"
-    if str(getattr(getattr(frame, "index", None), "name", None)) in asked:
-        return f"{where}: the table's index, no column: pass the table's reset_index()"
+def _missing(quantity: Quantity, column: Hashable, labels: Sequence[Hashable]) -> str:
     shown = ", ".join(repr(str(label)) for label in labels)[:_MAX_LETTERS] or "none"
     rate = ", or a rate such as time='1000Hz'" if quantity == "time" else ""
-    return f"{where}: no such column: the table has {shown}: name one of them, {quantity}=...{rate}"
+    return (
+        f"{quantity}={str(column)!r}: no column, or several, have this name: the table has {shown}:"
+        f" name one of them, {quantity}=...{rate}; of an index pass the table's reset_index()"
+    )
 
 
 def _without_zone(column: Any) -> np.ndarray[Any, Any]:

@@ -2,7 +2,7 @@
 
 import csv
 import io
-import warnings
+import re
 from collections.abc import Sequence
 from contextlib import suppress
 from decimal import Decimal, InvalidOperation
@@ -29,11 +29,12 @@ from springpot.trainer.recordings.formats.csv_layout import (
     is_number,
     is_value,
 )
-from springpot.trainer.recordings.formats.sampling import MIN_ROWS, RawChannels
+from springpot.trainer.recordings.formats.sampling import MIN_ROWS, RawChannels, in_si
 from springpot.trainer.recordings.formats.units import factor_to_si
 
 _LAST_LINES = 2000  # with a fixed number of significant digits, the last stamps have the fewest
 _MAX_EXPONENT = 300
+_NO_TEXT = re.compile("[\0-\b\x0e-\x19\x1b-\x1f]")  # but for Ctrl-Z at the end of DOS
 _SHOWN = 40  # letters of a line in a message
 
 
@@ -46,53 +47,39 @@ def read_csv(path: Path, request: FileRequest) -> tuple[RawChannels, str]:
     lines, encoding = _lines(path)
     layout = find_layout(path, lines, request)
     table = _Table(path, lines, layout)
-    scaled = {q: table.column(i) * layout.units[q].to_si for q, i in layout.columns.items()}
-    units = {q: unit.metadata() for q, unit in layout.units.items()}
-    rate_hz, count = request.rate_hz, len(table.rows)
+    rate_hz = request.rate_hz
     guess = layout.guess() + encoding + table.left_out
     if rate_hz is not None:
-        scaled["time"] = np.arange(count) / rate_hz
-        units["time"] = {"unit": f"{rate_hz:g} Hz", "from": "map"}
         beside = _beside(table, rate_hz)
         guess = f"time = rows counted at the stated {rate_hz:g} Hz{beside}; {guess}"
-    return RawChannels(
-        time_s=scaled["time"],
-        position_m=scaled["position"],
-        force_n=scaled["force"],
+    values = {q: table.column(i) for q, i in layout.columns.items()}
+    return in_si(
+        values, layout.units, rate_hz, guess,
         rows=table.rows,
         source=str(path),
         time_digit_s=table.printed_digit_s() if "time" in layout.columns else 0.0,
-        details={"columns": guess, "units": units},
         place_m=place_m(str(path), layout.header, table.column, request.place, layout.below),
-    ), guess
+    ), guess  # fmt: skip
 
 
 def _lines(path: Path) -> tuple[list[str], str]:
     """Lines of a text, and a note on an encoding that is not UTF-8.
 
-    Bytes that are no UTF-8 are Windows-1252 if nothing before them speaks for UTF-8.
+    Bytes that are no UTF-8 are Windows-1252. Raises DataError for bytes that are no text.
     """
     content, note = path.read_bytes(), ""
     try:
-        if content.startswith((b"\xff\xfe", b"\xfe\xff")):
-            text, note = content.decode("utf-16"), "; UTF-16 text"
-        else:
-            text = content.decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        before = content[: error.start]
-        try:
-            if error.encoding != "utf-8" or not before.isascii():
-                raise
-            text, note = content.decode("cp1252"), "; not UTF-8, read as Windows-1252"
-        except UnicodeDecodeError:
-            row = before.count(b"\n") + 1
-            raise DataError(
-                f"{path}, row {row}: byte 0x{content[error.start]:02x} is not {error.encoding} "
-                "text: save the file in UTF-8"
-            ) from None
-    if "\0" in text:
-        row = text[: text.index("\0")].count("\n") + 1
-        raise DataError(f"{path}, row {row}: a NUL character: export it as CSV in UTF-8")
+        text = content.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        wide = content.startswith((b"\xff\xfe", b"\xfe\xff"))
+        text = content.decode("utf-16" if wide else "cp1252", errors="replace")
+        note = "; UTF-16 text" if wide else "; not UTF-8, read as Windows-1252"
+    if _NO_TEXT.search(text):
+        raise DataError(
+            f"{path}: control characters, so no text: export it as CSV in UTF-8, or read it in "
+            "Python (an Excel workbook, TDMS, a log of CAN frames) and pass its columns to "
+            "springpot.Recording.from_frame"
+        )
     if not text.strip():
         raise NoRecordingError(f"{path}: the file is empty: give a header and rows of numbers")
     text = text.replace("\u2212", "-")  # the minus of typesetters
@@ -100,28 +87,22 @@ def _lines(path: Path) -> tuple[list[str], str]:
 
 
 class _Table:
-    """The rows of numbers below a header: in bulk, or cell by cell where a row must be named.
+    """The rows of numbers below a header, cell by cell.
 
     rows: number of each row in the file, from 1. left_out: a note on text behind the numbers.
     """
 
     def __init__(self, path: Path, lines: Sequence[str], layout: Layout) -> None:
         self.path, self.lines, self.layout, self.left_out = path, lines, layout, ""
-        self._cells: list[Cells] | None = None
+        self._cells = list[Cells]()
         self._mark = COMMA_TO_POINT if layout.decimal == "comma" else {}
-        self._numbers = self._in_bulk()
-        rows = [k for k, line in enumerate(lines[layout.first :], layout.first + 1) if line.strip()]
-        if self._numbers.shape != (len(rows), layout.width):
-            rows = self._read_cells()
-        self.rows: Indices = np.array(rows, dtype=np.intp)
+        self.rows: Indices = np.array(self._read_cells(), dtype=np.intp)
 
     def column(self, index: int) -> Samples:
         """Return the numbers of a column, (n,), NaN for an empty cell.
 
         Raises DataError for the first cell that holds something else.
         """
-        if self._cells is None:
-            return self._numbers[:, index]
         found = [row[index].strip() for row in self._cells]
         for row, cell in zip(self.rows, found, strict=True):
             if cell and not is_number(cell, self.layout.decimal):
@@ -132,24 +113,9 @@ class _Table:
                 )
         return np.array([float(cell.translate(self._mark) or "nan") for cell in found])
 
-    def _in_bulk(self) -> Samples:
-        """All columns, (rows, columns), (0, 0) if a cell holds no number."""
-        lines = self.lines[self.layout.first :]
-        if self._mark:
-            lines = [line.translate(self._mark) for line in lines]
-        try:
-            with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # a file without rows is refused with short ones
-                return np.loadtxt(
-                    lines, delimiter=self.layout.delimiter, comments=None, quotechar='"', ndmin=2
-                )
-        except ValueError:
-            return np.empty((0, 0))
-
     def _read_cells(self) -> list[int]:
         """Read the rows as text up to the file's end, or to text behind them."""
-        layout, rows = self.layout, []
-        table = self._cells = list[Cells]()
+        layout, rows, table = self.layout, list[int](), self._cells
         reader = csv.reader(
             self.lines[layout.first :], delimiter=layout.delimiter, skipinitialspace=True
         )

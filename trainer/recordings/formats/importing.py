@@ -27,15 +27,6 @@ from springpot.trainer.recordings.recording_file import read_recording
 _BEGINS = set("+-.0123456789")  # a number
 _START_BYTES = 520  # a user block of HDF5 is 512 of them
 _HDF5, _MAT5, _MAT73 = b"\x89HDF\r\n\x1a\n", b"MATLAB 5.0 MAT-file", b"MATLAB 7.3 MAT-file"
-_OTHERS = {  # how files begin that are neither arrays nor a table as text: docs/how-to/import.md
-    b"PK\x03\x04": "an Excel workbook (pandas)",
-    b"\xd0\xcf\x11\xe0": "an old Excel or Office file (pandas)",
-    b"TDSm": "a TDMS file (npTDMS)",
-    b"LOGG": "a log of CAN frames (cantools)",
-    b"<Mach-1 File>": "a text of Mach-1 (numpy)",
-    b"{\\rtf": "formatted text (RTF)",
-    b"%PDF": "a PDF",
-}
 # Files of a folder that may be recordings; others are named one by one.
 _OF_RECORDINGS = {
     ".csv", ".tsv", ".tab", ".txt", ".dat", ".asc", ".tra", ".lvm", ".mat", ".h5",
@@ -121,12 +112,6 @@ def _read(path: Path, request: FileRequest) -> tuple[RawChannels, str]:
         return read_arrays(path, "mat", request)
     if start.startswith((_HDF5, _MAT73)) or _HDF5 in start[512:]:
         return read_arrays(path, "hdf5", request)
-    for begins, what in _OTHERS.items():
-        if start.removeprefix(b"\xef\xbb\xbf").startswith(begins):
-            raise DataError(
-                f"{path}: {what}: export it as CSV, or read it in Python and pass its columns to "
-                "springpot.Recording.from_frame"
-            )
     return read_csv(path, request)
 
 

@@ -4,6 +4,7 @@ Machines begin or end a test between two samples: a first row that alone is out 
 and last rows that are out of step are interpolated onto the steps before them.
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -13,6 +14,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from springpot.codegen.arrays import Flags, Indices, Samples
 from springpot.codegen.errors import DataError
 from springpot.codegen.messages import number_of
+from springpot.trainer.recordings.formats.units import Quantity, Unit
 from springpot.trainer.recordings.recording import Recording
 
 MIN_ROWS = 3
@@ -35,7 +37,6 @@ class RawChannels:
     time_s, position_m, force_n: shape (n,), float64. rows: of the file, from 1, shape (n,).
     time_digit_s: one unit in the last printed digit of the time stamps; 0 if none was printed.
     source: file, for messages and for the recording. place_m: x and y.
-    in_python: a refusal names arguments of `Recording.from_frame`, not options of a command.
     """
 
     time_s: Samples
@@ -46,7 +47,6 @@ class RawChannels:
     time_digit_s: float = 0.0
     details: dict[str, Any] = field(default_factory=dict)
     place_m: tuple[float, float] | None = None
-    in_python: bool = False
 
     def part(self, which: slice | Flags) -> "RawChannels":
         """Return some of the samples."""
@@ -68,11 +68,23 @@ class RawChannels:
         where, many = f"{self.source}, row {self.rows[bad[0] + first]}", number_of(len(bad), "row")
         return DataError(f"{where}: {what} ({many} in all): {remedy}")
 
-    def option(self, name: str, value: str) -> str:
-        """Return an option as it is typed: resample_hz=100, --resample-hz 100."""
-        if self.in_python:
-            return f"{name}={value}"
-        return f"--{name.replace('_', '-')} {value}"
+
+def in_si(
+    values: Mapping[Quantity, Samples],
+    units: Mapping[Quantity, Unit],
+    rate_hz: float | None,
+    guess: str = "",
+    **others: Any,
+) -> RawChannels:
+    """Channels of one file; rate_hz: time is counted. others: fields of RawChannels."""
+    scaled = {quantity: values[quantity] * unit.to_si for quantity, unit in units.items()}
+    stated = {quantity: unit.metadata() for quantity, unit in units.items()}
+    if rate_hz is not None:
+        scaled["time"] = np.arange(len(scaled["force"])) / rate_hz
+        stated["time"] = {"unit": f"{rate_hz:g} Hz", "from": "map"}
+    details = {"columns": guess, "units": stated}
+    channels = (scaled["time"], scaled["position"], scaled["force"])
+    return RawChannels(*channels, details=details, **others)
 
 
 def to_recording(raw: RawChannels, name: str, resample_hz: float | None) -> Recording:
@@ -101,7 +113,6 @@ def to_recording(raw: RawChannels, name: str, resample_hz: float | None) -> Reco
     sampling: dict[str, Any] = {
         "longest_step_s": float(steps_s.max()),
         "shortest_step_s": float(steps_s.min()),
-        "jitter_rms_s": float(np.sqrt(np.mean((steps_s - steps_s.mean()) ** 2))),
         "stamp_digit_s": raw.time_digit_s,
     }
     details["sampling"] = sampling
@@ -170,7 +181,7 @@ def _require_samples(raw: RawChannels) -> None:
         bad = np.flatnonzero(~np.isfinite(samples))
         if len(bad):
             hz = f"{1.0 / np.nanmedian(np.diff(raw.time_s)):.4g}" if channel != "time" else "RATE"
-            remedy = f"{raw.option('resample_hz', hz)} interpolates there, else import the parts"
+            remedy = f"--resample-hz {hz} interpolates there, else import the parts"
             if len(bad) == len(samples):
                 remedy = "no row has a number there: choose another column"
             raise raw.refusal(bad, 0, f"{channel} is empty or not a finite number", remedy)
@@ -182,10 +193,9 @@ def _require_samples(raw: RawChannels) -> None:
     if len(bad):
         before_s, here_s = raw.time_s[bad[0]], raw.time_s[bad[0] + 1]
         what = "stands still at" if here_s == before_s else f"goes back from {before_s:.9g} s to"
-        rate = "time='RATEHz'" if raw.in_python else "--map time=RATEHz"
         remedy = (
             "correct the stamps in the source, cut it there or, if every row is one step, state "
-            f"the rate in place of the column: {rate}"
+            "the rate in place of the column: --map time=RATEHz"
         )
         if np.count_nonzero(np.diff(raw.time_s) < 0.0) > _DISORDER * len(raw.time_s):
             remedy = "sort the rows by time in the source"
@@ -218,7 +228,7 @@ def _gaps(raw: RawChannels, steps_s: Samples, fill: bool) -> Indices:
         remedy = "cut the recording there and import the parts"
         if not len(long):
             hz = f"{1.0 / median_s:.4g}"
-            remedy = f"to interpolate there, pass {raw.option('resample_hz', hz)}, or {remedy}"
+            remedy = f"to interpolate there, pass --resample-hz {hz}, or {remedy}"
         raise raw.refusal(long if len(long) else bad, 1, what, remedy)
     return bad
 
@@ -255,10 +265,10 @@ def _require_even(raw: RawChannels) -> None:
         if len(bad):
             what = "the time step" if span == 1 else f"the mean of the last {span} time steps"
             # A rate as a person states it: steps that vary have no more digits.
-            option = raw.option("resample_hz", f"{hz:.0f}" if hz >= 100.0 else f"{hz:.3g}")
+            rate = f"{hz:.0f}" if hz >= 100.0 else f"{hz:.3g}"
             raise raw.refusal(
                 bad, span, f"{what} is {steps_s[bad[0]]:.6g} s where {usual_s:.6g} s is usual",
-                f"nothing is resampled unasked, pass {option}",
+                f"nothing is resampled unasked, pass --resample-hz {rate}",
             )  # fmt: skip
 
 
@@ -282,6 +292,6 @@ def _grid(raw: RawChannels, rate_hz: float) -> Samples:
         raise DataError(
             f"{raw.source}: {rate_hz:g} Hz is more than {MAX_UPSAMPLING} times its own "
             f"{source_hz:.6g} Hz, or leaves fewer than {MIN_ROWS} samples: give {wanted} rate, "
-            f"{raw.option('resample_hz', 'RATE')}"
+            "--resample-hz RATE"
         )
     return np.asarray(raw.time_s[0] + np.arange(count) / rate_hz)

@@ -13,7 +13,6 @@ from springpot.codegen.errors import DataError
 
 Quantity = Literal["time", "position", "force"]
 QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
-FRAME_NAME = "column's name"  # origin of a unit that a table in memory states
 COMMON_UNITS: dict[Quantity, str] = {"time": "s or ms", "position": "mm or m", "force": "N or mN"}
 
 _GRAVITY_MPS2 = 9.80665  # standard gravity, exact by definition
@@ -105,26 +104,20 @@ def factor_to_si(text: str, quantity: Quantity, where: str) -> float:
     return factor * _FACTORS[quantity][symbol]
 
 
-def map_option(quantity: str, column: str, in_python: bool, unit: str) -> str:
+def map_option(quantity: str, column: str, unit: str) -> str:
     """The option that states a column and its unit, as it is typed."""
-    stated = f"{quantity}={column}:{unit}"
-    return f"{quantity}={f'{column}:{unit}'!r}" if in_python else f"--map {shlex.quote(stated)}"
+    return f"--map {shlex.quote(f'{quantity}={column}:{unit}')}"
 
 
 def choose_unit(
-    found: Mapping[str, str | None],
-    quantity: Quantity,
-    where: str,
-    column: str,
-    in_python: bool = False,
+    found: Mapping[str, str | None], quantity: Quantity, where: str, column: str
 ) -> Unit:
     """Return the first unit of `found`: place -> text, the place "map" being a person's word.
 
-    where: begins a message; column: as in `Unit`; in_python: as in `RawChannels`.
+    where: begins a message; column: as in `Unit`.
     Raises DataError as `factor_to_si` does, and if the map contradicts a unit of the file.
     """
-
-    option = partial(map_option, quantity, column, in_python)
+    option = partial(map_option, quantity, column)
     origin, text = next(((o, t) for o, t in found.items() if t), ("", ""))
     if not text:
         raise DataError(

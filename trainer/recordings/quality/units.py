@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from springpot.trainer.recordings.formats.units import FRAME_NAME, map_option
+from springpot.trainer.recordings.formats.units import map_option
 from springpot.trainer.recordings.quality.finding import Finding, refusal, three_digits, warning
 from springpot.trainer.recordings.recording import Recording
 
@@ -88,9 +88,9 @@ def unit_findings(recording: Recording) -> Iterator[Finding]:
             doubt, origin = f"the unit of {channels} looks wrong", stored.get(channels, {})
             make, to_do = warning, "check it against the rig, and state it on import (--map)"
             if not possible and origin.get("from", "device") not in ("map", "device"):
-                column, in_python = origin.get("column", "COL"), origin["from"] == FRAME_NAME
-                right = map_option(channels, column, in_python, origin["unit"])
-                other = map_option(channels, column, in_python, f"FACTOR{origin['unit']}")
+                column, unit = origin.get("column", "COL"), origin["unit"]
+                right = map_option(channels, column, unit)
+                other = map_option(channels, column, f"FACTOR{unit}")
                 make = refusal
                 to_do = f"state it, {right} if the header is right, else {other}, such as 0.001"
             yield make("unit", recording.name, f"{value:.4g} {what}", doubt, to_do)

@@ -181,9 +181,7 @@ def test_a_surface_that_is_not_known_is_refused(tmp_path: Path, noise_n: float) 
     """Noise of 0.3 N on a press of 3 N once put the surface 4 mm too deep, "+- 0.03 mm"."""
     file = tmp_path / "noisy.csv"
     write_press(file, 0, 8e-3, noise_n)
-    with pytest.raises(
-        DataError, match=r"surface is known to .*: leave Conditioning\(contact_force\) out"
-    ):
+    with pytest.raises(DataError, match=r"surface is known to .*: leave --contact-force out"):
         springpot.import_recordings(file, options=AUTO)
 
 
