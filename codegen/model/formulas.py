@@ -20,11 +20,11 @@ def curve_nodes(slopes_n: Reals, growth: float = 0.0) -> Samples:
     slopes_n: (curves, J), for u from 0 to 1, straight between the nodes. growth: see `Hammerstein`.
     """
     per_piece = slopes_n.T / pieces_of_one(slopes_n.shape[1])
-    rises = 0.5 * (per_piece[1:] + per_piece[:-1])
-    values = np.concatenate([np.zeros((1, len(slopes_n))), np.cumsum(rises, axis=0)])
-    nodes = np.stack([values, per_piece], axis=1)
-    beyond = np.stack([values[-1], per_piece[-1] + _grown(per_piece, growth)])
-    return np.concatenate([nodes, beyond[None]])
+    nodes = np.zeros((len(per_piece) + 1, 2, len(slopes_n)))
+    nodes[1:-1, 0] = np.cumsum(0.5 * (per_piece[1:] + per_piece[:-1]), axis=0)
+    nodes[-1, 0] = nodes[-2, 0]
+    nodes[:-1, 1], nodes[-1, 1] = per_piece, per_piece[-1] + _grown(per_piece, growth)
+    return nodes
 
 
 def with_beyond(slopes_n: Reals, growth: float) -> Samples:
