@@ -70,7 +70,8 @@ def curve_values(nodes: Reals, place: Place) -> Reals:
     real, (piece, way) = nodes.dtype.type, place
     own = () if way.ndim == 1 else (np.arange(nodes.shape[2]),)
     way = way if own else way[:, None]
-    value, slope, end = nodes[piece, 0, *own], nodes[piece, 1, *own], nodes[piece + 1, 1, *own]
+    at = piece.item() if way.shape == (1, 1) else piece  # a number finds one tick's sooner
+    value, slope, end = nodes[at, 0, *own], nodes[at, 1, *own], nodes[at + 1, 1, *own]
     bent, half = real(bent_pieces(len(nodes) - 1)), real(0.5) * way
     if (far := way > bent).any():
         half[far] = bent - real(0.5) * bent * bent / way[far]
