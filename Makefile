@@ -20,9 +20,11 @@ MCU_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm gcc-ri
 
 .PHONY: demo test test-rest test-long test-all durations test-mcu setup-mcu firmware soak bench-tick bench-host prove docs notebook dist lock licences check format lint types ns test-c clean
 
+# Bytecode on all cores, and none of the tests of packages: pip would compile it all on one.
 $(STAMP): requirements.lock pyproject.toml
 	$(PYTHON) -m venv .venv
-	$(BIN)/pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	$(BIN)/pip install --quiet --disable-pip-version-check --no-compile --require-hashes -r requirements.lock
+	$(BIN)/python -m compileall -qq -j 0 -x /tests/ .venv/lib || true
 	$(BIN)/pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
 	@touch $@
 

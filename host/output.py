@@ -20,6 +20,7 @@ from springpot.codegen.messages import NOTICES
 from springpot.codegen.types import JsonMapping
 
 progress_console = Console(stderr=True)
+RESULT = "bench.json"  # of a benchmark, in its folder
 
 json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 

@@ -121,15 +121,15 @@ class _ProxySearch:
 
     def _stiffest_of(self, softest: Coupling, than_npm: float) -> Coupling | None:
         """The stiffest of one mass and damping; None if it is not stiffer than that."""
-        steps = [replace(softest, stiffness_npm=float(each)) for each in _STIFFNESSES_NPM]
-        top = last = len(steps) - 1
+        step = cache(lambda k: replace(softest, stiffness_npm=float(_STIFFNESSES_NPM[k])))
+        top = last = len(_STIFFNESSES_NPM) - 1
         lowest = np.searchsorted(_STIFFNESSES_NPM[1:], _WITHIN * than_npm, "right")  # of use
-        stable = cache(lambda k: self._stable(steps[k]))
+        stable = cache(lambda k: self._stable(step(k)))
         while top >= lowest:  # that one first: every top from here on needs it
             softer = sorted(range(max(top - _TENTH, 0), top + 1), key=lambda k: k != lowest)
             unstable = next((k for k in softer if not stable(k)), None)
             if unstable is None:
-                low, high = steps[top], steps[min(top + 1, last)]
+                low, high = step(top), step(min(top + 1, last))
                 while high.stiffness_npm > _WITHIN * low.stiffness_npm:
                     middle_npm = math.sqrt(low.stiffness_npm * high.stiffness_npm)
                     middle = replace(low, stiffness_npm=middle_npm)

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 
@@ -45,6 +46,7 @@ def max_published_damping_nspm(coupling: Coupling, dt_s: float) -> float:
     return max(0.0, (4.0 * m - k * dt_s**2) / (2.0 * dt_s))
 
 
+@lru_cache(maxsize=256)
 def transition(stiffness_npm: float, damping_nspm: float, mass_kg: float, dt_s: float) -> Samples:
     """exp(A dt) for A = [[0, 1], [-k/m, -b/m]], (2, 2), in closed form.
 

@@ -89,32 +89,33 @@ class LinearLoop:
         """One tick applied to each unit vector of the state: shape (n, states, states)."""
         mode = self.coupling.mode
         states, n = 4 + 2 * (mode != "off") + 1 + self.device.delay_samples, len(stiffness_npm)
-        unit = np.broadcast_to(np.eye(states)[:, None], (states, n, states))
+        unit = np.eye(states)
         x, v, x_before, v_held = unit[:4]
         weight = self.dt_s / (self.dt_s + VELOCITY_S)
         v_held = v_held + weight * ((x - x_before) / self.dt_s - v_held)
-        proxy: tuple[Scalar, ...] = ()
+        proxy: list[Scalar] = []
         k = stiffness_npm[:, None]
         if mode == "off":
             force = k * x
             v_held = 0.0 * v_held
         else:
             x_p, v_p = unit[4:6]
-            force, *moved = self._couple(x, v_held, x_p, v_p, k * (x_p if mode == "proxy" else x))
-            proxy = tuple(moved)
+            force, *proxy = self._couple(x, v_held, x_p, v_p, k * (x_p if mode == "proxy" else x))
         at = 4 + len(proxy)
         smoothed = self.smoothing * force + (1.0 - self.smoothing) * unit[at]
         queue = [smoothed, *unit[at : at + self.device.delay_samples]]
         moved_x, moved_v = self._move(x, v, queue[-1])
-        return np.stack([moved_x, moved_v, x, v_held, *proxy, *queue], axis=1)
+        moved = np.empty((n, states, states))
+        for row, value in enumerate([moved_x, moved_v, x, v_held, *proxy, *queue]):
+            moved[:, row] = value
+        return moved
 
     def _couple(
         self, x: Scalar, v: Scalar, x_p: Scalar, v_p: Scalar, model_n: Scalar
     ) -> tuple[Scalar, Scalar, Scalar]:
         """sp_couple.h: force at the tool, then the proxy moved."""
-        k, b, m = (
-            self.coupling.stiffness_npm, self.coupling.damping_nspm, self.coupling.mass_kg
-        )  # fmt: skip
+        coupling = self.coupling
+        k, b, m = coupling.stiffness_npm, coupling.damping_nspm, coupling.mass_kg
         phi = transition(k, b, m, self.dt_s)
         e, w, rest = x_p - x, v_p - v, -model_n / k
         force = -k * e - b * w
@@ -123,12 +124,8 @@ class LinearLoop:
 
     def _move(self, x: Scalar, v: Scalar, force: Scalar) -> tuple[Scalar, Scalar]:
         """Hand and device under a force that is held for a tick, exactly."""
-        hand = self.hand
-        phi = transition(
-            hand.stiffness_npm,
-            hand.damping_nspm + self.device.viscous_nspm,
-            hand.mass_kg + self.device.mass_kg,
-            self.dt_s,
-        )
+        hand, device = self.hand, self.device
+        b, m = hand.damping_nspm + device.viscous_nspm, hand.mass_kg + device.mass_kg
+        phi = transition(hand.stiffness_npm, b, m, self.dt_s)
         rest = -force / hand.stiffness_npm
         return rest + phi[0, 0] * (x - rest) + phi[0, 1] * v, phi[1, 0] * (x - rest) + phi[1, 1] * v

@@ -20,11 +20,11 @@ def curve_nodes(slopes_n: Reals, growth: float = 0.0) -> Samples:
     slopes_n: (curves, J), for u from 0 to 1, straight between the nodes. growth: see `Hammerstein`.
     """
     per_piece = slopes_n.T / pieces_of_one(slopes_n.shape[1])
-    rises = 0.5 * (per_piece[1:] + per_piece[:-1])
-    values = np.concatenate([np.zeros((1, len(slopes_n))), np.cumsum(rises, axis=0)])
-    nodes = np.stack([values, per_piece], axis=1)
-    beyond = np.stack([values[-1], per_piece[-1] + _grown(per_piece, growth)])
-    return np.concatenate([nodes, beyond[None]])
+    nodes = np.zeros((len(per_piece) + 1, 2, len(slopes_n)))
+    nodes[1:-1, 0] = np.cumsum(0.5 * (per_piece[1:] + per_piece[:-1]), axis=0)
+    nodes[-1, 0] = nodes[-2, 0]
+    nodes[:-1, 1], nodes[-1, 1] = per_piece, per_piece[-1] + _grown(per_piece, growth)
+    return nodes
 
 
 def with_beyond(slopes_n: Reals, growth: float) -> Samples:
@@ -70,7 +70,8 @@ def curve_values(nodes: Reals, place: Place) -> Reals:
     real, (piece, way) = nodes.dtype.type, place
     own = () if way.ndim == 1 else (np.arange(nodes.shape[2]),)
     way = way if own else way[:, None]
-    value, slope, end = nodes[piece, 0, *own], nodes[piece, 1, *own], nodes[piece + 1, 1, *own]
+    at = piece.item() if way.shape == (1, 1) else piece  # a number finds one tick's sooner
+    value, slope, end = nodes[at, 0, *own], nodes[at, 1, *own], nodes[at + 1, 1, *own]
     bent, half = real(bent_pieces(len(nodes) - 1)), real(0.5) * way
     if (far := way > bent).any():
         half[far] = bent - real(0.5) * bent * bent / way[far]

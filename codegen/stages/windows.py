@@ -90,9 +90,10 @@ class FirStage(FeatureStage):
 
 def tap_sums(taps: Reals, newest_first: Reals, n: int) -> Reals:
     """sp_taps.h for n windows, the newest first, each a sample earlier: shape (n,), m/s^r."""
+    windows = sliding_window_view(np.ascontiguousarray(newest_first), n)
     s = np.zeros((SUMS, n), dtype=taps.dtype)
-    for k, tap in enumerate(taps):
-        s[k % SUMS] += tap * newest_first[k : k + n]
+    for k in range(0, len(taps), SUMS):
+        s += taps[k : k + SUMS, None] * windows[k : k + SUMS]
     s = s[:8] + s[8:]
     s = s[:4] + s[4:]
     total: Reals = (s[0] + s[2]) + (s[1] + s[3])

@@ -32,12 +32,11 @@ from springpot.host.bench.measure import (
     target_compiler,
 )
 from springpot.host.native.compiler import machine_metadata
-from springpot.host.output import progress_console
+from springpot.host.output import RESULT, progress_console
 from springpot.host.validation.seen import known_among
 from springpot.trainer.kinds import KINDS
 from springpot.trainer.models.fit import FitOptions
 
-RESULT = "bench.json"
 _CONNECT_S = 10
 _Result = TypeVar("_Result")
 _HOLDOUT = 5  # one recording in so many is held out

@@ -15,11 +15,11 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.codegen.files import write_file
 from springpot.codegen.types import JsonMapping, JsonObject
-from springpot.host.bench.bench import RESULT
 from springpot.host.emission.emission import read_emission, require_emission
 from springpot.host.native.compiler import CompilerError
 from springpot.host.native.scene_library import read_manifest
 from springpot.host.native.toolchain import measure_footprint
+from springpot.host.output import RESULT
 from springpot.host.pages.page import page_text
 from springpot.host.validation.store import Validated, read_validation
 from springpot.host.validation.validation import draw_forces, median_error

@@ -70,7 +70,7 @@ class FlowBranches:
         real = self.loss.dtype.type
         root = sqrt if real is np.float64 else np.sqrt
         functions = flow_functions(u)
-        rises = real(0.5) * np.diff(functions, prepend=before[None, :], axis=0)
+        rises = real(0.5) * (functions - np.concatenate([before[None], functions[:-1]]))
         force_n, ends = np.zeros_like(u), np.empty_like(h)
         for k, (loss, begin) in enumerate(zip(numbers(self.loss), numbers(h), strict=True)):
             along, its_h, cubic = [], begin, k < self.n_cubic
@@ -130,23 +130,20 @@ class DamageCurves:
 
     def advance(self, u: Reals, place: Place, deepest: Reals) -> tuple[Reals, Reals]:
         """Forces of ticks at u (n,), N, in the order of the C; and M after the last one."""
-        values = curve_values(self.curves, place)
-        v = np.where(u > 0, u, u.dtype.type(0))
-        force_n, ends = np.zeros_like(u), np.empty_like(deepest)
-        for k, (healed, begin) in enumerate(
-            zip(numbers(self.healed), numbers(deepest), strict=True)
-        ):
-            along, most = [], begin
-            for its_v in numbers(v):
-                left = most - healed * (most - its_v)
-                along.append(left)
-                most = left if left > its_v else its_v
-            left = np.array(along, dtype=u.dtype)
-            below = left > v
-            share = np.where(below, v / np.where(below, left, u.dtype.type(1)), u.dtype.type(1))
-            force_n += values[:, k] * (share if k < self.n_linear else share * share * share)
-            ends[k] = most
-        return force_n, ends
+        real, v = u.dtype.type, np.where(u > 0, u, u.dtype.type(0))[:, None]
+        left, ends = np.empty((len(u), len(deepest)), u.dtype), np.empty_like(deepest)
+        for k, begin in enumerate(numbers(deepest)):
+            along, most, healed = [], begin, numbers(self.healed)[k]
+            for its_v in numbers(v[:, 0]):
+                its_left = most - healed * (most - its_v)
+                along.append(its_left)
+                most = its_left if its_left > its_v else its_v
+            left[:, k], ends[k] = along, most
+        below = left > v
+        share = np.where(below, v / np.where(below, left, real(1)), real(1))
+        share[:, self.n_linear :] *= share[:, self.n_linear :] * share[:, self.n_linear :]
+        curves_n = curve_values(self.curves, place) * share
+        return sum(curves_n.T, np.zeros_like(u)), ends
 
 
 def damage_curves(damage: Damage, growth: float, ticks: SceneTicks) -> DamageCurves:

@@ -110,11 +110,11 @@ def branch_steps(
         else:
             # The gain of a rise within a tick is folded into the curves; what fills has none.
             of_one, gain = loss_and_gain(tau_s, dt_s)
-            loss = np.pad(of_one, (0, fill), constant_values=1.0)
+            loss = np.append(of_one, np.ones(fill))
             loss = loss.astype(np.float64 if in_double else dtype)
-            branch_n = np.pad(gain[:, None] * branch_n, ((0, fill), (0, 0)))
+            branch_n = np.append(gain[:, None] * branch_n, np.zeros((fill, model.nodes)), axis=0)
         steps.append(MaxwellBranches(first, depends, in_double, loss))
         slopes_n.append(branch_n)
-        held_n.append(np.pad(model.memory.branch_n[its], (0, fill)))
+        held_n.append(np.append(model.memory.branch_n[its], np.zeros(fill)))
         first += len(its) + fill
     return tuple(steps), np.concatenate(slopes_n), np.concatenate(held_n)

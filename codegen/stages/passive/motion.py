@@ -149,6 +149,8 @@ class PassiveMotion:
     def _still(self, u: Reals, spring_n: Reals) -> Reals:
         """Force of spring, stops and bias, (n,), N; moves the plays."""
         still_n: Reals = spring_n + self._stage.config.bias_n
+        if not len(self._play):
+            return still_n
         played = np.empty((len(u), len(self._play)), dtype=u.dtype)
         for k, begin in enumerate(numbers(self._play)):
             played[:, k] = play(u, begin, self._stage.radius[k])

@@ -35,9 +35,8 @@ class PassiveC:
     def force_n(self, depth_m: Samples) -> Samples:
         """Force of each tick, (n,), N, from rest at the first depth."""
         depth_m, force_n = np.ascontiguousarray(depth_m), np.empty(len(depth_m))
-        library = _library()
-        given, found = library.array(depth_m), library.array(force_n)
-        assert library.c.passive_run(self._model, len(depth_m), given, found) == 0
+        given, found = map(_library().array, (depth_m, force_n))
+        assert _library().c.passive_run(self._model, len(depth_m), given, found) == 0
         return force_n
 
     def _tables(self, stage: HammersteinStage) -> dict[str, Any]:
@@ -72,6 +71,5 @@ class PassiveC:
         flat = np.ascontiguousarray(values).ravel()
         flat = flat if len(flat) else np.zeros(1, dtype=flat.dtype)
         c_type = "uint8_t[]" if flat.dtype == np.uint8 else "double[]"
-        self._kept.append(_library().ffi.from_buffer(c_type, flat))
-        self._kept.append(flat)
-        return self._kept[-2]
+        self._kept.append(_library().ffi.from_buffer(c_type, flat))  # which keeps the array
+        return self._kept[-1]

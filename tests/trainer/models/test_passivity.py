@@ -32,15 +32,18 @@ WAVES = 6
 SPAN_M = 0.012
 RANDOM, STARTS, STEPS = 300, 3, 300
 LONGEST_S, SHORTEST_S = 20.0, 0.02
+# Cosines and sines of a press of so many samples, each (WAVES, samples).
+TURNS = {n: 2 * np.pi * np.arange(1, WAVES + 1)[:, None] * np.linspace(0.0, 1.0, n)
+         for n in (SAMPLES, 4 * SAMPLES)}  # fmt: skip
+ROUND = {n: (np.cos(turns), np.sin(turns)) for n, turns in TURNS.items()}
 Force = Callable[[np.ndarray, float], np.ndarray]
 
 
 def closed_press(numbers: np.ndarray, samples: int) -> tuple[np.ndarray, float]:
     """Depths (m) and their step (s): from and to one depth, at rest at both ends."""
     start, duration, *waves = numbers
-    t, k = np.linspace(0.0, 1.0, samples), np.arange(1, WAVES + 1)[:, None]
-    cosines, sines = np.reshape(waves, (2, WAVES, 1))
-    motion = (cosines * np.cos(2 * np.pi * k * t) + sines * np.sin(2 * np.pi * k * t)).sum(axis=0)
+    t, (cosines, sines) = np.linspace(0.0, 1.0, samples), np.reshape(waves, (2, WAVES, 1))
+    motion = (cosines * ROUND[samples][0] + sines * ROUND[samples][1]).sum(axis=0)
     # Soft at the surface: a kink would be the trapezoids' error, not the model's.
     depth = np.clip(start, 0.0, 1.0) + np.sin(np.pi * t) ** 2 * motion
     depth = 0.5 * (depth + np.sqrt(depth**2 + 4e-4))
@@ -162,11 +165,10 @@ def test_no_press_of_a_random_non_negative_model_gives_energy_back(seeds: Sequen
 def special(**changed: Any) -> Hammerstein:
     """Branches alone, and what is given."""
     branch_n = np.full((3, 9), 16.0)
-    model = Hammerstein(
-        origin_m=0.0, span_m=SPAN_M, elastic_n=branch_n[0], tau_s=np.array([0.02, 0.2, 2.0]),
-        branch_n=branch_n, radius_m=np.zeros(0), stop_n=np.zeros((0, 9)), bias_n=0.0,
-    )  # fmt: skip
-    return replace(model, **changed)
+    plain = {"origin_m": 0.0, "span_m": SPAN_M, "elastic_n": branch_n[0], "bias_n": 0.0,
+             "tau_s": np.array([0.02, 0.2, 2.0]), "branch_n": branch_n,
+             "radius_m": np.zeros(0), "stop_n": np.zeros((0, 9))}  # fmt: skip
+    return Hammerstein(**plain | changed)
 
 
 FLOW = Flow(np.array([10.0, 10.0]), np.array([3, 5]), np.array([1, 4]), np.array([5.0, 5.0]))
