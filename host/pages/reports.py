@@ -10,6 +10,7 @@ from typing import Any
 import matplotlib as mpl
 import numpy as np
 from matplotlib.figure import Figure
+from matplotlib.ticker import LogLocator, NullFormatter
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
@@ -183,5 +184,9 @@ def _figure(points: Sequence[JsonMapping]) -> str:
             xscale="log", yscale="log", xlabel="time of a tick, ns",
             ylabel="RMSE on recordings that were not trained on, N",
         )  # fmt: skip
+        for axis in (axes.xaxis, axes.yaxis):  # 0.02 in place of 2 x 10^-2
+            axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+            axis.set_major_formatter("{x:g}")
+            axis.set_minor_formatter(NullFormatter())
         axes.legend(frameon=False, loc="upper left", bbox_to_anchor=(1.0, 1.0))
         return svg_text(figure)

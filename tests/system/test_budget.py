@@ -27,10 +27,10 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
     ("what", "most"),
     [
         ("codegen/*.py", 6452),
-        ("trainer/*.py", 8737),
-        ("host/*.py", 12381),
+        ("trainer/*.py", 8747),
+        ("host/*.py", 12386),
         ("runtime_c/*.[ch] codegen/*.j2", 7721),
-        ("tests/*.py", 19886),
+        ("tests/*.py", 19893),
     ],
 )
 def test_lines(what: str, most: int) -> None:

@@ -36,6 +36,7 @@ from springpot.trainer.recordings.recording_file import Recordings, given_record
 
 _SURFACE_OFF, _TARE = 0.05, 0.02  # of the travel; of the peak force
 _LOAD, _ONE_LOAD = 0.25, 0.25  # of the peak force; of itself: tares that differ by less are one
+_SURFACE_DOUBT = 0.1  # of the deepest press: force errs by 5 to 10 % of its peak
 
 Met = tuple[Recording, ContactPoint]
 
@@ -170,6 +171,15 @@ def contact_findings(recordings: Sequence[Recording]) -> Iterator[Finding]:
                 f"force without contact drifts by {60.0 * drift.slope_nps:.3g} +- "
                 f"{60.0 * drift.bound_nps:.2g} N/min", "the model would learn it as the object's",
                 "import with --tare auto",
+            )  # fmt: skip
+        doubt_m = recording.details.get("contact_uncertainty_m")
+        if doubt_m and doubt_m > _SURFACE_DOUBT * recording.position_m.max():
+            yield warning(
+                "contact", recording.name,
+                f"its surface is known to +- {1e3 * doubt_m:.2g} mm of "
+                f"{1e3 * recording.position_m.max():.3g} mm pressed",
+                "the force of a light press may err by its whole size",
+                "press more slowly at first, or with less noise of the force",
             )  # fmt: skip
     for recording in (each for each in recordings if each.zero == "none"):
         with suppress(DataError):  # a tool that never leaves the object shows no surface

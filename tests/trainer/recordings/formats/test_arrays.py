@@ -185,6 +185,13 @@ def test_a_surface_that_is_not_known_is_refused(tmp_path: Path, noise_n: float) 
         springpot.import_recordings(file, options=AUTO)
 
 
+def test_a_surface_that_is_hardly_known_is_warned_of(tmp_path: Path) -> None:
+    file = tmp_path / "noisy.csv"
+    write_press(file, 0, 8e-3, 0.05)
+    with pytest.warns(UserWarning, match=r"surface is known to \+- .* mm of .* mm pressed"):
+        springpot.import_recordings(file, options=AUTO)
+
+
 @pytest.mark.filterwarnings("always::UserWarning")
 def test_a_minus_of_typesetters_is_one(tmp_path: Path) -> None:
     write_press(tmp_path / "a.csv", 0, 5e-3)
