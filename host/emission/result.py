@@ -11,6 +11,7 @@ from springpot.codegen.scene import Budget
 from springpot.codegen.types import JsonObject
 from springpot.host.native.toolchain import Footprint
 from springpot.host.stability.check import Check
+from springpot.host.stability.linear import at_higher_rates
 
 # Keys of `emit --json` that the manifest has too.
 _OF_MANIFEST = ("units", "left_out", "orders", "coupling", "outside", "accept_unsafe")
@@ -110,10 +111,7 @@ def felt_notices(plan: Plan) -> list[str]:
     return [
         *notices,
         f"warning: the hand feels {1e-3 * felt_npm:.3g} of the object's {1e-3 * object_npm:.3g} "
-        f"N/mm, for {why}: state a stiffer [coupling] if "
-        "`springpot stability` allows it, raise [runtime] rate_hz if the model holds at any "
-        "(hammerstein) and the device is served at it, or take a device of less delay and more "
-        "damping",
+        f"N/mm, for {why}: {_remedy(plan)}",
     ]
 
 
@@ -126,3 +124,21 @@ def rate_notices(plan: Plan) -> list[str]:
         f"{1.0 / plan.model.dt_s:g} Hz a hand would feel less than {100 * FELT_SHARE:g} % of the "
         "object's stiffness: if the device is served at another rate, state [runtime] rate_hz"
     ]
+
+
+def _remedy(plan: Plan) -> str:
+    if plan.scene.coupling.mode != "auto":
+        return 'state a stiffer [coupling], or mode = "auto", or "off" if `stability` allows it'
+    if not plan.model.exact_at_any_rate:
+        return (
+            "record at a higher rate, or take a kind of model that holds at any rate (hammerstein)"
+        )
+    faster = list(at_higher_rates(plan))
+    enough = [each for each in faster if each.coupling.felt_npm >= FELT_SHARE * plan.stiffness_npm]
+    found = next(iter(enough or faster), plan)
+    if found.coupling.felt_npm <= plan.coupling.felt_npm:
+        return "a device of less delay and more damping is needed, or [device] states yours"
+    return (
+        f"{plan.model.kind} holds at any rate: [runtime] rate_hz = {1.0 / found.dt_s:g} gives "
+        f"{1e-3 * found.coupling.felt_npm:.3g} N/mm, if the device is served at it"
+    )

@@ -1,5 +1,9 @@
 """The linear loop of a scene: what `emit` refuses, and what it would allow instead."""
 
+from collections.abc import Iterator
+from contextlib import suppress
+from dataclasses import replace
+
 from springpot.codegen.coupling.auto import choose_coupling
 from springpot.codegen.coupling.gains import (
     is_unit_error,
@@ -8,7 +12,8 @@ from springpot.codegen.coupling.gains import (
     require_plausible_damping,
 )
 from springpot.codegen.coupling.linear_loop import DESIGN_HAND, HAND_MODELS, Hand, LinearLoop
-from springpot.codegen.errors import UnsafeError
+from springpot.codegen.errors import SpringpotError, UnsafeError
+from springpot.codegen.make_plan import SERVED_HZ, make_plan
 from springpot.codegen.messages import number_of
 from springpot.codegen.plan import Plan
 from springpot.codegen.types import JsonObject
@@ -35,6 +40,15 @@ def loop_words(stable: bool, radius: float) -> str:
     if not stable:
         return "Unstable: do not hold the device with this scene."
     return f"The linear loop is stable (radius {radius:.4f})."
+
+
+def at_higher_rates(plan: Plan) -> Iterator[Plan]:
+    """The plan at each higher rate that devices are served at, the lowest first."""
+    for rate_hz in SERVED_HZ:
+        if rate_hz * plan.dt_s > 1.001:
+            scene = replace(plan.scene, runtime=replace(plan.scene.runtime, rate_hz=rate_hz))
+            with suppress(SpringpotError):  # of a scene that cannot tick so fast
+                yield make_plan(plan.model, scene, accept_unsafe=True)
 
 
 def limits(plan: Plan) -> JsonObject:
@@ -86,12 +100,26 @@ def _what_is_stable(plan: Plan) -> str:
     if not is_stable(plan, loop):
         return (
             f"no coupling is stable at {1 / plan.dt_s:g} Hz with "
-            f"{number_of(device.delay_samples, 'sample')} of delay: what may do is a higher "
-            "runtime.rate_hz of a kind of model that holds at any (hammerstein), recordings at a "
-            "higher rate, a device of less delay, or a softer object"
+            f"{number_of(device.delay_samples, 'sample')} of delay: {_what_holds_it(plan)}"
         )
     return (
         f'this would be stable: coupling.mode = "{found.mode}", stiffness_npm = '
         f"{found.stiffness_npm:g}, damping_nspm = {found.damping_nspm:g}, mass_kg = "
         f"{found.mass_kg:g}, no smoothing, no delay or a faster loop"
+    )
+
+
+def _what_holds_it(plan: Plan) -> str:
+    """The lowest rate at which a coupling is stable, if there is one, or what else would help."""
+    less_delay = "take a device of less delay" if plan.loop_device.delay_samples else ""
+    either = f", or {less_delay}" if less_delay else ""
+    if not plan.model.exact_at_any_rate:
+        way = "record at a higher rate, or take a kind of model that holds at any (hammerstein)"
+        return way + either
+    for faster in at_higher_rates(plan):
+        if is_stable(faster, scene_loop(faster, DESIGN_HAND)):
+            return f"raise runtime.rate_hz to {1.0 / faster.dt_s:g}{either}"
+    return (
+        f"nor at a higher rate: {1e-3 * plan.stiffness_npm:.4g} N/mm are stiffer than a device "
+        f"can render{': ' + less_delay if less_delay else ''}"
     )

@@ -28,9 +28,9 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
     [
         ("codegen/*.py", 6452),
         ("trainer/*.py", 8747),
-        ("host/*.py", 12386),
+        ("host/*.py", 12430),
         ("runtime_c/*.[ch] codegen/*.j2", 7721),
-        ("tests/*.py", 19893),
+        ("tests/*.py", 19913),
     ],
 )
 def test_lines(what: str, most: int) -> None:

@@ -1,5 +1,6 @@
 """A coupling that leaves little of the object is said, with what leaves more."""
 
+import re
 from dataclasses import replace
 from functools import cache
 
@@ -9,7 +10,7 @@ from support.small import scene
 
 from springpot import Model, Recording, Scene
 from springpot.codegen.errors import UsageError
-from springpot.codegen.make_plan import make_plan
+from springpot.codegen.make_plan import FELT_SHARE, make_plan
 from springpot.codegen.scene import Coupling, Runtime
 from springpot.host.emission.result import felt_notices, rate_notices
 from springpot.trainer.kinds import fit_model
@@ -29,6 +30,18 @@ def fitted(kind: str, rate_hz: float, stiff: float = 1.0) -> Model:
 
 def with_rate(rate_hz: float | None, mode: str = "auto") -> Scene:
     return replace(scene(mode=mode), runtime=Runtime(number="float32", rate_hz=rate_hz))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("stiff", [0.5, 1.0, 2.5])
+def test_the_rate_that_is_named_gives_what_is_said(stiff: float) -> None:
+    model = fitted("hammerstein", 200.0, stiff)
+    *_, notice = felt_notices(make_plan(model, with_rate(200.0)))
+    named = re.search(r"rate_hz = (\d+) gives ([\d.]+) N/mm", notice)
+    assert named is not None, notice
+    plan = make_plan(model, with_rate(float(named[1])))
+    assert f"{1e-3 * plan.coupling.felt_npm:.3g}" == named[2]
+    assert plan.coupling.felt_npm >= FELT_SHARE * plan.stiffness_npm and felt_notices(plan) == []
 
 
 @pytest.mark.few(1)
