@@ -24,6 +24,7 @@ ANSWER_COLUMNS = ("participant", "question", "answer")
 _KEYS = "l, r: feel left, right; 0 to 100: your rating; q: stop"
 _SPEED_S = 0.01  # speed is the change of position over so long: an encoder's step is no speed
 _CALM_S = 1.0  # between two warnings
+_START_S = 0.01  # between two looks for the first tick
 
 
 class PressWatch:
@@ -125,6 +126,8 @@ def _rated_trial(plan: StudyPlan, trial: Trial, url: str) -> tuple[object, ...]:
     with session:
         session.start()
         session.pause()
+        while not (session.state.ticks or session.over):  # nothing is felt before the first
+            time.sleep(_START_S)
         rating = _ask(trial, session)
     if rating is None:
         raise session.error or KeyboardInterrupt
