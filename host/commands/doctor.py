@@ -13,6 +13,7 @@ import click
 from springpot.host.native.compiler import (
     CompilerError,
     cache_folder,
+    compiler_reason,
     compiler_version,
     find_compiler,
 )
@@ -50,7 +51,7 @@ def examine() -> Iterator[Diagnosis]:
 
     try:
         compiler = find_compiler()
-        seen = f"{' '.join(compiler)}: {compiler_version(compiler)}"
+        seen = f"{' '.join(compiler)}: {compiler_version(compiler)} ({compiler_reason()})"
         yield Diagnosis("C compiler", True, seen)
     except CompilerError as error:
         yield Diagnosis("C compiler", False, "none", str(error))

@@ -40,6 +40,15 @@ def packaged_compiler() -> tuple[str, ...]:
     return (sys.executable, "-P", "-m", "ziglang")  # -P: no module of the current folder
 
 
+def compiler_reason() -> str:
+    """Say why `find_compiler` takes the one that it takes."""
+    if os.environ.get("CC", "").strip():
+        return "CC names it"
+    if (packaged := packaged_compiler()) and find_compiler() == (*packaged, "cc"):
+        return "of springpot[cc]: there is no gcc, clang or cc on PATH, and CC is not set"
+    return "the first of gcc, clang, cc on PATH; CC would name another"
+
+
 @cache
 def find_compiler() -> tuple[str, ...]:
     """Return the command that compiles.

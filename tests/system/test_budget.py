@@ -28,9 +28,9 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
     [
         ("codegen/*.py", 6452),
         ("trainer/*.py", 8747),
-        ("host/*.py", 12433),
+        ("host/*.py", 12443),
         ("runtime_c/*.[ch] codegen/*.j2", 7721),
-        ("tests/*.py", 19913),
+        ("tests/*.py", 19917),
     ],
 )
 def test_lines(what: str, most: int) -> None:

@@ -11,6 +11,7 @@ from springpot.host.commands.doctor import examine
 from springpot.host.emission.emission import emit
 from springpot.host.native.compiler import (
     NoCompilerError,
+    compiler_reason,
     compiler_version,
     find_compiler,
 )
@@ -48,7 +49,10 @@ def test_a_command_of_two_words_builds_measures_and_is_shown(
     assert emission.footprint.flash_bytes > 1000
     assert counted.read_text().split().count("gcc") >= 3  # version, library, sizes
     row = next(row for row in examine() if row.what == "C compiler")
-    assert row.found and "ccache gcc: " in row.seen
+    assert row.found and "ccache gcc: " in row.seen and row.seen.endswith("(CC names it)")
+    monkeypatch.delenv("CC")
+    find_compiler.cache_clear()
+    assert compiler_reason().startswith("the first of gcc, clang, cc on PATH")
 
 
 @pytest.mark.parametrize("asked", ["no-such-cc", "no-such-cc gcc", 'gcc "', "''"])
