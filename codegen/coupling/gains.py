@@ -48,7 +48,7 @@ def max_published_damping_nspm(coupling: Coupling, dt_s: float) -> float:
 
 @lru_cache(maxsize=256)
 def transition(stiffness_npm: float, damping_nspm: float, mass_kg: float, dt_s: float) -> Samples:
-    """exp(A dt) for A = [[0, 1], [-k/m, -b/m]], (2, 2), in closed form.
+    """exp(A dt) for A = [[0, 1], [-k/m, -b/m]], (2, 2), in closed form; shared: only read it.
 
     With A = a I + N, a = -b/2m, N^2 = (a^2 - k/m) I: exp = e^(a dt) (c I + s N), where c and s are
     cosh and sinh/root where the proxy is overdamped, and cos and sin/root where it swings.
