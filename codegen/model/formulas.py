@@ -14,39 +14,17 @@ SMALLEST = 1e-30  # SP_SMALLEST of sp_number.h
 Place = tuple[Indices, Reals]  # piece of a curve and share of the way through it, both (n,)
 
 
-def curve_nodes(slopes_n: Reals, growth: float = 0.0) -> Samples:
-    """Values and slopes a piece at the nodes: (J + 1, 2, curves); last the slopes a piece later.
+def curve_nodes(slopes_n: Reals) -> Samples:
+    """Values and slopes a piece at the nodes: (J + 1, 2, curves); the last slope goes on.
 
-    slopes_n: (curves, J), for u from 0 to 1, straight between the nodes. growth: see `Hammerstein`.
+    slopes_n: (curves, J), for u from 0 to 1, straight between the nodes.
     """
     per_piece = slopes_n.T / pieces_of_one(slopes_n.shape[1])
     nodes = np.zeros((len(per_piece) + 1, 2, len(slopes_n)))
     nodes[1:-1, 0] = np.cumsum(0.5 * (per_piece[1:] + per_piece[:-1]), axis=0)
     nodes[-1, 0] = nodes[-2, 0]
-    nodes[:-1, 1], nodes[-1, 1] = per_piece, per_piece[-1] + _grown(per_piece, growth)
+    nodes[:-1, 1], nodes[-1, 1] = per_piece, per_piece[-1]
     return nodes
-
-
-def with_beyond(slopes_n: Reals, growth: float) -> Samples:
-    """Slopes (curves, J) at the nodes, and beyond the last one the most they grow to: one more."""
-    grown_n = slopes_n[:, -1] + bent_pieces(slopes_n.shape[1]) * _grown(slopes_n.T, growth)
-    return np.concatenate([slopes_n, grown_n[:, None]], axis=1)
-
-
-def _grown(slopes: Reals, growth: float) -> Reals:
-    """How much slopes (J, curves) grow in a piece after the last."""
-    if growth == 0.0 or len(slopes) == 1:
-        return np.zeros_like(slopes[0])
-    rises = np.maximum(np.diff(slopes, axis=0), 0.0)
-    last, before = rises[-1], rises[-2:][0]
-    faster = np.divide(last, before, out=np.ones_like(last), where=before > 0.0)
-    grown: Reals = last * np.clip(faster, 1.0, growth)
-    return grown
-
-
-def bent_pieces(nodes: int) -> float:
-    """Pieces beyond the last node in which slopes grow: a quarter of the depth, or one."""
-    return max(0.25 * pieces_of_one(nodes), 1.0)
 
 
 def pieces_of_one(nodes: int) -> int:
@@ -72,10 +50,7 @@ def curve_values(nodes: Reals, place: Place) -> Reals:
     way = way if own else way[:, None]
     at = piece.item() if way.shape == (1, 1) else piece  # a number finds one tick's sooner
     value, slope, end = nodes[at, 0, *own], nodes[at, 1, *own], nodes[at + 1, 1, *own]
-    bent, half = real(bent_pieces(len(nodes) - 1)), real(0.5) * way
-    if (far := way > bent).any():
-        half[far] = bent - real(0.5) * bent * bent / way[far]
-    values: Reals = value + way * (slope + half * (end - slope))
+    values: Reals = value + way * (slope + real(0.5) * way * (end - slope))
     return values
 
 
@@ -90,7 +65,7 @@ def straight_values(nodes: Reals, place: Place) -> Reals:
 def rates_by_depth(tau_s: Samples, rate_ratio: float, nodes: int) -> Samples:
     """Rate of each pole at the nodes, and for ever beyond the last one: (J + 1, poles), 1/s.
 
-    ratio^(1/2 - u)/tau: `rate_ratio` is the rate at the surface over that at the trained depth.
+    ratio^(1/2 - u)/tau: `rate_ratio` is the rate at the surface over that at u = 1.
     """
     u = np.linspace(0.0, 1.0, nodes)
     return rate_ratio ** (0.5 - np.append(u, u[-1])[:, None]) / tau_s

@@ -17,7 +17,6 @@ from springpot.codegen.arrays import (
 from springpot.codegen.messages import short_repr
 from springpot.codegen.model.places import MAX_NODES, Places
 
-_MAX_GROWTH = 2.0
 _MAX_RATE_RATIO = 1e4  # of relaxation at the surface and at the trained depth
 _ROUNDED = 1.0 - 1e-12
 FLOW_SHARE = 0.2  # of the force at the trained depth: there a flow has its stated time constant
@@ -105,15 +104,14 @@ class Memory:
 class Hammerstein:
     """Non-negative sum of springs, Maxwell branches, stops, flow and damage: passive in the large.
 
-    u = (x - origin_m)/span_m is the share of the trained depth. A curve g(u) is 0 at u <= 0; its
-    slope, N for u from 0 to 1, is given at J equally spaced nodes from 0 to 1, is straight between
-    them and constant beyond, or grows up to u = 1.25: in each piece by as much as in the last one,
-    times how much more that was than the one before, from 1 to `growth`; 0: constant. A curve is
-    smooth, and never falls where the slopes are not negative.
+    u = (x - origin_m)/span_m: span_m is the trained depth, or more where slopes grow beyond it. A
+    curve g(u) is 0 at u <= 0; its slope, N for u from 0 to 1, is given at J equally spaced nodes
+    from 0 to 1, is straight between them and constant beyond. A curve is smooth, and never falls
+    where the slopes are not negative.
     force = bias_n + g_elastic + sum of highpass_tau(g_branch) + sum of g_stop(u) - g_stop(play u).
     elastic_n: (J,). tau_s: (P,), branch_n: (P, J). radius_m: (K,), stop_n: (K, J). Slopes >= 0.
     n_by_depth: of the last branches, which relax at the rate rate_ratio^(1/2 - u)/tau: rate_ratio
-    is that at the surface over that at the trained depth. recovers: where the object has a surface,
+    is that at the surface over that at u = 1. recovers: where the object has a surface,
     it comes back by itself while the tool is away (sp_surface.h); else the force is 0 at least.
     places: how slopes differ from place to place; those above are then the most of any place.
     conditioned: the memory after the training presses; None: only what damage does not heal.
@@ -137,7 +135,6 @@ class Hammerstein:
     places: Places | None = field(default=None, metadata={"left_out": True})
     conditioned: Memory | None = None
     starts_conditioned: bool = False
-    growth: float = 0.0
     __repr__ = short_repr
 
     def require_valid(self) -> None:
@@ -153,8 +150,6 @@ class Hammerstein:
         require(0 <= self.n_by_depth <= branches, f"n_by_depth: {self.n_by_depth} branches")
         known = 1 / _MAX_RATE_RATIO <= self.rate_ratio <= _MAX_RATE_RATIO
         require(known, f"rate_ratio: {self.rate_ratio:g} is beyond {_MAX_RATE_RATIO:g}")
-        grows = self.growth == 0.0 or 1.0 <= self.growth <= _MAX_GROWTH
-        require(grows, f"growth: {self.growth:g} is neither 0 nor 1 to {_MAX_GROWTH:g}")
         if self.flow is not None:
             self.flow.require_valid()
         if self.damage is not None:

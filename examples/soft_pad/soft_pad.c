@@ -1,4 +1,4 @@
-/* springpot 0.1.0 1546ab1f990f3ad45fd5a773134ba94bf9a7a11f4d38b5196549af0926f2ce4e */
+/* springpot 0.1.0 d693460e3f1d7ffb3ae5d0c6970b64f976c235191cb74ee4b5f60b1305d007b5 */
 /* pad: the whole scene, its self-test too. How to call it: soft_pad.h.
  *
  * In the order of a tick: units, each named by its file in springpot and without what this scene does
@@ -249,14 +249,13 @@ static inline float soft_pad_range_clip(const soft_pad_range_config *config, flo
 
 /* Curves of the depth: smooth, and monotone.
  *
- * u is 0 at the lowest trained position, 1 at the deepest. Each curve has a value and a slope at
- * equally spaced nodes from 0 to 1. It is a parabola between them, and for a quarter of the depth
- * beyond the last one, then straight. With slopes >= 0 it never falls. */
+ * u is 0 at the lowest trained position, 1 at the last node. Each curve has a value and a slope at
+ * equally spaced nodes from 0 to 1. It is a parabola between them, and straight beyond the last
+ * one. With slopes >= 0 it never falls. */
 
 typedef struct {
     uint32_t piece;
-    float way;  /* from the start of the piece, 1 at its end; beyond 1 in the last piece */
-    float half; /* of the way in which the slope grows */
+    float way; /* from the start of the piece, 1 at its end; beyond 1 in the last piece */
 } soft_pad_curve_place;
 
 /* Curves do not move below u = 0. n_pieces: those between nodes, and the one beyond. */
@@ -265,29 +264,22 @@ static inline soft_pad_curve_place soft_pad_curve_at(float u, uint32_t n_pieces)
     const float per_piece = (float)(n_pieces > 1u ? n_pieces - 1u : 1u);
     const float last = (float)(n_pieces - 1u);
     const float passed = u > (float)0 ? u * per_piece : (float)0;
-    if (passed < last) {
-        const uint32_t piece = (uint32_t)passed;
-        const float way = passed - (float)piece;
-        const soft_pad_curve_place place = {piece, way, (float)0.5 * way};
-        return place;
-    }
-    const float way = passed - last;
-    const float bent = per_piece > (float)4 ? (float)0.25 * per_piece : (float)1;
-    const float half = way > bent ? bent - (float)0.5 * bent * bent / way : (float)0.5 * way;
-    const soft_pad_curve_place place = {n_pieces - 1u, way, half};
+    const uint32_t piece = passed < last ? (uint32_t)passed : n_pieces - 1u;
+    const soft_pad_curve_place place = {piece, passed - (float)piece};
     return place;
 }
 
-/* nodes: [n_pieces + 1][2][n_curves], values and slopes a piece at each node, and a piece beyond.
- * values: [n_curves]. */
+/* nodes: [n_pieces + 1][2][n_curves], values and slopes a piece at each node; the last slope goes
+ * on. values: [n_curves]. */
 static inline void soft_pad_curve(const float *nodes, uint32_t n_curves, soft_pad_curve_place place,
                             float *values)
 {
     const float *value = nodes + place.piece * 2 * n_curves;
     const float *slope = value + n_curves;
     const float *next = slope + 2 * n_curves;
+    const float half = (float)0.5 * place.way;
     for (uint32_t i = 0; i < n_curves; i++) {
-        values[i] = value[i] + place.way * (slope[i] + place.half * (next[i] - slope[i]));
+        values[i] = value[i] + place.way * (slope[i] + half * (next[i] - slope[i]));
     }
 }
 
@@ -908,7 +900,7 @@ uint32_t soft_pad_state_size(void)
 
 const char *soft_pad_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"1546ab1f990f3ad45fd5a773134ba94bf9a7a11f4d38b5196549af0926f2ce4e\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"d693460e3f1d7ffb3ae5d0c6970b64f976c235191cb74ee4b5f60b1305d007b5\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 1546ab1f990f3ad45fd5a773134ba94bf9a7a11f4d38b5196549af0926f2ce4e */
+/* springpot 0.1.0 d693460e3f1d7ffb3ae5d0c6970b64f976c235191cb74ee4b5f60b1305d007b5 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SOFT_PAD_RATE_HZ:

@@ -18,7 +18,6 @@ from springpot.codegen.model.formulas import (
     flow_loss,
     numbers,
     pieces_of_one,
-    with_beyond,
 )
 from springpot.codegen.model.passive import Damage, Flow, power_order
 from springpot.codegen.stages.stage import LARGEST, REAL, Member, SceneTicks
@@ -146,27 +145,26 @@ class DamageCurves:
         return sum(curves_n.T, np.zeros_like(u)), ends
 
 
-def damage_curves(damage: Damage, growth: float, ticks: SceneTicks) -> DamageCurves:
+def damage_curves(damage: Damage, ticks: SceneTicks) -> DamageCurves:
     """The curves of a model, those of power 1 first."""
     dtype = ticks.dtype
     order = power_order(damage)
     heal_s = damage.heal_s[order]
     rate = np.where(heal_s > 0.0, 1.0 / np.where(heal_s > 0.0, heal_s, 1.0), 0.0)
     return DamageCurves(
-        curves=curve_nodes(damage.curve_n[order], growth).astype(dtype),
+        curves=curve_nodes(damage.curve_n[order]).astype(dtype),
         healed=(-np.expm1(-ticks.dt_s * rate)).astype(dtype),
         n_linear=int(np.count_nonzero(damage.power == 1)),
     )
 
 
-def steepest_n(damage: Damage, growth: float) -> Samples:
-    """The most that damage's force rises at each node and beyond, (J + 1,), N for u from 0 to 1.
+def steepest_n(damage: Damage) -> Samples:
+    """The most that damage's force rises at each node, (J,), N for u from 0 to 1.
 
     d/dv g (v/M)^q <= g' + q g/v, and g/v is at most the largest slope so far.
     """
-    slopes_n = with_beyond(damage.curve_n, growth)
-    most_n = np.maximum.accumulate(slopes_n, axis=1)
-    total: Samples = (slopes_n + damage.power[:, None] * most_n).sum(axis=0)
+    most_n = np.maximum.accumulate(damage.curve_n, axis=1)
+    total: Samples = (damage.curve_n + damage.power[:, None] * most_n).sum(axis=0)
     return total
 
 
@@ -226,9 +224,9 @@ class RecoveringSurface:
 def surface_of(most_n: Samples, dtype: RealType) -> RecoveringSurface:
     """Bound the stiffness of each piece, above which a step back could pull.
 
-    most_n: the most that the force rises at each node and beyond, (J + 1,), N for u from 0 to 1.
+    most_n: the most that the force rises at each node, (J,), N for u from 0 to 1.
     """
-    stiffest = np.maximum(most_n[1:], most_n[:-1])
+    stiffest = np.maximum(np.append(most_n[1:], most_n[-1]), most_n)
     stiffest = np.maximum(stiffest, LEAST * max(float(stiffest.max()), 1e-3))
     # Rounded up, so that it is a bound in the scene's number type too.
     rounded = np.nextafter((stiffest / pieces_of_one(len(stiffest))).astype(dtype), dtype(np.inf))

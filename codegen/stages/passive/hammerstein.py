@@ -6,7 +6,7 @@ import numpy as np
 
 from springpot.codegen.arrays import Real, Reals
 from springpot.codegen.literals import array_text, constant_text, members_text
-from springpot.codegen.model.formulas import curve_nodes, with_beyond
+from springpot.codegen.model.formulas import curve_nodes
 from springpot.codegen.model.passive import Hammerstein, power_order
 from springpot.codegen.stages.passive.beside import (
     DamageCurves,
@@ -228,12 +228,9 @@ def hammerstein_stage(model: Hammerstein, ticks: SceneTicks, follows: str) -> Ha
     steps, slopes_n, held_n = branch_steps(model, ticks)
     remembers = model.starts_conditioned if ticks.conditioned is None else ticks.conditioned
     springs_n = np.vstack([model.elastic_n, model.stop_n])
-    growth = model.growth
-    spring = curve_nodes(springs_n.sum(axis=0)[None])[:, :, 0]
-    spring[-1] = curve_nodes(springs_n, growth)[-1].sum(axis=1)  # each stop's grows as its curve
     flow = None if model.flow is None else flow_branches(model.flow, ticks)
-    damage = None if model.damage is None else damage_curves(model.damage, growth, ticks)
-    stops, start = curve_nodes(model.stop_n, growth).astype(dtype), None
+    damage = None if model.damage is None else damage_curves(model.damage, ticks)
+    stops, start = curve_nodes(model.stop_n).astype(dtype), None
     if remembers:
         flow_n, deepest = model.memory.flow, model.memory.deepest
         flow_n = flow_n if model.flow is None else flow_n[power_order(model.flow)]
@@ -248,8 +245,8 @@ def hammerstein_stage(model: Hammerstein, ticks: SceneTicks, follows: str) -> Ha
             n_branches=len(slopes_n),
             n_stops=n_stops,
         ),
-        spring=spring.astype(dtype),
-        branches=curve_nodes(slopes_n, growth).astype(dtype),
+        spring=curve_nodes(springs_n.sum(axis=0)[None])[:, :, 0].astype(dtype),
+        branches=curve_nodes(slopes_n).astype(dtype),
         steps=steps,
         stops=np.moveaxis(stops, 2, 0),
         radius=(model.radius_m / model.span_m).astype(dtype),
@@ -268,9 +265,9 @@ def hammerstein_stage(model: Hammerstein, ticks: SceneTicks, follows: str) -> Ha
 def _surface(
     model: Hammerstein, slopes_n: Reals, flow: FlowBranches | None, dtype: RealType
 ) -> RecoveringSurface:
-    most_n = with_beyond(slopes_n, model.growth).sum(axis=0)
+    most_n = slopes_n.sum(axis=0)
     if flow is not None:
-        most_n = most_n + np.append(its_n := flow.slopes_n(model.nodes), its_n[-1])
+        most_n = most_n + flow.slopes_n(model.nodes)
     if model.damage is not None:
-        most_n = most_n + steepest_n(model.damage, model.growth)
+        most_n = most_n + steepest_n(model.damage)
     return surface_of(most_n, dtype)

@@ -25,7 +25,7 @@ SOFT, STIFF = (0.0, -0.01), (0.01, 0.01)
 CURVE_N = np.linspace(0.5, 3.0, 9)
 RICH: dict[str, Any] = {
     "n_by_depth": 1, "rate_ratio": 16.0, "flow": flow(0.6), "damage": damage(CURVE_N),
-    "recovers": True, "growth": 2.0,
+    "recovers": True,
 }  # fmt: skip
 LAWS: dict[str, dict[str, Any]] = {"plain": {}, "all": RICH}
 
@@ -139,7 +139,7 @@ def test_a_prediction_at_a_place_is_the_emitted_force() -> None:
         "pad", position, np.zeros(len(position)), plan.dt_s, place_x_m=here[0], place_y_m=here[1]
     )
     predicted_n = predict_n(model, recording)
-    assert position.max() > model.hammerstein.origin_m + 1.2 * model.hammerstein.span_m
+    assert position.max() > 1.2 * model.trained.max_m
     np.testing.assert_allclose(predicted_n, emitted_n, atol=1e-12 * emitted_n.max())
 
 

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 a52088eaaf61450b71daa5ce1f686c9a8ec29beb3cca37052c08f9bdae24e568 */
+/* springpot 0.1.0 a355da5d5c630e985d25af30a9ee93c57083b0b0f4fb9cdf01189c0dd08de536 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:

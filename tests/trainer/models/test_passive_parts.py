@@ -9,6 +9,8 @@ import pytest
 from support.small import DEPTH_M, DT_S, passive_force_n, passive_model, press
 
 from springpot import Recording
+from springpot.codegen.model.passive import Damage, Flow, Hammerstein
+from springpot.codegen.model.places import Places
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.passive import growth
 from springpot.trainer.models.passive.nonnegative import normal_equations, sparse_solve
@@ -42,21 +44,79 @@ def test_a_pull_is_no_error_at_a_surface(surface: bool) -> None:
 
 
 @pytest.mark.parametrize(
-    ("shallow_n", "deep_n", "grows"),
-    [((1.0, 0.5, 0.8), (1.0, 1.1, 0.8), 2.0), ((1.0, 0.5, 0.8), (1.0, 0.6, 0.8), 1.0),
-     ((1.0, 0.95, 0.95), (1.0, 0.95, 0.95), 0.0), ((1.0, 0.9, 0.8), (), 0.0)],
+    ("errors_n", "weights"),
+    [
+        (3 * [[1.0, 0.5, 0.6, 0.5]], [0.5**8, 1.0, (5 / 6) ** 8, 1.0]),
+        ([[1.0, 0.5, 1.0, 1.0], [1.0, 1.0, 0.8, 1.0], [1.0, 1.0, 1.0, 1.0]],
+         [1.0, 2.0 ** (8 / 3), 0.8 ** (-8 / 3), 1.0]),
+        (3 * [[1.0, 0.95, 0.91, 0.95]], None),
+        ([[1.0, 0.5, 0.5, 0.5], [], [1.0, 0.5, 0.5, 0.5]], None),
+    ],
 )  # fmt: skip
-def test_growth_has_to_gain_in_all_and_lose_at_neither_share(
-    shallow_n: tuple[float, ...], deep_n: tuple[float, ...], grows: float, monkeypatch: Any
+def test_laws_of_growth_weigh_by_what_they_foretell_if_one_beats_a_constant_slope(
+    errors_n: list[list[float]], weights: list[float] | None, monkeypatch: Any
 ) -> None:
-    tried = dict(zip((0.7, 0.85), (list(shallow_n), list(deep_n)), strict=True))
+    tried = dict(zip((0.85, 0.9, 0.95), errors_n, strict=True))
     monkeypatch.setattr(growth, "_errors_n", lambda _terms, share, *_: tried[share])
     monkeypatch.setattr(growth, "reduced", lambda terms, _weights: terms)
-    rows: Any = SimpleNamespace(rows=None, peak_n=1.0)
+    rows: Any = SimpleNamespace(rows=None, peak_n=0.0)
     data: Any = SimpleNamespace(along_motions=lambda *_: None)
     none: Any = None
-    model = replace(passive_model().hammerstein, growth=0.0)
-    assert growth.growing(model, none, none, 1e-3, rows, data).growth == grows
+    found = growth.growth_weights(none, none, 1e-3, rows, data)
+    if weights is None:
+        assert found is None
+    else:
+        np.testing.assert_allclose(found, np.array(weights) / np.sum(weights))
+
+
+ONLY = dict(zip(growth.POWERS, np.eye(4)[1:], strict=True))
+SLOPES = {
+    0.2: lambda u: (0.2 + u) ** 5,
+    0.0: lambda u: np.exp(4.0 * u),
+    -1 / 3: lambda u: (1.7 - u) ** -3,
+}
+
+
+def rich(nodes: int, slope: Any) -> Hammerstein:
+    """A model with all that a passive one has; every curve has these slopes, as times its own."""
+    slopes_n = slope(np.linspace(0.0, 1.0, nodes))
+    return Hammerstein(
+        origin_m=0.0, span_m=DEPTH_M, elastic_n=slopes_n, tau_s=np.array([0.01, 0.2, 2.0]),
+        branch_n=np.array([[0.1], [0.2], [0.3]]) * slopes_n, radius_m=np.array([0.1 * DEPTH_M]),
+        stop_n=0.3 * slopes_n[None], bias_n=0.0, n_by_depth=1, rate_ratio=16.0,
+        flow=Flow(np.array([3.0, 30.0]), np.array([3, 5]), np.array([4, 1]), np.array([0.5, 0.2])),
+        damage=Damage(np.array([0.0, 60.0]), np.array([1, 3]), np.array([[0.2], [0.4]]) * slopes_n),
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("nodes", [9, 13, 25])
+@pytest.mark.parametrize("power", SLOPES)
+def test_curves_go_on_as_they_rise_and_no_force_within_changes(power: float, nodes: int) -> None:
+    model = rich(nodes, SLOPES[power])
+    further = growth.continued(model, ONLY[power])
+    u = np.linspace(0.0, 1.25, further.nodes)
+    np.testing.assert_allclose(further.branch_n[1], 1.25 * 0.2 * SLOPES[power](u), rtol=1e-9)
+    twice_m = np.concatenate([press(1.0), 0.7 * press(2.0)])
+    inside_n, its_n = (passive_force_n(its, twice_m, DT_S, True) for its in (model, further))
+    np.testing.assert_allclose(its_n, inside_n, atol=1e-9 * inside_n.max())
+
+
+def test_what_softens_keeps_its_slope_and_no_slope_grows_beyond_all_bounds() -> None:
+    softens = growth.continued(rich(9, lambda u: 2.0 - u), ONLY[0.2])
+    np.testing.assert_array_equal(softens.elastic_n[8:], softens.elastic_n[8])
+    pole = growth.continued(rich(9, lambda u: (1.05 - u) ** -3.0), ONLY[-1 / 3])
+    assert pole.elastic_n[-1] == 8.0 * pole.elastic_n[8]
+
+
+def test_each_place_of_a_map_goes_on_as_its_own_curves_rise() -> None:
+    model, soft = rich(9, SLOPES[0.2]), rich(9, lambda u: 1.0 + 0.1 * u)
+    amounts = np.array([[[1.0, 0.0], [0.5, 0.5]], [[0.0, 1.0], [0.2, 0.1]]])
+    places = Places(np.zeros(2), np.ones(2), amounts, np.stack([model.slopes_n, soft.slopes_n]))
+    found = growth.continued(replace(model.with_slopes(places.most_n), places=places), ONLY[0.2])
+    found.require_valid()
+    assert found.places is not None
+    for own, slopes_n in zip((model, soft), found.places.slopes_n, strict=True):
+        np.testing.assert_array_equal(slopes_n, growth.continued(own, ONLY[0.2]).slopes_n)
 
 
 def test_the_tool_is_away_where_a_surface_that_recovers_gives_no_force() -> None:

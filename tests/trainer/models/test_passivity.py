@@ -24,6 +24,7 @@ from springpot.codegen.model.formulas import loss_by_depth, play
 from springpot.codegen.model.passive import Damage, Flow, Hammerstein
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.hammerstein import fit_hammerstein
+from springpot.trainer.models.passive.growth import continued
 from springpot.trainer.models.training_set import training_set
 
 BOUND = 1e-5
@@ -107,7 +108,7 @@ def random_model(seed: int, surface: bool = False) -> Hammerstein:
     def weights(*shape: int) -> np.ndarray:
         return rng.exponential(5.0, shape) * (rng.uniform(size=shape) < 0.6)
 
-    return Hammerstein(
+    model = Hammerstein(
         origin_m=0.0 if surface else float(rng.uniform(0.0, 0.3) * SPAN_M),
         span_m=SPAN_M,
         elastic_n=weights(n),
@@ -130,8 +131,8 @@ def random_model(seed: int, surface: bool = False) -> Hammerstein:
             curve_n=weights(damage, n),
         ),
         recovers=surface,
-        growth=float(rng.choice([0.0, 1.0, 2.0])),
     )
+    return continued(model, rng.dirichlet(np.ones(4))) if n > 1 else model
 
 
 @pytest.mark.slow

@@ -67,8 +67,8 @@ def fit_map(data: TrainingSet, options: FitOptions) -> MapFit:
     problem = _problem(of_sites, choice.terms, choice.penalty, grid, full).sparse()
     count, error_n = problem.chosen(options.seed)
     model = problem.model(*problem.fitted(range(len(sites)), count))
-    usual = choice.model(alike)
-    model = replace(model, recovers=usual.recovers, growth=usual.growth)
+    model = replace(model, recovers=choice.recovering(alike).recovers)
+    model = choice.further(model, alike)
     return MapFit(model, sum(its.rows for its in problem.sites), error_n, choice.law, len(sites))
 
 

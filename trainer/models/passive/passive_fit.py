@@ -12,7 +12,7 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.model.passive import Hammerstein
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.folds import geometric_mean
-from springpot.trainer.models.passive.growth import growing
+from springpot.trainer.models.passive.growth import continued, growth_weights
 from springpot.trainer.models.passive.nonnegative import Normal, sparse_solve
 from springpot.trainer.models.passive.passive_force import with_memory
 from springpot.trainer.models.passive.passive_rows import (
@@ -74,16 +74,25 @@ class PassiveChoice:
         """Fitted to all rows, (terms,), N."""
         return self.rows.peak_n * self.normal(0).penalised(self._penalty).solve()
 
-    def model(self, data: TrainingSet) -> Hammerstein:
-        """Build the model, of as few branches, stops and curves as serve.
-
-        Its surface recovers and its slopes grow, if the object's do.
-        """
+    @cached_property
+    def _few(self) -> Samples:
+        """Fitted to all rows with as few branches, stops and curves as serve, (terms,), N."""
         normal = self.normal(0).penalised(self._penalty)
-        weights = self.rows.peak_n * sparse_solve(normal, self.terms.blocks, SPARSE_LOSS)
-        model = recovering(to_model(self.terms, weights), self.terms, self.penalty, self.rows, data)
-        model = growing(model, self.terms, weights, self.penalty, self.rows, data)
-        return with_memory(model, data)
+        return self.rows.peak_n * sparse_solve(normal, self.terms.blocks, SPARSE_LOSS)
+
+    def recovering(self, data: TrainingSet) -> Hammerstein:
+        """Build the model to the trained depth; its surface recovers if the object's does."""
+        model = to_model(self.terms, self._few)
+        return recovering(model, self.terms, self.penalty, self.rows, data)
+
+    def further(self, model: Hammerstein, data: TrainingSet) -> Hammerstein:
+        """The model with slopes that grow beyond the trained depth, if the object's do."""
+        weights = growth_weights(self.terms, self._few, self.penalty, self.rows, data)
+        return model if weights is None else continued(model, weights)
+
+    def model(self, data: TrainingSet) -> Hammerstein:
+        """Build the model, with its memory."""
+        return with_memory(self.further(self.recovering(data), data), data)
 
     @cached_property
     def weights_without(self) -> Samples:
