@@ -47,7 +47,7 @@ class _Array(NamedTuple):
         return self.name.replace(".", "/").rpartition("/")[2]
 
 
-def read_arrays(path: Path, kind: str, request: FileRequest) -> tuple[RawChannels, str]:
+def read_arrays(path: Path, kind: str, request: FileRequest) -> RawChannels:
     """Read one recording from a file of the kind "mat" (version 5) or "hdf5" (MAT 7.3 too).
 
     A channel is a vector, or a column of a matrix as `data[2]`; structures and groups are named
@@ -80,7 +80,7 @@ def read_arrays(path: Path, kind: str, request: FileRequest) -> tuple[RawChannel
         rows=np.arange(1, len(values["force"]) + 1),
         source=str(path),
         place_m=place_m(str(path), labels, lambda k: arrays[k].values, request.place, below),
-    ), guess  # fmt: skip
+    )  # fmt: skip
 
 
 def _choose(
