@@ -111,9 +111,9 @@ def import_recordings(
         raise UsageError("no files: give at least one")
     mapping = parse_map(columns) if columns else None
     given = [given_path(file) for file in files]
-    found = import_set(given, mapping, zero, resample_hz, options, rest_s)
-    notice("\n".join([*found.guesses.values(), *found.notes]))
-    return warn_of_quality(found.recordings).checked
+    found, guesses, notes = import_set(given, mapping, zero, resample_hz, options, rest_s)
+    notice("\n".join([*guesses.values(), *notes]))
+    return warn_of_quality(found).checked
 
 
 def read_model(path: File) -> Model:

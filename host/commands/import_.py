@@ -89,11 +89,10 @@ def import_(
     if out.exists() and not out.is_dir():
         raise UsageError(f"--out {out}: is a file: give a folder to write recordings into")
     with progress_bar("import"):
-        found = import_set(files, mapping, zero, resample_hz, options, rest_s)
-    _say_guesses(found.guesses)
-    for note in found.notes:
+        recordings, guesses, notes = import_set(files, mapping, zero, resample_hz, options, rest_s)
+    _say_guesses(guesses)
+    for note in notes:
         say(note)
-    recordings = found.recordings
     report = report_quality(recordings)
     rows = _rows(write_in_folder(out, report.checked, overwrite=False), report)
     if not as_json:
@@ -104,7 +103,7 @@ def import_(
         {
             "out": out,
             "recordings": rows,
-            "guess": "\n".join(found.guesses.values()),
+            "guess": "\n".join(guesses.values()),
             "findings": findings,
         }
     )

@@ -62,9 +62,9 @@ def write_recording(path: Path, recording: Recording, *, overwrite: bool = True)
             for key, value in metadata.items():
                 if value is not None:
                     file.attrs[key] = value
-            further = {f"{_MORE}{name}": its for name, its in recording.channels.items()}
-            channels = {"position_m": recording.position_m, "force_n": recording.force_n}
-            for name, samples in {**channels, **further}.items():
+            channels = {name: getattr(recording, name) for name in _UNITS}
+            channels |= {f"{_MORE}{name}": its for name, its in recording.channels.items()}
+            for name, samples in channels.items():
                 stored = file.create_dataset(
                     name, data=samples, chunks=(min(len(samples), _CHUNK_SAMPLES),),
                     compression="gzip", compression_opts=1, shuffle=True, fletcher32=True,

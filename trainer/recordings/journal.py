@@ -12,7 +12,6 @@ from contextlib import closing, suppress
 from dataclasses import replace
 from pathlib import Path
 from time import monotonic
-from types import TracebackType
 from typing import Any, Self
 
 import numpy as np
@@ -21,7 +20,6 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError, DeviceError, UsageError
 from springpot.codegen.messages import caution
 from springpot.trainer.recordings.hdf5_file import (
-    GIVE,
     RECORDING_SCHEMA,
     metadata_of_json,
     recording_of,
@@ -176,12 +174,7 @@ class JournalWriter:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_error: object) -> None:
         if self._store is None:
             return
         if self.rows < MIN_SAMPLES:
@@ -230,8 +223,6 @@ def read_journal(path: Path) -> tuple[Recording, str]:
 
     Raises DataError for one without samples, or one that is still being recorded.
     """
-    if not path.exists():
-        raise DataError(f"{path}: no such file: {GIVE}")
     if is_being_recorded(path):
         raise DataError(f"{path}: still being recorded: wait until that ends")
     parts, damaged = _whole_parts(path)

@@ -47,7 +47,9 @@ def read_recording(path: Path) -> Recording:
     path: an HDF5 file, or a journal. Raises DataError with the file's name if it cannot be used.
     """
     journal = journal_of(path)
-    if path.suffix == JOURNAL_SUFFIX or (not path.exists() and journal.exists()):
+    if not (path.exists() or journal.exists()):
+        raise DataError(f"{path}: no such file: {GIVE}")
+    if path.suffix == JOURNAL_SUFFIX or not path.exists():
         found, lost = read_journal(journal)
         whole_s = f"{found.duration_s:.3f} s"
         message = f"recovered {whole_s} from the journal of an interrupted recording{lost}"
@@ -56,8 +58,6 @@ def read_recording(path: Path) -> Recording:
     try:
         require_regular(path)
         return read_hdf5(path)
-    except FileNotFoundError:
-        raise DataError(f"{path}: no such file: {GIVE}") from None
     except OSError as error:
         raise DataError(f"{path}: cannot be read ({error.strerror}): {GIVE}") from None
 

@@ -192,7 +192,7 @@ def test_short_gaps_are_interpolated_where_a_rate_is_given(lost: float) -> None:
         Recording.from_frame(table)
     filled = Recording.from_frame(table, resample_hz=200.0)
     assert np.abs(filled.position_m - position_m[: len(filled.position_m)]).max() < 1e-4
-    assert "interpolated" in filled.details["gaps"]
+    assert "interpolated" in filled.details["notes"][0]
     long = np.r_[0:300, 320 : len(time_s)]
     cut = {"time_s": time_s[long], "position_m": position_m[long], "force_n": force_n[long]}
     with pytest.raises(DataError, match=r"gap of 0\.1\d* s .*: cut the recording there"):
@@ -205,7 +205,7 @@ def test_rows_that_a_logger_wrote_twice_count_once() -> None:
     table = {"time_s": rows * DT_S, "position_m": position_m[rows], "force_n": force_n[rows]}
     once = Recording.from_frame(table)
     assert np.array_equal(once.force_n, force_n)
-    assert once.details["repeated_rows"] == "3 rows left out, equal to the row before"
+    assert once.details["notes"] == ["3 rows left out, equal to the row before"]
     table["force_n"] = table["force_n"] + np.where(np.arange(len(rows)) == 41, 1.0, 0.0)
     with pytest.raises(DataError, match="time stands still"):
         Recording.from_frame(table)

@@ -47,7 +47,7 @@ class _Array(NamedTuple):
         return self.name.replace(".", "/").rpartition("/")[2]
 
 
-def read_arrays(path: Path, kind: str, request: FileRequest) -> tuple[RawChannels, str]:
+def read_arrays(path: Path, kind: str, request: FileRequest) -> RawChannels:
     """Read one recording from a file of the kind "mat" (version 5) or "hdf5" (MAT 7.3 too).
 
     A channel is a vector, or a column of a matrix as `data[2]`; structures and groups are named
@@ -80,31 +80,29 @@ def read_arrays(path: Path, kind: str, request: FileRequest) -> tuple[RawChannel
         rows=np.arange(1, len(values["force"]) + 1),
         source=str(path),
         place_m=place_m(str(path), labels, lambda k: arrays[k].values, request.place, below),
-    ), guess  # fmt: skip
+    )  # fmt: skip
 
 
 def _choose(
     path: Path, arrays: Sequence[_Array], quantity: Quantity, request: FileRequest
 ) -> _Array:
-    column = request.columns.get(quantity)
-    what = "has no array"
-    if column is None:
-        found = [arrays[k] for k in guess_column([array.label for array in arrays], quantity)]
-    else:
+    if column := request.columns.get(quantity):
         stated = str(column.header_or_number).strip("/")
         found = [a for k, a in enumerate(arrays, 1) if stated in (a.name, str(k))]
-        what += f" {stated!r}"
-    if len(found) == 1 and found[0].other:
+        none = f"has no array {stated!r}"
+    else:
+        found = [arrays[k] for k in guess_column([array.label for array in arrays], quantity)]
+        none = "has no array"
+    if len(found) != 1:
+        what = "may be " + ", ".join(repr(array.name) for array in found) if found else none
+        shown = ", ".join(repr(array.name) for array in arrays[:_MAX_SHOWN])
+        raise DataError(f"{path}: {quantity} {what}; it holds {shown}: pass --map {MAP_EXAMPLE}")
+    if found[0].other:
         raise DataError(
             f"{path}, array {found[0].name!r}: its {found[0].other} is not applied here: read it "
             "in Python and pass the values to springpot.Recording.from_frame"
         )
-    if len(found) == 1:
-        return found[0]
-    if found:
-        what = "may be " + ", ".join(repr(array.name) for array in found)
-    shown = ", ".join(repr(array.name) for array in arrays[:_MAX_SHOWN])
-    raise DataError(f"{path}: {quantity} {what}; it holds {shown}: pass --map {MAP_EXAMPLE}")
+    return found[0]
 
 
 def _load(path: Path, kind: str) -> list[_Array]:

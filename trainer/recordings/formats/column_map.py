@@ -209,31 +209,28 @@ def column_units(
     row below the header.
     Raises DataError for a unit that is unknown or contradicts, and once for all that are missing.
     """
-    labels = {q: header[index] if index < len(header) else "" for q, index in chosen.items()}
-    named = {q: columns.get(q) or Column(labels[q] or index + 1) for q, index in chosen.items()}
-    places = {
-        q: {
-            "map": named[q].unit,
-            "header": split_unit(labels[q], q)[1],
-            "row of units": below.get(q),
-        }
-        for q in chosen
-    }
-    at = {q: f"column {i + 1}{f' {labels[q]!r}' * bool(labels[q])}" for q, i in chosen.items()}
-    missing = [q for q in chosen if not any(places[q].values())]
+    units: dict[Quantity, Unit] = {}
+    wanted, missing = dict(columns), dict[Quantity, str]()
+    for quantity, index in chosen.items():
+        label = header[index] if index < len(header) else ""
+        column = columns.get(quantity) or Column(label or index + 1)
+        own, under = split_unit(label, quantity)[1], below.get(quantity)
+        at = f"column {index + 1}{f' {label!r}' * bool(label)}"
+        if column.unit or own or under:
+            texts = {"map": column.unit, "header": own, "row of units": under}
+            name = str(column.header_or_number)
+            units[quantity] = choose_unit(texts, quantity, f"{where}, {at}", name)
+        else:
+            missing[quantity] = at
+            wanted[quantity] = Column(column.header_or_number, "UNIT")
     if missing:
-        wanted = {**columns, **{q: Column(named[q].header_or_number, "UNIT") for q in missing}}
-        stated = (f"{q}={each}" for q in QUANTITIES if (each := wanted.get(q)))
-        option = shlex.quote(",".join(stated))
+        option = shlex.quote(",".join(f"{q}={wanted[q]}" for q in QUANTITIES if q in wanted))
         raise DataError(
-            f"{where}, {', '.join(at[q] for q in missing)}: no unit of {', of '.join(missing)}: "
+            f"{where}, {', '.join(missing.values())}: no unit of {', of '.join(missing)}: "
             f"pass --map {option}, with a unit such as "
             f"{', '.join(COMMON_UNITS[q] for q in missing)} for each UNIT"
         )
-    return {
-        q: choose_unit(places[q], q, f"{where}, {at[q]}", str(named[q].header_or_number))
-        for q in chosen
-    }
+    return units
 
 
 def place_m(

@@ -5,7 +5,7 @@ import io
 import re
 from collections.abc import Sequence
 from contextlib import suppress
-from decimal import Decimal, InvalidOperation
+from decimal import Decimal
 from pathlib import Path
 
 import numpy as np
@@ -32,14 +32,14 @@ from springpot.trainer.recordings.formats.csv_layout import (
 from springpot.trainer.recordings.formats.sampling import MIN_ROWS, RawChannels, in_si
 from springpot.trainer.recordings.formats.units import factor_to_si
 
-_LAST_LINES = 2000  # with a fixed number of significant digits, the last stamps have the fewest
+_LAST_ROWS = 2000  # with a fixed number of significant digits, the last stamps have the fewest
 _MAX_EXPONENT = 300
 _NO_TEXT = re.compile("[\0-\b\x0e-\x19\x1b-\x1f]")  # but for Ctrl-Z at the end of DOS
 _SHOWN = 40  # letters of a line in a message
 
 
-def read_csv(path: Path, request: FileRequest) -> tuple[RawChannels, str]:
-    """Read the table of a file, and how the file was understood.
+def read_csv(path: Path, request: FileRequest) -> RawChannels:
+    """Read the table of a file.
 
     Raises DataError naming file and row for bytes that are no text, missing columns or units, rows
     of another length, cells without a number and text in the middle of numbers.
@@ -59,7 +59,7 @@ def read_csv(path: Path, request: FileRequest) -> tuple[RawChannels, str]:
         source=str(path),
         time_digit_s=table.printed_digit_s() if "time" in layout.columns else 0.0,
         place_m=place_m(str(path), layout.header, table.column, request.place, layout.below),
-    ), guess  # fmt: skip
+    )  # fmt: skip
 
 
 def _lines(path: Path) -> tuple[list[str], str]:
@@ -169,13 +169,10 @@ class _Table:
 
     def printed_digit_s(self) -> float:
         """Return one unit in the last printed digit of the time column, s; 0 without one."""
-        exponents = []
-        for line in self.lines[self.layout.first :][-_LAST_LINES:]:
-            row = cells(line, self.layout.delimiter)
-            for cell in row[self.layout.columns["time"] :][:1]:
-                with suppress(InvalidOperation):  # no number
-                    exponents.append(Decimal(cell.translate(self._mark)).as_tuple().exponent)
-        printed = [each for each in exponents if isinstance(each, int)]
+        index = self.layout.columns["time"]
+        stamps = [row[index].translate(self._mark) for row in self._cells[-_LAST_ROWS:]]
+        exponents = [Decimal(stamp).as_tuple().exponent for stamp in stamps if stamp.strip()]
+        printed = [each for each in exponents if isinstance(each, int)]  # NaN has none
         digit = 10.0 ** min(_MAX_EXPONENT, *printed) if printed else 0.0
         return digit * abs(self.layout.units["time"].to_si)
 

@@ -17,7 +17,7 @@ from springpot.trainer.recordings.formats.arrays import read_arrays
 from springpot.trainer.recordings.formats.column_map import ColumnMap, DecimalMark, FileRequest
 from springpot.trainer.recordings.formats.csv_file import read_csv
 from springpot.trainer.recordings.formats.csv_layout import NoRecordingError
-from springpot.trainer.recordings.formats.sampling import RawChannels, sampling_notes, to_recording
+from springpot.trainer.recordings.formats.sampling import RawChannels, to_recording
 from springpot.trainer.recordings.formats.units import factor_to_si, parts_of
 from springpot.trainer.recordings.hdf5_file import is_recording
 from springpot.trainer.recordings.journal import JOURNAL_SUFFIX
@@ -89,10 +89,9 @@ def import_file(
                     request = FileRequest(mapping or {}, options.decimal, (x, y))
                 case _:
                     request = FileRequest(mapping or {}, options.decimal)
-            raw, guess = _read(path, request)
-            name = safe_recording_name(path.stem)
-            recording = to_recording(raw, name, resample_hz)
-            notes = [guess, *sampling_notes(recording)]
+            raw = _read(path, request)
+            recording = to_recording(raw, safe_recording_name(path.stem), resample_hz)
+            notes = [raw.details["columns"], *recording.details["notes"]]
     except OSError as error:
         raise DataError(f"{path}: {error.strerror}: give a file that can be read") from None
     recording, messages = condition(recording, options.conditioning, zero)
@@ -104,7 +103,7 @@ def import_file(
     return recording, f"{path}: {'; '.join([*notes, *messages])}"
 
 
-def _read(path: Path, request: FileRequest) -> tuple[RawChannels, str]:
+def _read(path: Path, request: FileRequest) -> RawChannels:
     """Read a file of other programs: arrays by how it begins, else text."""
     with path.open("rb") as file:
         start = file.read(_START_BYTES)
@@ -152,16 +151,6 @@ def one_session(recordings: Sequence[Recording], rest_s: float) -> list[Recordin
     return found
 
 
-@dataclass(frozen=True)
-class ImportedSet:
-    """Recordings of some files, and lines on how each was understood, and on what they share."""
-
-    recordings: list[Recording]
-    guesses: dict[Path, str]
-    notes: list[str]
-    __repr__ = short_repr
-
-
 def import_set(
     paths: Sequence[Path],
     mapping: ColumnMap | None = None,
@@ -169,11 +158,12 @@ def import_set(
     resample_hz: float | None = None,
     options: ImportOptions | None = None,
     rest_s: float | None = None,
-) -> ImportedSet:
+) -> tuple[list[Recording], dict[Path, str], list[str]]:
     """Read files, and folders of them, in SI units; arguments as of `import_file`.
 
     A file that was named is a recording, or refused; of a folder, what is none is left out.
     rest_s: the files are presses of one object in this order, so long apart, s.
+    Return the recordings, how each file was understood, and lines on what they share.
     """
     files, notes = _listed(paths)
     recordings: list[Recording] = []
@@ -194,7 +184,7 @@ def import_set(
     recordings, surface = on_one_surface(recordings, (options or ImportOptions()).conditioning)
     if rest_s is not None:
         recordings = one_session(recordings, rest_s)
-    return ImportedSet(recordings, guesses, [*notes, surface] if surface else notes)
+    return recordings, guesses, [*notes, surface] if surface else notes
 
 
 def _listed(paths: Sequence[Path]) -> tuple[list[Path], list[str]]:

@@ -76,7 +76,14 @@ def in_si(
     guess: str = "",
     **others: Any,
 ) -> RawChannels:
-    """Channels of one file; rate_hz: time is counted. others: fields of RawChannels."""
+    """Channels of one file; rate_hz: time is counted. others: fields of RawChannels.
+
+    Raises DataError for channels that are not arrays of one shape (n,).
+    """
+    shapes = {quantity: np.shape(samples) for quantity, samples in values.items()}
+    if len(shapes["force"]) != 1 or len(set(shapes.values())) > 1:
+        found = ", ".join(f"{quantity} {shape}" for quantity, shape in shapes.items())
+        raise DataError(f"{others['source']}: {found}: give three 1-D arrays of one length")
     scaled = {quantity: values[quantity] * unit.to_si for quantity, unit in units.items()}
     stated = {quantity: unit.metadata() for quantity, unit in units.items()}
     if rate_hz is not None:
@@ -91,40 +98,41 @@ def to_recording(raw: RawChannels, name: str, resample_hz: float | None) -> Reco
     """Check the samples, and resample them if `resample_hz` is given.
 
     Raises DataError naming the row: not finite; time that stands still, goes back, has gaps or,
-    without `resample_hz`, uneven steps before the file's end; too few rows; channels that are not
-    arrays of one shape (n,). `details` says what was done.
+    without `resample_hz`, uneven steps before the file's end; too few rows. `details` says in
+    `notes` which rows were left out, which gaps were filled, and whether the end was uneven.
     """
     raw, notes = _usable_rows(raw, resample_hz is not None)
     _require_samples(raw)
-    details, steps_s = {**raw.details, **notes}, np.diff(raw.time_s)
+    steps_s = np.diff(raw.time_s)
     off = raw.is_off(steps_s)
     if resample_hz is None and len(steps_s) > _EVEN_STEPS and off[0] and not off[1:].any():
-        details["first_row_cut"] = (
+        notes.append(
             f"row {raw.rows[0]} comes {steps_s[0]:.4g} s before the next one, where steps are "
             f"{np.median(steps_s):.4g} s: cut"
         )
         raw, steps_s = raw.part(slice(1, None)), steps_s[1:]
     gaps = _gaps(raw, steps_s, resample_hz is not None)
     if len(gaps):
-        details["gaps"] = (
+        notes.append(
             f"{number_of(len(gaps), 'gap')} of up to {steps_s[gaps].max():.4g} s, the first before "
             f"row {raw.rows[gaps[0] + 1]}: interpolated"
         )
-    sampling: dict[str, Any] = {
+    sampling = {
         "longest_step_s": float(steps_s.max()),
         "shortest_step_s": float(steps_s.min()),
         "stamp_digit_s": raw.time_digit_s,
     }
-    details["sampling"] = sampling
+    details = {**raw.details, "sampling": sampling, "notes": notes}
     if resample_hz is None:
         grid_s, even = _even_grid(raw, steps_s)
         dt_s = float(grid_s[-1] - grid_s[0]) / (len(grid_s) - 1)
         if even < len(raw.time_s):
-            sampling["tail"] = {
-                "rows": len(raw.time_s) - even,
-                "from_row": int(raw.rows[even]),
-                "left_out_s": max(0.0, float(raw.time_s[-1]) - float(grid_s[-1])),
-            }
+            left_out_s = max(0.0, float(raw.time_s[-1]) - float(grid_s[-1]))
+            notes.append(
+                f"the end, {number_of(len(raw.time_s) - even, 'row')} from row {raw.rows[even]} "
+                "on, is not in step with the rows before: interpolated onto their "
+                f"{1.0 / dt_s:.6g} Hz, and the last {left_out_s:.3g} s left out"
+            )
     else:
         grid_s, even, dt_s = _grid(raw, resample_hz), 0, 1.0 / resample_hz
         details["resampled_hz"] = resample_hz
@@ -139,44 +147,25 @@ def to_recording(raw: RawChannels, name: str, resample_hz: float | None) -> Reco
     )  # fmt: skip
 
 
-def sampling_notes(recording: Recording) -> list[str]:
-    """Return lines about rows that were left out, gaps that were filled, and an uneven end."""
-    keys = ("empty_ends", "repeated_rows", "first_row_cut", "gaps")
-    notes = [recording.details[key] for key in keys if key in recording.details]
-    if tail := recording.details["sampling"].get("tail"):
-        notes.append(
-            f"the end, {number_of(tail['rows'], 'row')} from row {tail['from_row']} on, is not in "
-            f"step with the rows before: interpolated onto their {recording.rate_hz:.6g} Hz, and "
-            f"the last {tail['left_out_s']:.3g} s left out"
-        )
-    return notes
-
-
-def _usable_rows(raw: RawChannels, fill: bool) -> tuple[RawChannels, dict[str, str]]:
-    """Leave out rows written twice, and with `fill` rows without a number; and say so, by key."""
-    channels = (raw.time_s, raw.position_m, raw.force_n)
-    if {np.shape(channel) for channel in channels} != {(len(raw.rows),)} or not len(raw.rows):
-        return raw, {}
-    notes, numbers = {}, np.asarray(np.isfinite(channels).all(axis=0))
+def _usable_rows(raw: RawChannels, fill: bool) -> tuple[RawChannels, list[str]]:
+    """Leave out rows written twice, and with `fill` rows without a number; and say so."""
+    notes, channels = list[str](), np.array([raw.time_s, raw.position_m, raw.force_n])
+    numbers = np.asarray(np.isfinite(channels).all(axis=0))
     if fill and numbers.any() and not numbers.all():
         inside = np.flatnonzero(numbers)
         if ends := len(numbers) - 1 - int(inside[-1] - inside[0]):
-            notes["empty_ends"] = f"{number_of(ends, 'row')} without a number at the ends: left out"
-        raw = raw.part(numbers)
-    steps = [np.diff(channel) != 0.0 for channel in (raw.time_s, raw.position_m, raw.force_n)]
-    new = np.append(True, np.any(steps, axis=0))
+            notes.append(f"{number_of(ends, 'row')} without a number at the ends: left out")
+        raw, channels = raw.part(numbers), channels[:, numbers]
+    steps = np.diff(channels, prepend=np.nan)
+    new = np.asarray(np.any(steps != 0.0, axis=0))  # the first row too: NaN is not 0
     if repeats := int(np.count_nonzero(~new)):
-        notes["repeated_rows"] = f"{number_of(repeats, 'row')} left out, equal to the row before"
+        notes.append(f"{number_of(repeats, 'row')} left out, equal to the row before")
     return raw.part(new), notes
 
 
 def _require_samples(raw: RawChannels) -> None:
-    """Refuse what is no array of numbers in the order of time."""
+    """Refuse what is no number, or not in the order of time, and too few rows."""
     channels = {"time": raw.time_s, "position": raw.position_m, "force": raw.force_n}
-    shapes = {name: np.shape(found) for name, found in channels.items()}
-    if raw.time_s.ndim != 1 or len(set(shapes.values())) > 1:
-        found = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
-        raise DataError(f"{raw.source}: {found}: give three 1-D arrays of one length")
     for channel, samples in channels.items():
         bad = np.flatnonzero(~np.isfinite(samples))
         if len(bad):

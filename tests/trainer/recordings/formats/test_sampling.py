@@ -7,7 +7,6 @@ import pytest
 from support.files.imported import GOOD, load, refusal, rows
 
 from springpot.trainer.recordings.formats.importing import import_file
-from springpot.trainer.recordings.formats.sampling import sampling_notes
 
 
 @pytest.mark.parametrize("rate_hz", [3.0, 7.0, 30.0, 60.0, 70.0])
@@ -59,8 +58,8 @@ def test_rows_without_a_number_at_the_ends_are_left_out_with_a_line(tmp_path: Pa
     for k in (1, 50, 99, 100):
         lines[k] = lines[k].rpartition(",")[0] + ","
     found = load(tmp_path, "\n".join(lines) + "\n", resample_hz=100.0)
-    assert found.details["empty_ends"] == "3 rows without a number at the ends: left out"
-    assert len(found.force_n) == 97 and found.details["empty_ends"] in sampling_notes(found)
+    assert found.details["notes"][0] == "3 rows without a number at the ends: left out"
+    assert len(found.force_n) == 97
 
 
 @pytest.mark.parametrize("first_s", [2.08e-3, 0.5e-3, 0.3])
@@ -68,7 +67,7 @@ def test_a_first_row_that_is_out_of_step_is_cut(first_s: float, tmp_path: Path) 
     """Interpolation onto it would blur every other sample, and lower the noise floor."""
     time_s = np.append(0.0, first_s + 4e-3 * np.arange(399))
     whole, found = (load(tmp_path, rows(its, "%.5f")) for its in (4e-3 * np.arange(400), time_s))
-    assert sampling_notes(whole) == [] and "row 2 comes" in sampling_notes(found)[0]
+    assert whole.details["notes"] == [] and "row 2 comes" in found.details["notes"][0]
     np.testing.assert_array_equal(found.force_n, whole.force_n[1:])
     assert found.dt_s == pytest.approx(4e-3)
 
@@ -110,8 +109,9 @@ def test_compression_files_of_another_laboratory(shared_data: Path) -> None:
         assert recording.rate_hz == pytest.approx(10.0) and len(recording.position_m) == 1201
         assert recording.position_m[-1] == pytest.approx(20e-3, rel=1e-3)
         assert recording.force_n[-1] > 400.0
-        tail = recording.details["sampling"]["tail"]
-        assert tail["rows"] == (1 if "EF10_0T_B" not in file.name else pytest.approx(25, abs=4))
+        (note,) = recording.details["notes"]
+        rows_off = int(note.partition("the end, ")[2].partition(" row")[0])
+        assert rows_off == (1 if "EF10_0T_B" not in file.name else pytest.approx(25, abs=4))
     first = import_file(files[0])[0]
     resampled = import_file(files[0], resample_hz=10.0)[0]
     np.testing.assert_allclose(first.force_n, resampled.force_n, rtol=0, atol=1e-9)
