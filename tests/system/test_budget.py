@@ -26,11 +26,11 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
 @pytest.mark.parametrize(
     ("what", "most"),
     [
-        ("codegen/*.py", 6452),
-        ("trainer/*.py", 8709),
+        ("codegen/*.py", 6417),
+        ("trainer/*.py", 8783),
         ("host/*.py", 12442),
-        ("runtime_c/*.[ch] codegen/*.j2", 7721),
-        ("tests/*.py", 19917),
+        ("runtime_c/*.[ch] codegen/*.j2", 7713),
+        ("tests/*.py", 19982),
     ],
 )
 def test_lines(what: str, most: int) -> None:

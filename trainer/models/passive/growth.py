@@ -46,8 +46,7 @@ def growth_weights(
     if errors_n.min() > _CLEARLY * errors_n[0]:
         return None
     found = (errors_n.min() / errors_n) ** _SHARPNESS
-    total: Samples = found / found.sum()
-    return total
+    return np.asarray(found / found.sum(), dtype=np.float64)
 
 
 def _errors_n(
