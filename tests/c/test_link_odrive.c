@@ -110,6 +110,20 @@ TEST(a_reset_arms_in_order_whatever_is_refused)
     }
 }
 
+TEST(an_error_of_any_part_of_a_drive_trips_it)
+{
+    for (unsigned at = 0; at < 8; at++) {
+        odrive memory;
+        uint8_t beat[8] = {[4] = CLOSED_LOOP};
+        const sp_link *link = new_link(&memory);
+        take_frame(&memory, HEARTBEAT, beat, sizeof beat);
+        CHECK(link->ready && !memory.tripped);
+        beat[at] ^= 1u;
+        take_frame(&memory, HEARTBEAT, beat, sizeof beat);
+        CHECK(memory.tripped);
+    }
+}
+
 TEST(a_drive_that_was_given_up_is_not_armed)
 {
     odrive memory;

@@ -69,6 +69,21 @@ TEST(a_force_is_within_its_bounds_both_ways)
     CHECK(pulls > ROUNDS && pushes > ROUNDS);
 }
 
+TEST(a_runaway_is_braked_and_a_false_position_is_not)
+{
+    const struct {
+        double speed_mps, force_n;
+    } cases[] = {{0.125, 0.0}, {0.25, 3.0}, {0.5, 6.0}, {4.0, 6.0}, {5.0, 0.0}, {-0.5, 0.0}};
+    for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
+        sp_press press = {.max_force_n = 6.0,
+                          .max_mps = 0.5,
+                          .dt_s = 1e-3,
+                          .fault = SP_PRESS_FAST,
+                          .speed_mps = cases[i].speed_mps};
+        CHECK(brake_n(&press) == cases[i].force_n);
+    }
+}
+
 TEST(a_sensor_may_be_unlike_again_and_again_but_not_for_long)
 {
     double command_n[TICKS];

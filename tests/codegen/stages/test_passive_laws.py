@@ -12,7 +12,7 @@ from support.c.same_bits import require_same_bits
 from springpot import Model
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.formulas import curve_nodes, curve_place, curve_values
-from springpot.codegen.model.passive import Damage
+from springpot.codegen.model.passive import Damage, Memory
 from springpot.codegen.plan import planned_headers
 from springpot.codegen.reference import run_reference
 from springpot.codegen.stages.passive.beside import steepest_n
@@ -28,6 +28,8 @@ LAWS: dict[str, dict[str, Any]] = {
     "inverse": {"n_by_depth": 3, "rate_ratio": 1 / 16, "recovers": True},
     "flow": {"flow": small.flow(0.6)},
     "damage": {"damage": small.damage(CURVE_N)},
+    "worn": {"conditioned": Memory(np.full(4, -0.1), np.zeros(0), np.zeros(0)),
+             "starts_conditioned": True},
 }  # fmt: skip
 
 

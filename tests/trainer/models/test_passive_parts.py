@@ -11,9 +11,11 @@ from support.small import DEPTH_M, DT_S, passive_force_n, passive_model, press
 from springpot import Recording
 from springpot.codegen.model.passive import Damage, Flow, Hammerstein
 from springpot.codegen.model.places import Places
+from springpot.trainer.models.depths import DepthMotion
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.passive import growth
 from springpot.trainer.models.passive.nonnegative import normal_equations, sparse_solve
+from springpot.trainer.models.passive.passive_force import model_along
 from springpot.trainer.models.passive.passive_rows import passive_rows
 from springpot.trainer.models.passive.recovery import _Way
 from springpot.trainer.models.training_set import training_set
@@ -84,8 +86,8 @@ def rich(nodes: int, slope: Any) -> Hammerstein:
         origin_m=0.0, span_m=DEPTH_M, elastic_n=slopes_n, tau_s=np.array([0.01, 0.2, 2.0]),
         branch_n=np.array([[0.1], [0.2], [0.3]]) * slopes_n, radius_m=np.array([0.1 * DEPTH_M]),
         stop_n=0.3 * slopes_n[None], bias_n=0.0, n_by_depth=1, rate_ratio=16.0,
-        flow=Flow(np.array([3.0, 30.0]), np.array([3, 5]), np.array([4, 1]), np.array([0.5, 0.2])),
-        damage=Damage(np.array([0.0, 60.0]), np.array([1, 3]), np.array([[0.2], [0.4]]) * slopes_n),
+        flow=Flow(np.array([30.0, 3.0]), np.array([5, 3]), np.array([1, 4]), np.array([0.2, 0.5])),
+        damage=Damage(np.array([0.5, 0.0]), np.array([3, 1]), np.array([[0.4], [0.2]]) * slopes_n),
     )  # fmt: skip
 
 
@@ -99,6 +101,17 @@ def test_curves_go_on_as_they_rise_and_no_force_within_changes(power: float, nod
     twice_m = np.concatenate([press(1.0), 0.7 * press(2.0)])
     inside_n, its_n = (passive_force_n(its, twice_m, DT_S, True) for its in (model, further))
     np.testing.assert_allclose(its_n, inside_n, atol=1e-9 * inside_n.max())
+
+
+def test_a_press_begins_with_the_memory_that_the_last_one_left() -> None:
+    none = {"radius_m": np.zeros(0), "stop_n": np.zeros((0, 9))}  # what slips is no memory
+    model = replace(rich(9, SLOPES[0.2]), tau_s=np.array([0.2, 2.0, 4e3]), **none)
+    first_m, second_m = press(1.0), 0.7 * press(2.0)
+    memory = model_along(model, DepthMotion(first_m, (0,), (0,)), DT_S, surface=False)[2]
+    worn = replace(model, conditioned=memory, starts_conditioned=True)
+    whole_n = passive_force_n(model, np.concatenate([first_m, second_m]), DT_S, surface=False)
+    second_n = passive_force_n(worn, second_m, DT_S, surface=False)
+    np.testing.assert_allclose(second_n, whole_n[len(first_m) :], atol=1e-3 * whole_n.max())
 
 
 def test_what_softens_keeps_its_slope_and_no_slope_grows_beyond_all_bounds() -> None:
