@@ -50,13 +50,15 @@ def test_dates_are_read_in_every_time_zone(zone):
 
 
 @pytest.mark.parametrize("name", COLUMNS)
-def test_a_refusal_says_that_a_name_is_there_twice_or_the_index(name):
+def test_a_refusal_says_that_a_name_is_there_twice_the_index_or_one_number(name):
     quantity = name.rpartition("_")[0]
     with refusing(UsageError, f"{quantity}='{name}'", "or several, have this name"):
         Recording.from_frame(Table(COLUMNS, [*COLUMNS, name]))
     others = {key: values for key, values in COLUMNS.items() if key != name}
     with refusing(UsageError, f"{quantity}='{name}'", "index", "reset_index()"):
         Recording.from_frame(Table(others, list(others), index=name))
+    with refusing(DataError, f"{quantity} ()", "give three 1-D arrays of one length"):
+        Recording.from_frame(COLUMNS | {name: 1.0})
 
 
 @pytest.mark.parametrize("surface_m", [0.5e-3, 2e-3])

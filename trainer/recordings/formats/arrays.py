@@ -204,7 +204,7 @@ def frame_channels(frame: Any, name: str, columns: Mapping[Quantity, Hashable]) 
         numbers[quantity] = given_numbers(values, where)
     return in_si(
         numbers, units, rate_hz,
-        rows=np.arange(len(numbers["force"])),
+        rows=np.arange(np.size(numbers["force"])),
         source=FRAME_SOURCE,
         time_digit_s=digit_s,
         place_m=place_m(
