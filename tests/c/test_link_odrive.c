@@ -124,3 +124,17 @@ TEST(a_drive_that_was_given_up_is_not_armed)
         CHECK(armings == (after_ms <= 1000));
     }
 }
+
+TEST(every_error_of_a_heartbeat_trips)
+{
+    for (uint32_t at = 0; at < BYTES; at++) {
+        odrive memory;
+        uint8_t data[BYTES] = {[4] = CLOSED_LOOP};
+        (void)new_link(&memory);
+        take_frame(&memory, HEARTBEAT, data, BYTES);
+        CHECK(memory.link.ready && !memory.tripped);
+        data[at] ^= 1u;
+        take_frame(&memory, HEARTBEAT, data, BYTES);
+        CHECK(memory.tripped);
+    }
+}

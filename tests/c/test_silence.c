@@ -82,6 +82,8 @@ TEST(half_a_tick_more_is_a_tick_missed)
     CHECK(sp_silence_missed(&exact, &one, (sp_real)0.5 * TICK) == 1);
     CHECK(sp_silence_missed(&exact, &one, (sp_real)0.375 * TICK) == 0);
     CHECK(sp_silence_missed(&exact, &one, (sp_real)1.25 * TICK) == 1);
+    const sp_silence_state damaged = {.silent_s = (sp_real)1e6};
+    CHECK(sp_silence_missed(&exact, &damaged, TICK) == 21);
 }
 
 TEST(the_watchdogs_own_time_is_not_latched_and_what_is_begins_anew)
