@@ -30,7 +30,7 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
         ("trainer/*.py", 8747),
         ("host/*.py", 12443),
         ("runtime_c/*.[ch] codegen/*.j2", 7721),
-        ("tests/*.py", 19917),
+        ("tests/*.py", 19998),
     ],
 )
 def test_lines(what: str, most: int) -> None:

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.small import DEPTH_M, fitted, model_file, scene, small_model
+from support.small import DEPTH_M, fitted, model_file, passive_model, scene, small_model
 
 from springpot import Scene
 from springpot.codegen.errors import UnsafeError, UsageError
@@ -63,6 +63,16 @@ def test_stiffness_beyond_the_force_that_leaves_is_not_felt() -> None:
     weak = dataclasses.replace(scene(), guard=Guard(max_force_n=0.2 * small_model().trained.max_n))
     felt, all_of_it = (make_plan(small_model(), its).stiffness_npm for its in (weak, scene()))
     assert felt < 0.8 * all_of_it
+
+
+def test_an_object_that_stiffens_beyond_the_trained_depth_is_as_stiff_as_there() -> None:
+    model, wide = passive_model(), dataclasses.replace(scene(), guard=Guard(max_force_n=1000.0))
+    bent_n, found_npm = np.linspace(0.1, 9.0, len(model.hammerstein.elastic_n)), []
+    for growth in (0.0, 1.0):
+        law = dataclasses.replace(model.hammerstein, elastic_n=bent_n, growth=growth)
+        plan = make_plan(dataclasses.replace(model, hammerstein=law), wide)
+        found_npm.append(plan.stiffness_npm)
+    assert found_npm[1] > 1.1 * found_npm[0]
 
 
 def test_a_model_without_a_passive_part_holds_and_says_so() -> None:
