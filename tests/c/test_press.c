@@ -111,3 +111,17 @@ TEST(a_sensor_may_be_unlike_again_and_again_but_not_for_long)
     }
     CHECK(press.fault == SP_PRESS_UNLIKE && force_n == 0.0);
 }
+
+TEST(a_tool_that_runs_away_is_braked_and_a_false_position_is_not)
+{
+    for (int is_false = 0; is_false <= 1; is_false++) {
+        sp_press press = {.dt_s = 1e-3, .max_force_n = 6.0, .watchdog_s = 0.02, .max_mps = 0.4};
+        double force_n = 0.0;
+        for (int k = 0; k < 40; k++) {
+            const double ran_m = k < 30 ? 0.0 : is_false ? 9.0 : 1e-3 * (k - 30);
+            (void)sp_press_step(&press, ran_m, 0.0, &force_n);
+            CHECK(!is_false || force_n == 0.0);
+        }
+        CHECK(press.fault == SP_PRESS_FAST && (force_n > 0.0) == !is_false);
+    }
+}

@@ -1,8 +1,12 @@
 """Smaller forests out of a fitted one."""
 
-import numpy as np
-from support.small import small_model, training
+from dataclasses import replace
 
+import numpy as np
+from support.c.same_bits import require_same_bits
+from support.small import press, scene, small_model, training
+
+from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.forest import fewer_trees, larger_leaves, quantised
 from springpot.codegen.model.regressors import Forest
 from springpot.trainer.features import feature_values
@@ -50,19 +54,18 @@ def test_larger_leaves_are_the_mean_of_what_they_replace() -> None:
     assert len(one.feature) == len(one.roots) == len(forest().roots)
 
 
+def test_stepped_thresholds_are_in_the_c_what_they_are_in_numpy() -> None:
+    model = small_model()
+    steps = replace(model, regressor=quantised(forest(), model.features.n_features))
+    require_same_bits(make_plan(steps, scene(mode="off"), accept_unsafe=True), 1.2 * press(2.0))
+
+
 def test_stepped_thresholds_decide_nearly_alike() -> None:
     values = features()
     steps = quantised(forest(), small_model().features.n_features)
     assert steps.quantisation is not None
-    differs = regressor_force(steps, values) != regressor_force(forest(), values)
-    assert (
-        np.mean(np.abs(regressor_force(steps, values) - regressor_force(forest(), values))) < 2e-3
-    )
-    assert differs.mean() < 0.2
-    high = values + 10.0  # beyond every threshold, and clipped to the maximum step
-    np.testing.assert_allclose(
-        regressor_force(steps, high), regressor_force(forest(), high), atol=1e-3
-    )
-    np.testing.assert_allclose(
-        regressor_force(steps, -high), regressor_force(forest(), -high), atol=1e-3
-    )
+    off_n = np.abs(regressor_force(steps, values) - regressor_force(forest(), values))
+    assert off_n.mean() < 2e-3 and np.mean(off_n > 0.0) < 0.2
+    for far in (values + 10.0, -values - 10.0):  # beyond every threshold, clipped to a last step
+        both = (regressor_force(its, far) for its in (steps, forest()))
+        np.testing.assert_allclose(*both, atol=1e-3)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from support.small import DEPTH_M, fitted, model_file, scene, small_model
+from support.small import DEPTH_M, fitted, model_file, passive_model, scene, small_model
 
 from springpot import Scene
 from springpot.codegen.errors import UnsafeError, UsageError
@@ -14,6 +14,7 @@ from springpot.codegen.notes import OUTSIDE
 from springpot.codegen.scene import Coupling, Guard, Runtime
 from springpot.host.emission.emission import emit
 from springpot.host.native.scene_library import SceneLibrary
+from springpot.trainer.models.passive.growth import continued
 
 
 def pressed(folder: Path, kind: str, outside: str) -> tuple[np.ndarray, np.ndarray, int]:
@@ -65,9 +66,19 @@ def test_stiffness_beyond_the_force_that_leaves_is_not_felt() -> None:
     assert felt < 0.8 * all_of_it
 
 
+def test_an_object_that_stiffens_beyond_the_trained_depth_is_as_stiff_as_there() -> None:
+    model, wide = passive_model(), dataclasses.replace(scene(), guard=Guard(max_force_n=1000.0))
+    bent_n, found_npm = np.linspace(0.1, 9.0, len(model.hammerstein.elastic_n)), []
+    flat = dataclasses.replace(model.hammerstein, elastic_n=bent_n, span_m=model.trained.max_m)
+    for law in (flat, continued(flat, np.eye(4)[1])):
+        plan = make_plan(dataclasses.replace(model, hammerstein=law), wide)
+        found_npm.append(plan.stiffness_npm)
+    assert found_npm[1] > 1.1 * found_npm[0]
+
+
 def test_a_model_without_a_passive_part_holds_and_says_so() -> None:
-    plan = make_plan(dataclasses.replace(small_model(), hammerstein=None), scene())
-    assert plan.outside.startswith("hold: the model has no passive part")
+    without = dataclasses.replace(small_model(), hammerstein=None)
+    assert make_plan(without, scene()).outside.startswith("hold: the model has no passive part")
 
 
 @pytest.mark.slow

@@ -28,8 +28,6 @@ LAWS: dict[str, dict[str, Any]] = {
     "inverse": {"n_by_depth": 3, "rate_ratio": 1 / 16, "recovers": True},
     "flow": {"flow": small.flow(0.6)},
     "damage": {"damage": small.damage(CURVE_N)},
-    "worn": {"conditioned": Memory(np.full(4, -0.1), np.zeros(0), np.zeros(0)),
-             "starts_conditioned": True},
 }  # fmt: skip
 
 
@@ -70,6 +68,33 @@ def test_the_emitted_force_is_the_fitted_one(law: str, slow: bool) -> None:
     wanted_n = small.passive_force_n(model.hammerstein, position_m, small.DT_S, surface=True)
     contact = position_m > 0.02 * position_m.max()  # above it the onset fades the force in
     assert np.abs(force_n - wanted_n)[contact].max() < 1e-6 * wanted_n.max()
+
+
+@pytest.mark.parametrize("number", ["float32", "float64"])
+def test_what_is_remembered_at_the_start_is_in_the_c_whatever_the_order(number: str) -> None:
+    """Of a slow branch too; each curve of damage has its own memory."""
+    model, forces_n = model_of("hammerstein", "all", slow=True), []
+    law, deepest = model.hammerstein, np.array([0.9, 0.1, 0.3, 0.7])
+    for order in ([0, 1, 2, 3], [0, 2, 1, 3]):
+        damage = Damage(
+            *(getattr(law.damage, its)[order] for its in ("heal_s", "power", "curve_n"))
+        )
+        memory = Memory(np.array([0.5, 0.4, 0.3, 0.9]), np.array([0.1, 0.2]), deepest[order])
+        begun = replace(law, damage=damage, conditioned=memory, starts_conditioned=True)
+        plan = make_plan(replace(model, hammerstein=begun), small.scene(number=number), True)
+        require_same_bits(plan, small.press(2.0))
+        forces_n.append(run_reference(plan, small.press(2.0)).force_n)
+    np.testing.assert_allclose(*forces_n, rtol=1e-5)
+
+
+@pytest.mark.parametrize("law", ["all", "damage", "flow"])
+def test_no_piece_is_stiffer_than_the_surface_that_recovers_takes_it_for(law: str) -> None:
+    model = model_of("hammerstein", law)
+    passive = replace(model.hammerstein, recovers=True)
+    nodes_m = passive.origin_m + passive.span_m * np.linspace(0.0, 1.0, passive.nodes)
+    plan = make_plan(replace(model, hammerstein=passive), small.scene(number="float64"), True)
+    rises_n = np.diff(small.passive_force_n(passive, nodes_m, small.DT_S, surface=True))
+    assert np.all(rises_n <= plan.passive.surface.stiffest[:-1]) and rises_n.min() > 0.0
 
 
 @pytest.mark.parametrize(("law", "share"), [("rates", 2e-3), ("inverse", 2e-3), ("all", 5e-3)])

@@ -289,6 +289,18 @@ def test_a_drive_that_cannot_be_used_is_closed_and_told(
         assert simulated.now_s == pytest.approx(102.0, abs=0.5)
 
 
+def test_what_has_waited_is_no_rate(opened, monkeypatch: pytest.MonkeyPatch) -> None:
+    make_ready, waited = Drive.make_ready, [(identifier(NODE, 9), bytes(8))] * 300
+
+    def ready(drive: Drive) -> None:
+        make_ready(drive)
+        drive.bus.waiting += waited
+
+    monkeypatch.setattr(Drive, "make_ready", ready)
+    with refusing(DeviceError, "samples a second"):
+        opened(SimulatedDrive(estimates_hz=250.0), NEEDS)
+
+
 def test_a_slow_adapter_is_refused_before_it_is_opened(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(odrive_device, "require_port", lambda _place: None)
     slow = mock.Mock(side_effect=DeviceError("slow"))

@@ -16,7 +16,7 @@ from support.small import model_file, passive_model, press, recording, scene, sm
 
 from springpot.codegen.errors import BudgetError, DataError, MismatchError, UsageError
 from springpot.codegen.model.model import Model
-from springpot.codegen.scene import Budget, Scene
+from springpot.codegen.scene import Budget, Device, Scene
 from springpot.host.emission.budget_fit import emit_fitting
 from springpot.host.emission.emission import emit
 from springpot.host.emission.result import Emission
@@ -29,6 +29,7 @@ SHAPES = {
     "paper": scene(mode="tool", smoothing_s=8.3e-4, number="float64"),
     "prefixed": scene(prefix="eco", mode="tool"),
     "m2cgen": scene(forest="m2cgen"),
+    "velocity": replace(scene(mode="tool"), device=Device(velocity="device")),
 }
 CPU_FLAGS = Path("/proc/cpuinfo").read_text() if Path("/proc/cpuinfo").exists() else ""
 COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
@@ -69,9 +70,9 @@ def test_generated_c_is_warning_clean(
         assert result.stderr == ""
 
 
-@pytest.mark.slow
-def test_builds_by_hand_without_python(tmp_path: Path, emission_of: Emitted) -> None:
-    emission = emission_of("plain")
+@pytest.mark.parametrize("shape", ["plain", "velocity"])
+def test_builds_by_hand_without_python(tmp_path: Path, emission_of: Emitted, shape: str) -> None:
+    emission = emission_of(shape)
     shutil.copytree(emission.folder, tmp_path / "c")
     clean = {"PATH": "/usr/bin:/bin", "LC_ALL": "C"}
     subprocess.run(["make", "-C", tmp_path / "c", "test"], env=clean, check=True,
@@ -81,7 +82,8 @@ def test_builds_by_hand_without_python(tmp_path: Path, emission_of: Emitted) -> 
     assert f'"hash": "{emission.hash}"' in result.stderr
     forces = [float(line.split()[0]) for line in result.stdout.splitlines()]
     state = SceneLibrary(tmp_path / "c").new_state()
-    assert forces == pytest.approx([state.step(x)[0] for x in (0.0, 0.001, 0.002)])
+    ways = ((0.0, 0.0), (0.001, 1.0), (0.002, 1.0))  # a millimetre a tick: 1 m/s
+    assert forces == pytest.approx([state.step(*way)[0] for way in ways])
     assert forces[0] == 0.0 < forces[2]
     for line in ("x", "1 2", f"0.{'1' * 90}"):
         wrong = subprocess.run([tmp_path / "c" / "example"], input=f"0\n{line}\n", text=True,

@@ -74,6 +74,8 @@ def test_no_force_above_the_surface_even_while_falling(tmp_path: Path) -> None:
     for _ in range(8):
         state.step(0.0)
     assert state.step(-0.001)[0] == 0.0
+    state.reset()
+    assert state.run([0.001, np.nan, 0.001])[1] & HELD  # what any of its ticks noted
 
 
 def test_without_a_surface_there_is_no_force_before_a_sample(tmp_path: Path) -> None:

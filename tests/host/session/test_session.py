@@ -257,6 +257,7 @@ def test_what_lasts_is_told_once():
     assert first.endswith(f"s: warning: {DEEP}, 12.12 of 12 mm")
     assert events == [{"time_s": 1.0, "what": DEEP, "count": 3000},
                       {"time_s": 5.0, "what": NOTE_WORDS[LATCHED], "count": 200}]  # fmt: skip
+    assert watched(rows[:1010])[1] == [{"time_s": 1.0, "what": DEEP, "count": 10}]  # to its end
 
 
 def test_what_belongs_to_a_session_is_no_warning():

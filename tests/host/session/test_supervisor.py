@@ -72,6 +72,15 @@ def test_what_tripped_while_the_device_was_gone_is_not_told(looking):
     assert told == ["no sample for the watchdog's time: force zero until reset (r), or stop"]
 
 
+def test_what_comes_back_after_the_end_gives_no_force(looking):
+    supervised, failed = looking
+    loop, late = supervised._loop, mock.Mock()
+    loop.get_status = lambda: LoopState(connected=0, over=loop.attached)
+    with mock.patch("springpot.host.session.supervisor.open_device", return_value=late):
+        supervised._bring_back()
+    assert late.mock_calls == [mock.call.stop(), mock.call.close()] and len(failed) == 1
+
+
 def test_an_impatient_second_ctrl_c_leaves_no_force():
     device = mock.Mock(stop=mock.Mock(side_effect=[KeyboardInterrupt, KeyboardInterrupt, None]))
     session = SessionRunner(None, "serial://x", None, None)

@@ -28,10 +28,10 @@ from springpot.host.native.scene_library import built
 from springpot.host.simulation.cases import HOLDS, NUDGE_N, NUDGE_S, cases, held_case
 from springpot.host.simulation.scenarios import Workspace, holding, pressing
 from springpot.host.stability import closed_loop
-from springpot.host.stability.check import Stability, stability
+from springpot.host.stability.check import Check, Stability, stability
 from springpot.host.stability.closed_loop import Outcome, band_rms, case_outcome, vibration_of
 from springpot.host.stability.linear import is_stable, require_stable, scene_loop, spectral_radius
-from springpot.host.stability.small_signal import small_signal_map
+from springpot.host.stability.small_signal import Map, small_signal_map
 from springpot.host.stability.verdict import Fault, Grade, judge, why_unbounded
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
@@ -271,6 +271,12 @@ def test_each_hold_begins_with_a_nudge() -> None:
     assert len(begins) == len(HOLDS)
     assert push_n.sum() * plan.dt_s == pytest.approx(len(HOLDS) * NUDGE_N * NUDGE_S, rel=0.06)
     assert all(push_n[part].max() < 1e-9 for part in found.still)
+
+
+def test_a_linear_loop_that_is_unstable_is_refused_whatever_the_closed_one_did() -> None:
+    plan = make_plan(passive_model().stiffened(100.0), scene(mode="off"), accept_unsafe=True)
+    with pytest.raises(UnsafeError, match="the loop is unstable"):
+        Stability(Check(plan, 2.0, Map(*[np.ones((1, 1))] * 3), None), plan, ()).require_bounded()
 
 
 @pytest.mark.slow

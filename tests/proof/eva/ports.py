@@ -27,25 +27,16 @@ class Port:
 
 
 PORT_DRIVERS = (
-    Port(
-        "wire",
-        Precision(
-            {"whole": 200, "sp_wire_receive": 400, "receive": 400}, ("whole", "sp_wire_receive"), {}
-        ),
-        ("-eva-min-loop-unroll", "64", "-eva-interprocedural-splits"),
-    ),
-    Port(
-        "serial",
-        Precision(
-            {"take_frame": 400, "sp_wire_get_ack": 5, "sp_wire_get_sample": 5},
-            ("sp_wire_get_ack", "sp_wire_get_sample"),
-            {},
-        ),
-        ("-eva-interprocedural-splits",),
-    ),
-    Port("odrive", _PLAIN),
-    Port("dhd", _PLAIN),
-)
+    Port("wire",
+         Precision({"whole": 200, "sp_wire_receive": 400, "receive": 400},
+                   ("whole", "sp_wire_receive"), {}),
+         ("-eva-min-loop-unroll", "64", "-eva-interprocedural-splits")),
+    Port("serial",
+         Precision({"take_frame": 400, "sp_wire_get_ack": 5, "sp_wire_get_sample": 5},
+                   ("sp_wire_get_ack", "sp_wire_get_sample"), {}),
+         ("-eva-interprocedural-splits",)),
+    Port("odrive", _PLAIN), Port("dhd", _PLAIN),
+)  # fmt: skip
 
 
 def analyse_port(

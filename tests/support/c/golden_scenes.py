@@ -48,13 +48,8 @@ def smallest_model() -> Model:
 
 def smallest_scene() -> Plan:
     """Hold beyond the trained depth, no coupling."""
-    scene = Scene(
-        schema=1,
-        name="smallest",
-        model="smallest.spm",
-        coupling=Coupling(mode="off"),
-        guard=Guard(outside="hold"),
-    )
+    off, hold = Coupling(mode="off"), Guard(outside="hold")
+    scene = Scene(schema=1, name="smallest", model="smallest.spm", coupling=off, guard=hold)
     return make_plan(smallest_model(), scene)
 
 

@@ -60,17 +60,9 @@ def third_repeat(_seed: int) -> list[Part]:
 
 def slow_ramps(_seed: int) -> list[Part]:
     """Ramps of 10 to 40 s, holds of up to 2 minutes: what creeps and relaxes for minutes."""
-    return [
-        _ramp(part, amplitude_n, rise_s, hold_s)
-        for part, amplitude_n, rise_s, hold_s in (
-            (TRAINING, 3.0, 10.0, 30.0),
-            (TRAINING, 6.0, 40.0, 30.0),
-            (TRAINING, 10.0, 10.0, 120.0),
-            (TRAINING, 10.0, 40.0, 30.0),
-            (TEST, 8.0, 20.0, 90.0),
-            (TEST, 5.0, 30.0, 30.0),
-        )
-    ]
+    trained = ((3.0, 10.0, 30.0), (6.0, 40.0, 30.0), (10.0, 10.0, 120.0), (10.0, 40.0, 30.0))
+    tested = ((8.0, 20.0, 90.0), (5.0, 30.0, 30.0))
+    return [*(_ramp(TRAINING, *its) for its in trained), *(_ramp(TEST, *its) for its in tested)]
 
 
 def one_long(seed: int) -> list[Part]:
@@ -78,10 +70,8 @@ def one_long(seed: int) -> list[Part]:
     draw = np.random.default_rng(seed)
     parts: list[Samples] = []
     while sum(map(len, parts)) < _LONG_S * RATE_HZ:
-        amplitude_n, period_s = (
-            draw.uniform(1.0, PEAK_N),
-            np.exp(draw.uniform(*np.log(_LONG_PERIODS_S))),
-        )
+        amplitude_n = draw.uniform(1.0, PEAK_N)
+        period_s = np.exp(draw.uniform(*np.log(_LONG_PERIODS_S)))
         parts.append(cosine_cycles(amplitude_n, 1 / period_s, 1, round(period_s * RATE_HZ)))
     command_n = np.concatenate(parts)[: round(_LONG_S * RATE_HZ)]
     metadata = {"kind": "random cosines", "amplitude_n": PEAK_N, "protocol_seed": seed}

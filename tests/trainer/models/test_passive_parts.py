@@ -11,11 +11,9 @@ from support.small import DEPTH_M, DT_S, passive_force_n, passive_model, press
 from springpot import Recording
 from springpot.codegen.model.passive import Damage, Flow, Hammerstein
 from springpot.codegen.model.places import Places
-from springpot.trainer.models.depths import DepthMotion
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.passive import growth
 from springpot.trainer.models.passive.nonnegative import normal_equations, sparse_solve
-from springpot.trainer.models.passive.passive_force import model_along
 from springpot.trainer.models.passive.passive_rows import passive_rows
 from springpot.trainer.models.passive.recovery import _Way
 from springpot.trainer.models.training_set import training_set
@@ -47,13 +45,10 @@ def test_a_pull_is_no_error_at_a_surface(surface: bool) -> None:
 
 @pytest.mark.parametrize(
     ("errors_n", "weights"),
-    [
-        (3 * [[1.0, 0.5, 0.6, 0.5]], [0.5**8, 1.0, (5 / 6) ** 8, 1.0]),
-        ([[1.0, 0.5, 1.0, 1.0], [1.0, 1.0, 0.8, 1.0], [1.0, 1.0, 1.0, 1.0]],
-         [1.0, 2.0 ** (8 / 3), 0.8 ** (-8 / 3), 1.0]),
-        (3 * [[1.0, 0.95, 0.91, 0.95]], None),
-        ([[1.0, 0.5, 0.5, 0.5], [], [1.0, 0.5, 0.5, 0.5]], None),
-    ],
+    [(3 * [[1.0, 0.5, 0.6, 0.5]], [0.5**8, 1.0, (5 / 6) ** 8, 1.0]),
+     ([[1.0, 0.5, 1.0, 1.0], [1.0, 1.0, 0.8, 1.0], 4 * [1.0]],
+      [1.0, 2.0 ** (8 / 3), 0.8 ** (-8 / 3), 1.0]),
+     (3 * [[1.0, 0.95, 0.91, 0.95]], None), ([[1.0, 0.5, 0.5, 0.5], [], 4 * [0.5]], None)],
 )  # fmt: skip
 def test_laws_of_growth_weigh_by_what_they_foretell_if_one_beats_a_constant_slope(
     errors_n: list[list[float]], weights: list[float] | None, monkeypatch: Any
@@ -63,11 +58,9 @@ def test_laws_of_growth_weigh_by_what_they_foretell_if_one_beats_a_constant_slop
     monkeypatch.setattr(growth, "reduced", lambda terms, _weights: terms)
     rows: Any = SimpleNamespace(rows=None, peak_n=0.0)
     data: Any = SimpleNamespace(along_motions=lambda *_: None)
-    none: Any = None
-    found = growth.growth_weights(none, none, 1e-3, rows, data)
-    if weights is None:
-        assert found is None
-    else:
+    found = growth.growth_weights(None, None, 1e-3, rows, data)  # type: ignore[arg-type]
+    assert (found is None) is (weights is None)
+    if found is not None and weights is not None:
         np.testing.assert_allclose(found, np.array(weights) / np.sum(weights))
 
 
@@ -101,17 +94,6 @@ def test_curves_go_on_as_they_rise_and_no_force_within_changes(power: float, nod
     twice_m = np.concatenate([press(1.0), 0.7 * press(2.0)])
     inside_n, its_n = (passive_force_n(its, twice_m, DT_S, True) for its in (model, further))
     np.testing.assert_allclose(its_n, inside_n, atol=1e-9 * inside_n.max())
-
-
-def test_a_press_begins_with_the_memory_that_the_last_one_left() -> None:
-    none = {"radius_m": np.zeros(0), "stop_n": np.zeros((0, 9))}  # what slips is no memory
-    model = replace(rich(9, SLOPES[0.2]), tau_s=np.array([0.2, 2.0, 4e3]), **none)
-    first_m, second_m = press(1.0), 0.7 * press(2.0)
-    memory = model_along(model, DepthMotion(first_m, (0,), (0,)), DT_S, surface=False)[2]
-    worn = replace(model, conditioned=memory, starts_conditioned=True)
-    whole_n = passive_force_n(model, np.concatenate([first_m, second_m]), DT_S, surface=False)
-    second_n = passive_force_n(worn, second_m, DT_S, surface=False)
-    np.testing.assert_allclose(second_n, whole_n[len(first_m) :], atol=1e-3 * whole_n.max())
 
 
 def test_what_softens_keeps_its_slope_and_no_slope_grows_beyond_all_bounds() -> None:

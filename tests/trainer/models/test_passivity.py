@@ -119,19 +119,12 @@ def random_model(seed: int, surface: bool = False) -> Hammerstein:
         bias_n=0.0 if surface else float(rng.normal()),
         n_by_depth=int(rng.integers(0, poles + 1)),
         rate_ratio=float(16.0 ** rng.uniform(-1.0, 1.0)),
-        flow=Flow(
-            rate_ps=10.0 ** rng.uniform(-1.0, 4.0, flow),
-            power=rng.choice([3, 5], flow),
-            degree=rng.choice([1, 2, 4], flow),
-            force_n=weights(flow),
-        ),
-        damage=Damage(
-            heal_s=rng.choice([0.0, 0.3, 5.0], damage),
-            power=rng.choice([1, 3], damage),
-            curve_n=weights(damage, n),
-        ),
+        flow=Flow(rate_ps=10.0 ** rng.uniform(-1.0, 4.0, flow), power=rng.choice([3, 5], flow),
+                  degree=rng.choice([1, 2, 4], flow), force_n=weights(flow)),
+        damage=Damage(heal_s=rng.choice([0.0, 0.3, 5.0], damage), power=rng.choice([1, 3], damage),
+                      curve_n=weights(damage, n)),
         recovers=surface,
-    )
+    )  # fmt: skip
     return continued(model, rng.dirichlet(np.ones(4))) if n > 1 else model
 
 

@@ -230,8 +230,9 @@ def test_a_softer_object_under_the_same_force_is_no_explanation_of_itself() -> N
     assert found.source == "repeats" and found.rms_n == pytest.approx(expected_n, rel=0.03)
 
 
-def test_cycles_stand_in_for_repeats() -> None:
-    cycles = recording("cycles", press(2.0, cycles=8))
+@pytest.mark.parametrize("hz", [2.0, 3.17])  # of whole samples, and between them
+def test_cycles_stand_in_for_repeats(hz: float) -> None:
+    cycles = recording("cycles", press(hz, cycles=8))
     noisy = replace(cycles, force_n=cycles.force_n + normal(0.05, 0, len(cycles.force_n)))
     found = find_noise_floor([noisy])
     assert (found.source, found.rms_n) == ("cycles", pytest.approx(0.05, rel=0.1))

@@ -64,6 +64,14 @@ def test_spikes_of_force_up_to_a_twentieth_of_the_samples_are_counted(
     assert np.count_nonzero(left) <= 0.1 * len(rows)
 
 
+def test_what_is_replaced_lies_on_the_sensors_grid() -> None:
+    force_n = 0.37 + 0.1 * np.round(10.0 * PRESSES.force_n)
+    spiked_n = force_n + 14.0 * (np.arange(3000) == 700)
+    held, _ = hold_spikes(dataclasses.replace(PRESSES, force_n=spiked_n))
+    steps = (held.force_n[700] - 0.37) / 0.1
+    assert steps == pytest.approx(round(steps))
+
+
 @pytest.mark.parametrize(("channel", "far"), [("force_n", 14.0), ("position_m", 0.02)])
 def test_more_spikes_are_refused(channel: str, far: float) -> None:
     values = getattr(PRESSES, channel).copy()

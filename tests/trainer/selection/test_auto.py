@@ -94,6 +94,18 @@ def test_one_recording_asks_more_of_trees(monkeypatch):
     assert chosen == ["hammerstein", "rf-fd long"]
 
 
+def test_what_is_felt_is_of_the_greatest_force_either_way(monkeypatch):
+    peaks_n = []
+    monkeypatch.setattr(auto, "find_scores", lambda *_: (score("a", 1.0), score("b", 1.0)))
+    monkeypatch.setattr(auto, "fit_kind", lambda *_: small_fit())
+    monkeypatch.setattr(auto, "forest_wins", lambda *its: peaks_n.append(its[-1]))
+    data = training_set(training(), 0.0)
+    for max_n, min_n in ((3.0, -9.0), (9.0, -3.0)):
+        trained = replace(data.trained, max_n=max_n, min_n=min_n)
+        auto.fit_auto("x", replace(data, trained=trained), OPTIONS)
+    assert set(peaks_n) == {9.0}
+
+
 def test_small_motions_are_within_the_trained_depth(monkeypatch):
     model, begins_m = passive_model(), set()
     glued = replace(model, contact="always", trained=replace(model.trained, min_m=4e-3, max_m=0.01))
