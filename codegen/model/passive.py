@@ -17,9 +17,9 @@ from springpot.codegen.arrays import (
 from springpot.codegen.messages import short_repr
 from springpot.codegen.model.places import MAX_NODES, Places
 
-_MAX_RATE_RATIO = 1e4  # of relaxation at the surface and at the trained depth
+_MAX_RATE_RATIO = 1e4  # of relaxation at the surface and at u = 1
 _ROUNDED = 1.0 - 1e-12
-FLOW_SHARE = 0.2  # of the force at the trained depth: there a flow has its stated time constant
+FLOW_SHARE = 0.2  # of the force at u = 1: there a flow has its stated time constant
 
 
 def _among(

@@ -69,7 +69,7 @@ TEST(a_force_is_within_its_bounds_both_ways)
     CHECK(pulls > ROUNDS && pushes > ROUNDS);
 }
 
-TEST(a_runaway_is_braked_and_a_false_position_is_not)
+TEST(the_brake_follows_the_speed_between_its_bounds)
 {
     const struct {
         double speed_mps, force_n;

@@ -72,7 +72,7 @@ def test_the_emitted_force_is_the_fitted_one(law: str, slow: bool) -> None:
 
 @pytest.mark.parametrize("number", ["float32", "float64"])
 def test_what_is_remembered_at_the_start_is_in_the_c_whatever_the_order(number: str) -> None:
-    """Of a slow branch too; each curve of damage has its own memory."""
+    """The memory of a slow branch is there too, and each curve of damage has its own."""
     model, forces_n = model_of("hammerstein", "all", slow=True), []
     law, deepest = model.hammerstein, np.array([0.9, 0.1, 0.3, 0.7])
     for order in ([0, 1, 2, 3], [0, 2, 1, 3]):

@@ -119,9 +119,8 @@ def test_an_object_is_pressed_deeper_than_it_was_trained(stiffening: float, deep
     error_n, its_n = (
         np.abs(predict_n(each, deep) - deep.force_n).max() for each in (model, constant)
     )
-    print(error_n / deep.force_n.max(), its_n / error_n)
     assert error_n < 0.03 * deep.force_n.max()
-    assert stiffening < 0.0 or error_n < its_n / 3.0
+    assert stiffening < 0.0 or error_n < its_n / 10.0
 
 
 @pytest.mark.slow

@@ -58,7 +58,8 @@ def test_laws_of_growth_weigh_by_what_they_foretell_if_one_beats_a_constant_slop
     monkeypatch.setattr(growth, "reduced", lambda terms, _weights: terms)
     rows: Any = SimpleNamespace(rows=None, peak_n=0.0)
     data: Any = SimpleNamespace(along_motions=lambda *_: None)
-    found = growth.growth_weights(None, None, 1e-3, rows, data)  # type: ignore[arg-type]
+    none: Any = None
+    found = growth.growth_weights(none, none, 1e-3, rows, data)
     assert (found is None) is (weights is None)
     if found is not None and weights is not None:
         np.testing.assert_allclose(found, np.array(weights) / np.sum(weights))

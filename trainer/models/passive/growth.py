@@ -29,7 +29,7 @@ _LEAST, _STEEPEST = 1e-2, 8.0  # times the slope at the trained depth
 def growth_weights(
     terms: Terms, weights: Samples, penalty: float, rows: PassiveRows, data: TrainingSet
 ) -> Samples | None:
-    """What a constant slope and each of `POWERS` foretell beyond the trained depth, (4,), sum 1.
+    """Weigh a constant slope and each of `POWERS` by what they foretell deeper: (4,), sum 1.
 
     None if none foretells it clearly better than a constant slope does. Laws of the terms with
     weights are fitted to the way in to a share of the depth, and tested on the rest. A mean errs
@@ -84,7 +84,7 @@ def _errors_n(
 
 
 def continued(model: Hammerstein, weights: Samples) -> Hammerstein:
-    """The same model with nodes to 1.25 of its depth: no other force within it.
+    """Give a model nodes to 1.25 of its depth; the force within the depth stays the same.
 
     weights: see `growth_weights`. The C has nodes alone: what is deeper needs no code.
     """

@@ -68,7 +68,7 @@ def fit_map(data: TrainingSet, options: FitOptions) -> MapFit:
     count, error_n = problem.chosen(options.seed)
     model = problem.model(*problem.fitted(range(len(sites)), count))
     model = replace(model, recovers=choice.recovering(alike).recovers)
-    model = choice.further(model, alike)
+    model = choice.growing(model, alike)
     return MapFit(model, sum(its.rows for its in problem.sites), error_n, choice.law, len(sites))
 
 

@@ -75,24 +75,24 @@ class PassiveChoice:
         return self.rows.peak_n * self.normal(0).penalised(self._penalty).solve()
 
     @cached_property
-    def _few(self) -> Samples:
+    def _sparse_weights(self) -> Samples:
         """Fitted to all rows with as few branches, stops and curves as serve, (terms,), N."""
         normal = self.normal(0).penalised(self._penalty)
         return self.rows.peak_n * sparse_solve(normal, self.terms.blocks, SPARSE_LOSS)
 
     def recovering(self, data: TrainingSet) -> Hammerstein:
         """Build the model to the trained depth; its surface recovers if the object's does."""
-        model = to_model(self.terms, self._few)
+        model = to_model(self.terms, self._sparse_weights)
         return recovering(model, self.terms, self.penalty, self.rows, data)
 
-    def further(self, model: Hammerstein, data: TrainingSet) -> Hammerstein:
+    def growing(self, model: Hammerstein, data: TrainingSet) -> Hammerstein:
         """The model with slopes that grow beyond the trained depth, if the object's do."""
-        weights = growth_weights(self.terms, self._few, self.penalty, self.rows, data)
+        weights = growth_weights(self.terms, self._sparse_weights, self.penalty, self.rows, data)
         return model if weights is None else continued(model, weights)
 
     def model(self, data: TrainingSet) -> Hammerstein:
         """Build the model, with its memory."""
-        return with_memory(self.further(self.recovering(data), data), data)
+        return with_memory(self.growing(self.recovering(data), data), data)
 
     @cached_property
     def weights_without(self) -> Samples:
