@@ -111,6 +111,17 @@ TEST(a_force_has_the_sign_of_the_device_and_silence_releases_it)
     CHECK(device.released);
 }
 
+TEST(a_device_is_lost_at_work_or_at_zero)
+{
+    for (int at_zero = 0; at_zero < 4; at_zero++) {
+        between_ticks();
+        self.latched = at_zero & 1;
+        self.tripped = at_zero >> 1;
+        sp_loop_lose_link(&self);
+        CHECK(self.tripped_before_disconnect == (at_zero != 0) && self.link == NULL);
+    }
+}
+
 TEST(a_device_that_comes_back_is_taken_anew)
 {
     for (int tripped_before = 0; tripped_before <= 1; tripped_before++) {

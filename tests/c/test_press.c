@@ -69,6 +69,26 @@ TEST(a_force_is_within_its_bounds_both_ways)
     CHECK(pulls > ROUNDS && pushes > ROUNDS);
 }
 
+TEST(samples_may_be_late_again_and_again_but_not_for_long)
+{
+    const double command_n[TICKS] = {0.0};
+    double force_n = 0.0;
+    sp_press press = {.command_n = command_n,
+                      .n = TICKS,
+                      .dt_s = 1e-3,
+                      .max_force_n = 6.0,
+                      .watchdog_s = 0.0205,
+                      .latched_note = 32,
+                      .max_mps = 0.4};
+    for (int k = 0; k < 100; k++) {
+        CHECK(sp_press_idle(&press, 1e-3, &force_n) == 0);
+        CHECK(k % 20 != 19 || sp_press_step(&press, 0.0, 0.0, &force_n) == 0);
+    }
+    for (int k = 1; k <= 21; k++) {
+        CHECK(sp_press_idle(&press, 1e-3, &force_n) == (k == 21 ? 32 : 0));
+    }
+}
+
 TEST(the_brake_follows_the_speed_between_its_bounds)
 {
     const struct {

@@ -38,6 +38,7 @@ def test_fewer_trees_are_the_mean_of_those_that_stay() -> None:
         atol=1e-3,
     )
     assert len(fewer_trees(forest(), 2).feature) < len(forest().feature)
+    assert fewer_trees(replace(forest(), weight=0.1), 2).weight == 0.1  # a sum, as of boosting
 
 
 def test_larger_leaves_are_the_mean_of_what_they_replace() -> None:

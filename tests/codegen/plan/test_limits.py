@@ -79,6 +79,12 @@ def test_a_watchdog_waits_20_ms_or_three_ticks_and_one_bad_sample_never_latches(
     assert silence.watchdog_s - 0.02 == near(0.5 / rate_hz)
 
 
+def test_the_stated_limit_is_one_of_pulls_too() -> None:
+    pulls = TrainedRange(0.0, 0.01, 0.1, -5.0, 5.0)
+    output = limits.output_config(model(pulls), scene(max_force_n=2.0), ticks(1000.0, False))
+    assert (output.min_n, output.max_n) == (-2.0, 2.0)
+
+
 @given(RANGES, RATES_HZ, st.booleans(), st.none() | st.floats(1e-3, 1e4))
 def test_forces_that_leave(
     trained: TrainedRange, rate_hz: float, surface: bool, stated_n: float | None

@@ -14,12 +14,12 @@ class Sdk:
     def __init__(self, **settings: float) -> None:
         self.library = loop_library("double")
         ffi, c = self.library.ffi, self.library.c
-        self.answer, self.place_m, self.forces = 0, PLACE_M, []
+        self.answer, self.place_m, self.forces, self.put = 0, PLACE_M, [], 0
         types = dict(ffi.typeof("sp_dhd").fields)
         calls = {
             "get_position": self._position,
             "get_linear_velocity": lambda x, y, z, _id: self._put((x, y, z), (0.0, 0.0, 0.0)),
-            "set_force": lambda x, y, z, _id: self.forces.append((x, y, z)) or 0,
+            "set_force": lambda x, y, z, _id: self.forces.append((x, y, z)) or self.put,
             "get_status": self._status,
             "get_button": lambda _index, _id: 0,
             "enable_force": lambda _on, _id: 0,
@@ -91,6 +91,14 @@ def test_walls_rise_from_zero_after_resets_and_pauses_and_never_at_once(seed: in
         grown_n = np.where(wall_n * before_n < 0, 0.0, np.abs(before_n)) + max_n / 4
         assert np.all(np.abs(wall_n) <= grown_n + 1e-9)
         before_n = wall_n
+
+
+def test_a_force_that_is_not_taken_ends_nothing_two_in_a_row_do() -> None:
+    sdk, ends = Sdk(), []
+    for now_ms, sdk.put in enumerate([-1, 0, -1, 0, -1, 0, 0, -1, -1]):
+        sdk.link.read(sdk.link, now_ms * MS, sdk.motion, 1)
+        ends.append(sdk.link.write(sdk.link, now_ms * MS, 1.0))
+    assert ends == [1, 0, 1, 0, 1, 0, 0, 1, sdk.library.c.SP_LINK_TRIPPED]
 
 
 def test_the_handle_is_taken_up_within_a_second() -> None:

@@ -239,6 +239,15 @@ def test_cycles_stand_in_for_repeats(hz: float) -> None:
     assert found.words == "from the repeated cycles within one recording"
 
 
+@pytest.mark.parametrize(("lost", "warned"), [(15, False), (25, True)])
+def test_samples_filled_by_the_last_one_are_seen_from_20_ms_on(lost: int, warned: bool) -> None:
+    rows = np.arange(len(FIRST.force_n))
+    rows[100 : 100 + lost] = 100
+    noisy_n = FIRST.force_n + normal(0.01, 0)
+    filled = replace(FIRST, position_m=FIRST.position_m[rows], force_n=noisy_n[rows])
+    assert ("gap" in [each.kind for each in check_recordings([filled]).findings]) is warned
+
+
 @pytest.mark.parametrize("held", [1, 10])
 def test_the_sensor_is_seen_through_the_press(held: int) -> None:
     """Also where it is slower than the recording, and holds its value."""
