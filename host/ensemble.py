@@ -102,7 +102,7 @@ def from_ensemble(
         )
     require_same_data(regressor, predicted_n[::2], values[::2], force_n[::2])
     options = FitOptions(smooth_s=smooth_s)
-    passive, _, _ = fit_passive(data, options)
+    passive = fit_passive(data, options)
     metadata = {"regressor": type(regressor).__name__}
     parts = (features, found.on_scaled(scale))  # a power of two: exact
     return assemble(KIND, name, data, options, data.rows_total, parts, passive, False, metadata)

@@ -98,14 +98,14 @@ def fast_fir_bank(bank: FirBank) -> FastFirBank:
     """
     length = len(bank.taps)
     candidates = [
-        _fitted(bank, np.geomspace(fastest, slowest * length, FAST_FIR_POLES))
+        _with_poles(bank, np.geomspace(fastest, slowest * length, FAST_FIR_POLES))
         for fastest in _FASTEST_TICKS
         for slowest in _SLOWEST_WINDOWS
     ]
     return min(candidates, key=lambda fast: imitation_error(bank, fast))
 
 
-def _fitted(bank: FirBank, tau_ticks: Samples) -> FastFirBank:
+def _with_poles(bank: FirBank, tau_ticks: Samples) -> FastFirBank:
     length = len(bank.taps)
     sums = np.cumsum(bank.taps, axis=0)
     age = np.arange(length - 1 - DIRECT)

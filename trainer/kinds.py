@@ -136,12 +136,12 @@ def fit_kind(
         if kind == AUTO:
             fit: Fit = resolve_name(_AUTO_FIT)(name, data, options, validation)
         else:
-            fit = _fitted(kind, name, data, options, validation)
+            fit = _fit_of_entry(kind, name, data, options, validation)
     warnings = dict.fromkeys((*data.warnings, *fit.warnings, *doubts(fit, data, options)))
     return replace(fit, warnings=tuple(warnings))
 
 
-def _fitted(
+def _fit_of_entry(
     entry: str,
     name: str,
     data: "TrainingSet",

@@ -87,7 +87,7 @@ def without_unused(found: Sequence[str]) -> list[str]:
 
 
 def _own_function(block: str) -> str | None:
-    """Name of the function that a block defines for its own file; None for anything else."""
+    """Name of the static function that a block defines; None for others, or with a directive."""
     code = code_of(block).strip()
     if not code.startswith(_OWN) or _DIRECTIVE.search(code):
         return None

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 d693460e3f1d7ffb3ae5d0c6970b64f976c235191cb74ee4b5f60b1305d007b5 */
+/* springpot 0.1.0 56baaa85fe73c27df31e930dd9ede129ed471cbf0cb3de1596713df1c5ab7bf6 */
 /* pad: the whole scene, its self-test too. How to call it: soft_pad.h.
  *
  * In the order of a tick: units, each named by its file in springpot and without what this scene does
@@ -475,7 +475,7 @@ static inline float soft_pad_surface_back(const float *stiffest, uint32_t n_piec
     return end / per_piece;
 }
 
-/* Where the model is while the tool is at u. */
+/* Where the model is while the tool is at u; NaN passes. */
 static inline float soft_pad_surface_at(const float *stiffest, uint32_t n_pieces,
                                     const soft_pad_surface_state *state, float u)
 {
@@ -900,7 +900,7 @@ uint32_t soft_pad_state_size(void)
 
 const char *soft_pad_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"d693460e3f1d7ffb3ae5d0c6970b64f976c235191cb74ee4b5f60b1305d007b5\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"56baaa85fe73c27df31e930dd9ede129ed471cbf0cb3de1596713df1c5ab7bf6\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

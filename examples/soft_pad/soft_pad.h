@@ -1,4 +1,4 @@
-/* springpot 0.1.0 d693460e3f1d7ffb3ae5d0c6970b64f976c235191cb74ee4b5f60b1305d007b5 */
+/* springpot 0.1.0 56baaa85fe73c27df31e930dd9ede129ed471cbf0cb3de1596713df1c5ab7bf6 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SOFT_PAD_RATE_HZ:
@@ -124,7 +124,7 @@ typedef struct {
 } soft_pad_guard_state;
 
 typedef struct {
-    float u;       /* of the model in the last tick */
+    float u;       /* of the model in the last tick, as in sp_curve.h */
     float force_n; /* which it had there */
 } soft_pad_surface_state;
 

@@ -66,7 +66,8 @@ class Address:
         """Raise UsageError for a setting that is not among the known ones."""
         for key in self.settings:
             if key not in known:
-                raise UsageError(f"{self.url}: no setting {key!r}: use {', '.join(known)}")
+                use = f"use {', '.join(known)}" if known else "it has none"
+                raise UsageError(f"{self.url}: no setting {key!r}: {use}")
 
 
 @dataclass(frozen=True)
@@ -79,9 +80,8 @@ class Driver:
     interface stands before the place, odrive://INTERFACE/CHANNEL. has_default: the place may be
     left out. echoes: the force that it measures is its own command. holds_weight: it takes [device]
     weight_n. own_frame: its position and force have one frame, so [device] force_sign has no
-    meaning. links: C files of its
-    link if they are not springpot's, each of which declares what Python calls between "springpot
-    declarations begin" and "end". place: in lists.
+    meaning. links: C files of its link if they are not springpot's, each of which declares what
+    Python calls between "springpot declarations begin" and "end". place: in lists.
     """
 
     example: str
@@ -130,7 +130,7 @@ def parse_device(url: str) -> Address:
     driver = table.get(parts.scheme)
     if driver is None:
         raise DeviceError(
-            f"{url}: no driver for {parts.scheme or 'a device without a scheme'!r}: use "
+            f"{url}: no driver for {repr(parts.scheme) if parts.scheme else 'no scheme'}: use "
             + "; ".join(known.example for known in table.values())
         )
     interface = parts.netloc if driver.on_bus else ""
@@ -163,10 +163,8 @@ def open_device(url: str, requirements: DeviceRequirements) -> OpenedDevice:
         )
     with blaming(url, driver.opens, DeviceError):
         opened = driver.function()(address, requirements)
-        if OpenedDevice not in type(opened).__mro__:
-            raise TypeError(
-                f"{type(opened).__name__} inherits neither OpenedDevice nor VirtualDevice"
-            )
+        if OpenedDevice not in type(opened).__mro__:  # isinstance does not ask a Protocol's heirs
+            raise TypeError(f"{type(opened).__name__} is no OpenedDevice and no VirtualDevice")
         return opened
 
 

@@ -96,7 +96,7 @@ class Replay:
         """Median time of a tick in a tight loop over all samples, ns."""
         position = self._converted(position_m)
         velocity, state = self._velocity(position), self._library.new_state()
-        state.run(position, velocity)
+        state.run(position, velocity)  # warms the caches
         state.reset()
         times = []
         for begin in range(0, len(position), _HOT_TICKS):

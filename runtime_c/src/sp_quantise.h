@@ -10,8 +10,8 @@
 static inline uint32_t sp_quantise(sp_real feature, float feature_min, float bins_per_unit)
 {
     const float bin = ((float)feature - feature_min) * bins_per_unit + 0.5f;
-    const float below = bin < 65535.0f ? bin : 65535.0f;
-    return (uint32_t)(below > 0.0f ? below : 0.0f);
+    const float capped = bin < 65535.0f ? bin : 65535.0f;
+    return (uint32_t)(capped > 0.0f ? capped : 0.0f);
 }
 
 #endif

@@ -17,7 +17,7 @@
 #include "sp_curve.h"
 
 typedef struct {
-    sp_real u;       /* of the model in the last tick */
+    sp_real u;       /* of the model in the last tick, as in sp_curve.h */
     sp_real force_n; /* which it had there */
 } sp_surface_state;
 
@@ -40,7 +40,7 @@ static inline sp_real sp_surface_back(const sp_real *stiffest, uint32_t n_pieces
     return end / per_piece;
 }
 
-/* Where the model is while the tool is at u. */
+/* Where the model is while the tool is at u; NaN passes. */
 static inline sp_real sp_surface_at(const sp_real *stiffest, uint32_t n_pieces,
                                     const sp_surface_state *state, sp_real u)
 {

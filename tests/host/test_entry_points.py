@@ -111,7 +111,7 @@ class Mute(OpenedDevice):
     ("opens", "told"),
     [
         (Mute, "abstract.*Mute.*link.*unreached"),
-        (lambda *_: object(), "object inherits neither OpenedDevice nor VirtualDevice"),
+        (lambda *_: object(), "object is no OpenedDevice and no VirtualDevice"),
         (lambda _: object(), "takes 1 positional argument but 2 were given"),
         (f"{__name__}:nothing", "no attribute 'nothing'"),
     ],

@@ -27,10 +27,10 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
     ("what", "most"),
     [
         ("codegen/*.py", 6417),
-        ("trainer/*.py", 8783),
+        ("trainer/*.py", 8778),
         ("host/*.py", 12442),
         ("runtime_c/*.[ch] codegen/*.j2", 7713),
-        ("tests/*.py", 20000),
+        ("tests/*.py", 20107),
     ],
 )
 def test_lines(what: str, most: int) -> None:

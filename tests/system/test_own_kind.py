@@ -102,7 +102,7 @@ def fit_line(
     rows = data.rows(options.fraction, options.seed)
     x, force_n = data.features(Depth(), rows)[:, 0], data.force_n(rows)
     line = Line(float(x @ force_n / (x @ x)))
-    passive, _, _ = fit_passive(data, options)
+    passive = fit_passive(data, options)
     parts = (Depth(), line)
     model = assemble("line", name, data, options, len(rows), parts, passive, False, {})
     return Fit(model, len(rows), 0.0, 0.0)

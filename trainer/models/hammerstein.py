@@ -8,7 +8,7 @@ import numpy as np
 from springpot.codegen.types import JsonObject
 from springpot.trainer.models.fit import Fit, FitOptions, assemble
 from springpot.trainer.models.passive.map_fit import fit_map
-from springpot.trainer.models.passive.passive_fit import passive_choice, timed_passive
+from springpot.trainer.models.passive.passive_fit import timed_passive
 from springpot.trainer.models.passive.start import with_start
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.recording import Recording, sites_of
@@ -28,9 +28,9 @@ def fit_hammerstein(
     else:
         data = with_start(data, options)
         start_s = time.perf_counter() - begin
-        (passive, rows, error_n), fit_s = timed_passive(data, options)
-        fit_s += start_s
-        law = passive_choice(data, options)[0].law
+        passive, choice, passive_s = timed_passive(data, options)
+        rows, error_n, law = len(choice.rows.rows), choice.error_n, choice.law
+        fit_s = start_s + passive_s
     metadata = {
         # Numbers that the C keeps: slopes above 0, forces of flowing branches, and the bias.
         "n_parameters": int(np.count_nonzero(passive.slopes_n)) + (passive.bias_n != 0.0),

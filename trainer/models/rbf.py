@@ -60,7 +60,7 @@ def fit_rbf_fd(
     chosen = pairs[options.select]
     metadata = {"pairs": {how: [orders[i] for i in pair] for how, pair in pairs.items()}}
     features = bank.take(np.array(chosen))
-    fit = _fitted("rbf-fd", name, data, options, features, values[:, chosen], force_n, metadata)
+    fit = _with_rbf("rbf-fd", name, data, options, features, values[:, chosen], force_n, metadata)
     return replace(fit, feature_s=feature_s, search_s=search_s)
 
 
@@ -74,11 +74,11 @@ def fit_rbf_pv(
     features = PositionVelocity(steps, FOAW_BAND_M, options.velocity_weight)
     values, force_n = data.features(features, rows), data.force_n(rows)
     feature_s = time.perf_counter() - begin
-    fit = _fitted("rbf-pv", name, data, options, features, values, force_n, {})
+    fit = _with_rbf("rbf-pv", name, data, options, features, values, force_n, {})
     return replace(fit, feature_s=feature_s)
 
 
-def _fitted(
+def _with_rbf(
     kind: str,
     name: str,
     data: TrainingSet,
@@ -97,7 +97,7 @@ def _fitted(
     weights_n, tail_n = np.split(weights, [len(centers)])
     rbf = replace(scaling, centers=centers, weights_n=weights_n, tail_n=tail_n)
     fit_s = time.perf_counter() - begin
-    passive, _, _ = fit_passive(data, options)
+    passive = fit_passive(data, options)
     metadata = {"n_centers": len(centers), "condition": condition, **metadata}
     parts, rows = (features, rbf), len(values)
     model = assemble(kind, name, data, options, rows, parts, passive, False, metadata)

@@ -101,7 +101,7 @@ def fit_rf_fd(
     forest = forest_ir(regressor).on_scaled(scale)
     forest = dataclasses.replace(forest, quantisation=quantisation)
     fit_s = time.perf_counter() - begin
-    passive, _, _ = fit_passive(data, options)
+    passive = fit_passive(data, options)
     metadata = {
         "n_nodes": len(forest.feature),
         "importance": regressor.feature_importances_.tolist(),

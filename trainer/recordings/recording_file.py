@@ -20,9 +20,9 @@ def given_recordings(given: Recordings) -> list[Recording]:
     """One recording or several; text and paths are files or folders of them. Raises UsageError."""
     several = [given] if isinstance(given, Recording | str | PathLike) else given
     found: list[Recording] = []
-    # The items of a table are names of its columns, those of an array its rows.
     if isinstance(several, Mapping) or not isinstance(several, Iterable):
         raise _no_recording(given)
+    # The items of a table are names of its columns, those of an array its rows: neither is taken.
     for one in [given] if hasattr(several, "columns") or hasattr(several, "shape") else several:
         if isinstance(one, Recording):
             found.append(one)

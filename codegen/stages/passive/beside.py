@@ -101,9 +101,9 @@ def flow_branches(flow: Flow, ticks: SceneTicks) -> FlowBranches:
 
 @dataclass(frozen=True, eq=False)
 class DamageCurves:
-    """The first n_linear have power 1, the others 3. curves: (J + 1, 2, D).
+    """Forces that fall with the largest depth so far: curves, (nodes, value and slope, count).
 
-    healed: of a tick, (D,).
+    healed: of a tick, (count,). n_linear: the first ones have power 1, the others 3.
     """
 
     curves: Reals

@@ -22,7 +22,7 @@ static uint32_t turn;
 void sp_arm_periods(float core_hz, float period_s)
 {
     uint32_t counts = (uint32_t)(core_hz * period_s + 0.5f);
-    for (parts = 1; counts > SYST_MAX; parts *= 2) {
+    for (parts = 1; counts > SYST_MAX; parts *= 2) { /* a period is 2^k turns */
         counts /= 2;
     }
     SYST_RVR = counts - 1;

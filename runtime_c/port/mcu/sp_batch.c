@@ -69,7 +69,7 @@ static uint64_t whole_counter(void)
         __asm__ volatile("csrr %0, minstreth" : "=r"(high)::"memory");
         low = counter();
         __asm__ volatile("csrr %0, minstreth" : "=r"(again)::"memory");
-    } while (high != again);
+    } while (high != again); /* the upper half has changed between the reads */
     return (uint64_t)high << 32 | low;
 }
 

@@ -32,10 +32,10 @@ static void take(sp_loop *self)
     }
 }
 
-void sp_loop_listen(sp_loop *self, uint64_t until_ns, int enough)
+void sp_loop_listen(sp_loop *self, uint64_t until_ns, int wanted)
 {
     uint64_t time_ns;
-    while ((time_ns = sp_loop_now()) < until_ns && !(enough && self->waiting_count >= enough)) {
+    while ((time_ns = sp_loop_now()) < until_ns && !(wanted && self->waiting_count >= wanted)) {
         if (self->link == NULL || self->link->fd < 0) {
             const struct timespec until = as_timespec(until_ns);
             (void)clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, NULL);

@@ -81,7 +81,7 @@ void sp_loop_stop_device(sp_loop *self);
 int sp_loop_at_work(sp_loop *self);
 
 /* Read what comes until a time, or only until so many samples wait; 0: however many. */
-void sp_loop_listen(sp_loop *self, uint64_t until_ns, int enough);
+void sp_loop_listen(sp_loop *self, uint64_t until_ns, int wanted);
 /* So many of the waiting samples, oldest first, wait no longer. */
 void sp_loop_use(sp_loop *self, int count);
 /* Have the samples of this period and of those before it that are open; late_ns: how far the thread

@@ -19,7 +19,7 @@ static const double press_turn_mps = 0.02;     /* slower motion is no turn */
 static const double press_turn_s = 1.0 / 24.0; /* half a cycle above 12 Hz: commands end at 10 */
 enum { SP_PRESS_TURNS = 10 };
 
-/* The speed over the last positions, lost ones among them. */
+/* The speed over the last positions; ticks without one count in the time. */
 static inline void measure_speed(sp_press *press, double position_m)
 {
     const uint32_t at = press->places % SP_PRESS_SLOPE; /* where the oldest one is */

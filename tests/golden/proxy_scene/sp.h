@@ -1,4 +1,4 @@
-/* springpot 0.1.0 a355da5d5c630e985d25af30a9ee93c57083b0b0f4fb9cdf01189c0dd08de536 */
+/* springpot 0.1.0 35a9c72db53df16f9eb9a5d68b0f97461048b4595782e79454b4f3af280ecbeb */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:
@@ -124,7 +124,7 @@ typedef struct {
 } sp_guard_state;
 
 typedef struct {
-    float u;       /* of the model in the last tick */
+    float u;       /* of the model in the last tick, as in sp_curve.h */
     float force_n; /* which it had there */
 } sp_surface_state;
 

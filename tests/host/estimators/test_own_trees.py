@@ -100,7 +100,7 @@ def test_an_ensemble_on_other_features_is_refused_with_its_error(regressor, othe
 def test_the_c_of_a_regressor_gives_its_predictions(regressor, kind, monkeypatch):
     monkeypatch.setitem(sys.modules, "m2cgen", None)
     passive = passive_model().hammerstein  # what lies outside the trained depth is not looked at
-    monkeypatch.setattr(own, "fit_passive", lambda data, options: (passive, None, None))
+    monkeypatch.setattr(own, "fit_passive", lambda data, options: passive)
     fitted = clone(regressor).fit(*ensemble_data(OBJECTS[kind], fraction=0.2, seed=1))
     model, position_m = from_ensemble(fitted, OBJECTS[kind]), press(3.0, 0.8 * DEPTH_M)
     given_n, _ = require_same_bits(make_plan(model, scene("float64"), True), position_m)

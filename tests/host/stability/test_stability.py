@@ -69,7 +69,7 @@ def test_every_case_is_bounded_quiet_and_faithful(name: str, kind: str) -> None:
     found = stability(plan)
     assert found.check.stable
     whole = [outcome for outcome in found.outcomes if outcome.losses is None]
-    assert len(whole) == len(CASES) * 4
+    assert len(whole) == len(CASES) * 4 and {each.case for each in whole} == CASES
     for outcome in whole:
         assert outcome.bounded, outcome.as_dict()
         _is_quiet_and_faithful(outcome, quiet_mps)

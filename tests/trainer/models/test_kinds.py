@@ -55,8 +55,8 @@ def test_every_kind_beats_a_plain_spring_and_carries_a_passive_part() -> None:
 def test_a_fit_keeps_to_one_thread_of_every_blas() -> None:
     """scipy's is loaded late: with more threads a fit took ten times as long on a busy machine."""
     code = """import springpot.trainer.kinds as kinds, support.small, threadpoolctl
-fit, libraries = kinds._fitted, threadpoolctl.threadpool_info
-kinds._fitted = lambda *given: (fit(*given), print(libraries()))[0]
+fit, libraries = kinds._fit_of_entry, threadpoolctl.threadpool_info
+kinds._fit_of_entry = lambda *given: (fit(*given), print(libraries()))[0]
 support.small.passive_model()"""
     env = {name: its for name, its in os.environ.items() if not name.endswith("_NUM_THREADS")}
     found = subprocess.check_output([sys.executable, "-c", code], cwd=TESTS, env=env, text=True)

@@ -106,24 +106,19 @@ class PassiveChoice:
         return self.rows.peak_n * np.stack(found, axis=1)
 
 
-def fit_passive(data: TrainingSet, options: FitOptions) -> tuple[Hammerstein, int, float]:
-    """Fit the passive part beside another: it, how many rows it used, its cross-validated RMSE, N.
-
-    Of seed and poles of the options, whatever share of the rows the other is fitted on;
-    `passive_choice` says how.
-    """
+def fit_passive(data: TrainingSet, options: FitOptions) -> Hammerstein:
+    """Fit the passive part beside another, whatever share of the rows the other is fitted on."""
     return timed_passive(data, replace(options, fraction=None))[0]
 
 
 def timed_passive(
     data: TrainingSet, options: FitOptions
-) -> tuple[tuple[Hammerstein, int, float], float]:
-    """`fit_passive` and its seconds, once for the options that decide it."""
+) -> tuple[Hammerstein, PassiveChoice, float]:
+    """The model of `passive_choice`, that choice, and the seconds of both, made once."""
     choice, chosen_s = passive_choice(data, options)
-
     key = ("passive model", data.continues, options.fraction, options.seed, options.poles)
     model, model_s = data.once(key, lambda: choice.model(data))
-    return (model, len(choice.rows.rows), choice.error_n), chosen_s + model_s
+    return model, choice, chosen_s + model_s
 
 
 def passive_choice(data: TrainingSet, options: FitOptions) -> tuple[PassiveChoice, float]:

@@ -1,13 +1,11 @@
 """The kind of model `spring`: an elastic curve, without memory."""
 
-import time
 from collections.abc import Sequence
 from dataclasses import replace
 
 from springpot import Fit, Recording
-from springpot.trainer.kinds import Kind
 from springpot.trainer.models.fit import FitOptions, assemble
-from springpot.trainer.models.passive.passive_fit import fit_passive
+from springpot.trainer.models.passive.passive_fit import timed_passive
 from springpot.trainer.models.training_set import TrainingSet
 
 
@@ -15,14 +13,11 @@ def fit_spring(
     name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
 ) -> Fit:
     """Keep the curve of the passive model, and nothing that relaxes."""
-    begin = time.perf_counter()
-    passive, rows, _ = fit_passive(data, options)
+    passive, choice, fit_s = timed_passive(data, options)
+    rows = len(choice.rows.rows)
     spring = replace(
         passive, tau_s=passive.tau_s[:0], branch_n=passive.branch_n[:0], n_by_depth=0, flow=None,
         radius_m=passive.radius_m[:0], stop_n=passive.stop_n[:0], damage=None, conditioned=None,
     )  # fmt: skip
     model = assemble("spring", name, data, options, rows, (None, None), spring, True, {})
-    return Fit(model, rows, 0.0, time.perf_counter() - begin)
-
-
-SPRING = Kind("spring", "an elastic curve", fit_spring)
+    return Fit(model, rows, 0.0, fit_s)
