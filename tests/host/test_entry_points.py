@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 import pytest
 from support.paths import TESTS
-from support.peer import cli
 
 from springpot.codegen.errors import DeviceError
 from springpot.host.devices import drivers
@@ -31,11 +30,16 @@ def installed(folder: Path) -> Path:
     return target
 
 
-def said(target: Path, folder: Path, *words: str) -> str:
-    """Standard output of a command of springpot beside that package."""
-    result = cli(*words, cwd=folder, env={**os.environ, "PYTHONPATH": str(target)})
-    assert result.returncode == 0, result.stderr
-    return result.stdout
+# Commands of springpot in one process, that loads it once; what each prints.
+RUN = """
+import json, sys
+from springpot.host.bench import front
+from support.in_process import spring
+front.PACED_S = 0.2
+done = [spring(*words.split()) for words in json.load(sys.stdin)]
+assert not any(one.returncode for one in done), done
+print(json.dumps([one.stdout for one in done]))
+"""
 
 
 def write_rig_file(path: Path) -> None:
@@ -49,25 +53,24 @@ def write_rig_file(path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_package_adds_a_kind_and_a_device(tmp_path: Path) -> None:
-    target = installed(tmp_path)
-
-    def run(*words: str) -> str:
-        return said(target, tmp_path, *words)
-
+    path = os.pathsep.join([str(installed(tmp_path)), str(TESTS)])
     write_rig_file(tmp_path / "rig.csv")
-    run("import", "rig.csv", "--out", "recordings")
-    run("train", "recordings", "--model", "spring", "--out", "rig.spm")
     (tmp_path / "scene.toml").write_text(SCENE)
-    run("emit", "--scene", "scene.toml", "--out", "c")
-    validated = json.loads(run("validate", "c", "--recording", "recordings", "--json"))
-    assert validated["mismatches"] == 0
-    felt = json.loads(run("run", "--scene", "c", "--device", "still://3", "--seconds", "0.5",
-                          "--log", "felt.h5", "--json"))  # fmt: skip
-    assert felt["ticks"] > 0
-    log = json.loads(run("validate", "c", "--recording", "felt.h5", "--json"))
-    assert log["mismatches"] == 0
-    bench = json.loads(run("bench", "--recording", "recordings", "--validate", "recordings",
-                           "--model", "spring", "--model", "rig.spm", "--json"))  # fmt: skip
+    commands = [
+        "import rig.csv --out recordings",
+        "train recordings --model spring --out rig.spm",
+        "emit --scene scene.toml --out c",
+        "validate c --recording recordings --json",
+        "run --scene c --device still://3 --seconds 0.5 --log felt.h5 --json",
+        "validate c --recording felt.h5 --json",
+        "bench --recording recordings --validate recordings --model spring --model rig.spm --json",
+    ]
+    result = subprocess.run([sys.executable, "-c", RUN], cwd=tmp_path, input=json.dumps(commands),
+                            env={**os.environ, "PYTHONPATH": path}, capture_output=True,
+                            text=True, check=False)  # fmt: skip
+    assert result.returncode == 0, result.stderr
+    validated, felt, log, bench = map(json.loads, json.loads(result.stdout)[3:])
+    assert validated["mismatches"] == log["mismatches"] == 0 and felt["ticks"] > 0
     assert {point["model"] for point in bench["points"]} == {"spring", "rig.spm"}
 
 
