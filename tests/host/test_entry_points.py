@@ -30,18 +30,6 @@ def installed(folder: Path) -> Path:
     return target
 
 
-# Commands of springpot in one process, that loads it once; what each prints.
-RUN = """
-import json, sys
-from springpot.host.bench import front
-from support.in_process import spring
-front.PACED_S = 0.2
-done = [spring(*words.split()) for words in json.load(sys.stdin)]
-assert not any(one.returncode for one in done), done
-print(json.dumps([one.stdout for one in done]))
-"""
-
-
 def write_rig_file(path: Path) -> None:
     """Four seconds of pressing a spring that stiffens, and relaxes, at 1 kHz."""
     t_s = np.arange(4000) / 1000
@@ -65,11 +53,13 @@ def test_a_package_adds_a_kind_and_a_device(tmp_path: Path) -> None:
         "validate c --recording felt.h5 --json",
         "bench --recording recordings --validate recordings --model spring --model rig.spm --json",
     ]
-    result = subprocess.run([sys.executable, "-c", RUN], cwd=tmp_path, input=json.dumps(commands),
-                            env={**os.environ, "PYTHONPATH": path}, capture_output=True,
-                            text=True, check=False)  # fmt: skip
+    result = subprocess.run(
+        [sys.executable, "-m", "support.in_process", *commands], cwd=tmp_path, text=True,
+        env={**os.environ, "PYTHONPATH": path}, capture_output=True, check=False,
+    )  # fmt: skip
     assert result.returncode == 0, result.stderr
-    validated, felt, log, bench = map(json.loads, json.loads(result.stdout)[3:])
+    printed = filter(lambda line: line.startswith("{"), result.stdout.splitlines())
+    validated, felt, log, bench = map(json.loads, printed)
     assert validated["mismatches"] == log["mismatches"] == 0 and felt["ticks"] > 0
     assert {point["model"] for point in bench["points"]} == {"spring", "rig.spm"}
 

@@ -13,7 +13,7 @@ from support.paths import TESTS
 
 # Without the modules of the first argument; with those of Unix, their attributes go.
 WITHOUT = """
-import os, signal, socket, sys
+import os, runpy, signal, socket, sys
 absent = sys.argv.pop(1).split()
 sys.modules.update(dict.fromkeys(absent))
 for module, names in ((os, ("geteuid", "sched_getaffinity")), (signal, ("SIGHUP", "SIGQUIT")),
@@ -21,11 +21,7 @@ for module, names in ((os, ("geteuid", "sched_getaffinity")), (signal, ("SIGHUP"
     for name in names:
         if "fcntl" in absent and hasattr(module, name):
             delattr(module, name)
-from support.in_process import spring
-for line in sys.argv[1:]:
-    done = spring(*line.split())
-    if done.returncode:
-        sys.exit(done.stderr.rstrip())
+runpy.run_module("support.in_process", run_name="__main__")
 """
 UNIX = "fcntl resource termios tty"
 EXTRAS = "scipy sklearn joblib matplotlib can m2cgen statsmodels"

@@ -1,6 +1,5 @@
 """Running the commands of README.md and docs/, as a reader does."""
 
-import json
 import os
 import re
 import shlex
@@ -11,17 +10,6 @@ from pathlib import Path
 
 from support.pages.documents import Block, page_blocks
 from support.paths import ROOT, TESTS
-
-# Commands of springpot that follow each other, in one process: each alone would load it again.
-COMMANDS = """
-import json, sys
-from support.in_process import spring
-for words in json.loads(sys.argv[1]):
-    done = spring(*words)
-    print(done.stdout, done.stderr)
-    if done.returncode:
-        sys.exit(f"{words}: {done.returncode}")
-"""
 
 
 def run_page(name: str, folder: Path, *needs: str) -> str:
@@ -82,12 +70,14 @@ def print_urls(block: Block, folder: Path) -> list[str]:
 
 
 def _run_commands(block: Block, folder: Path) -> list[str]:
+    """Those of springpot that follow each other in one process, which loads it once."""
     commands = map(shlex.split, block.substituted)
     printed: list[str] = []
     for ours, group in groupby(commands, lambda words: words[0] == "springpot"):
-        each = [words[1:] if ours else words for words in group]
+        each = list(group)
         if ours:
-            each = [["python", "-c", COMMANDS, json.dumps(each)]]
+            lines = [shlex.join(words[1:]) for words in each]
+            each = [["python", "-m", "support.in_process", *lines]]
         printed += [_run(words, folder, block.where) for words in each]
     return printed
 
