@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 import pytest
 from support.paths import TESTS
-from support.peer import cli
 
 from springpot.codegen.errors import DeviceError
 from springpot.host.devices import drivers
@@ -31,13 +30,6 @@ def installed(folder: Path) -> Path:
     return target
 
 
-def said(target: Path, folder: Path, *words: str) -> str:
-    """Standard output of a command of springpot beside that package."""
-    result = cli(*words, cwd=folder, env={**os.environ, "PYTHONPATH": str(target)})
-    assert result.returncode == 0, result.stderr
-    return result.stdout
-
-
 def write_rig_file(path: Path) -> None:
     """Four seconds of pressing a spring that stiffens, and relaxes, at 1 kHz."""
     t_s = np.arange(4000) / 1000
@@ -49,25 +41,26 @@ def write_rig_file(path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_package_adds_a_kind_and_a_device(tmp_path: Path) -> None:
-    target = installed(tmp_path)
-
-    def run(*words: str) -> str:
-        return said(target, tmp_path, *words)
-
+    path = os.pathsep.join([str(installed(tmp_path)), str(TESTS)])
     write_rig_file(tmp_path / "rig.csv")
-    run("import", "rig.csv", "--out", "recordings")
-    run("train", "recordings", "--model", "spring", "--out", "rig.spm")
     (tmp_path / "scene.toml").write_text(SCENE)
-    run("emit", "--scene", "scene.toml", "--out", "c")
-    validated = json.loads(run("validate", "c", "--recording", "recordings", "--json"))
-    assert validated["mismatches"] == 0
-    felt = json.loads(run("run", "--scene", "c", "--device", "still://3", "--seconds", "0.5",
-                          "--log", "felt.h5", "--json"))  # fmt: skip
-    assert felt["ticks"] > 0
-    log = json.loads(run("validate", "c", "--recording", "felt.h5", "--json"))
-    assert log["mismatches"] == 0
-    bench = json.loads(run("bench", "--recording", "recordings", "--validate", "recordings",
-                           "--model", "spring", "--model", "rig.spm", "--json"))  # fmt: skip
+    commands = [
+        "import rig.csv --out recordings",
+        "train recordings --model spring --out rig.spm",
+        "emit --scene scene.toml --out c",
+        "validate c --recording recordings --json",
+        "run --scene c --device still://3 --seconds 0.5 --log felt.h5 --json",
+        "validate c --recording felt.h5 --json",
+        "bench --recording recordings --validate recordings --model spring --model rig.spm --json",
+    ]
+    result = subprocess.run(
+        [sys.executable, "-m", "support.in_process", *commands], cwd=tmp_path, text=True,
+        env={**os.environ, "PYTHONPATH": path}, capture_output=True, check=False,
+    )  # fmt: skip
+    assert result.returncode == 0, result.stderr
+    printed = filter(lambda line: line.startswith("{"), result.stdout.splitlines())
+    validated, felt, log, bench = map(json.loads, printed)
+    assert validated["mismatches"] == log["mismatches"] == 0 and felt["ticks"] > 0
     assert {point["model"] for point in bench["points"]} == {"spring", "rig.spm"}
 
 

@@ -1,9 +1,12 @@
 """The command line without a process of its own: loading numpy and click once is enough.
 
+`python -m support.in_process COMMAND ...` is one process for some, each an argument; the first that
+fails ends it.
 Where a command validates, ticks are paced for a tenth of a second, not for three.
 """
 
 import io
+import shlex
 import subprocess
 import sys
 from contextlib import redirect_stderr, redirect_stdout
@@ -28,3 +31,12 @@ def spring(*arguments: object) -> subprocess.CompletedProcess[str]:
         except SystemExit as end:
             status = int(end.code or 0)
     return subprocess.CompletedProcess(command, status, out.getvalue(), err.getvalue())
+
+
+if __name__ == "__main__":
+    for line in sys.argv[1:]:
+        done = spring(*shlex.split(line))
+        print(done.stdout, end="")
+        print(done.stderr, end="", file=sys.stderr)
+        if done.returncode:
+            sys.exit(done.returncode)

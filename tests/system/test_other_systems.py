@@ -1,5 +1,6 @@
 """Commands without what Windows and macOS lack, and without extras: what is required is enough."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -8,10 +9,11 @@ import h5py
 import numpy as np
 import pytest
 from support.pages.job import small_job
+from support.paths import TESTS
 
 # Without the modules of the first argument; with those of Unix, their attributes go.
 WITHOUT = """
-import os, signal, socket, sys
+import os, runpy, signal, socket, sys
 absent = sys.argv.pop(1).split()
 sys.modules.update(dict.fromkeys(absent))
 for module, names in ((os, ("geteuid", "sched_getaffinity")), (signal, ("SIGHUP", "SIGQUIT")),
@@ -19,30 +21,35 @@ for module, names in ((os, ("geteuid", "sched_getaffinity")), (signal, ("SIGHUP"
     for name in names:
         if "fcntl" in absent and hasattr(module, name):
             delattr(module, name)
-from springpot.host.cli import main
-sys.argv[0] = "springpot"
-main()
+runpy.run_module("support.in_process", run_name="__main__")
 """
 UNIX = "fcntl resource termios tty"
 EXTRAS = "scipy sklearn joblib matplotlib can m2cgen statsmodels"
-COMMANDS = {  # what each does without
-    "import a.csv --out imported": f"{UNIX} {EXTRAS} serial",
-    "record --device sim://ecoflex-00-10 --protocol paper --out simulated": UNIX,
-    "check training": f"{UNIX} {EXTRAS} serial",
-    "train training --model hammerstein --out m.spm": UNIX,
-    "emit --scene scene.toml --out c": f"{UNIX} {EXTRAS} serial",
-    "build c": f"{UNIX} {EXTRAS} serial",
-    "validate c --recording validation": f"{UNIX} {EXTRAS} serial",
-    "report c": UNIX,
-    "stability --scene scene.toml": f"{UNIX} {EXTRAS} serial",
-    "run --scene scene.toml --device sim://ecoflex-00-30 --seconds 0.5 --log felt.h5": EXTRAS,
-    "validate c --recording felt.h5": f"{EXTRAS} serial",
+COMMANDS = {  # what is not there: commands that do without
+    f"{UNIX} {EXTRAS} serial": [
+        "import a.csv --out imported",
+        "check training",
+        "emit --scene scene.toml --out c",
+        "build c",
+        "validate c --recording validation",
+        "stability --scene scene.toml",
+    ],
+    UNIX: [
+        "record --device sim://ecoflex-00-10 --protocol paper --out simulated",
+        "train training --model hammerstein --out m.spm",
+        "report c",
+    ],
+    EXTRAS: ["run --scene scene.toml --device sim://ecoflex-00-30 --seconds 0.5 --log felt.h5"],
+    f"{EXTRAS} serial": ["validate c --recording felt.h5"],
 }
 
 
-def run(folder: Path, absent: str, *words: str) -> subprocess.CompletedProcess[str]:
-    command = [sys.executable, "-c", WITHOUT, absent, *words]
-    return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+def run(folder: Path, absent: str, lines: list[str]) -> subprocess.CompletedProcess[str]:
+    """Commands in one process, until one fails."""
+    command = [sys.executable, "-c", WITHOUT, absent, *lines]
+    environment = {**os.environ, "PYTHONPATH": str(TESTS)}
+    return subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True,
+                          check=False)  # fmt: skip
 
 
 @pytest.mark.slow
@@ -50,13 +57,13 @@ def test_commands_need_neither_unix_nor_what_is_not_required(tmp_path: Path) -> 
     small_job(tmp_path)
     rows = "".join(f"{k / 100},{k % 50},{k % 50}\n" for k in range(300))
     (tmp_path / "a.csv").write_text(f"time_s,position_mm,force_N\n{rows}")
-    for line, absent in COMMANDS.items():
-        done = run(tmp_path, absent, *line.split())
-        assert done.returncode == 0, (line, done.stderr)
+    for absent, lines in COMMANDS.items():
+        done = run(tmp_path, absent, lines)
+        assert done.returncode == 0, done.stderr
 
 
 def test_a_module_of_another_system_is_not_to_be_installed(tmp_path: Path) -> None:
-    done = run(tmp_path, UNIX, "run", "--scene", "none.toml", "--device", "serial:///dev/none")
+    done = run(tmp_path, UNIX, ["run --scene none.toml --device serial:///dev/none"])
     assert done.returncode != 0 and "pip install" not in done.stderr
     assert len(done.stderr.splitlines()) == 1
 

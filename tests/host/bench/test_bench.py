@@ -167,12 +167,20 @@ def wait_for(file: Path) -> None:
 
 @pytest.mark.slow
 @mock.patch.object(front, "PACED_S", 0.2)
+@mock.patch.object(bench_module, "default_sweep", lambda *_: SMALL[1:3])
 def test_two_workers_give_the_points_of_one_machine(tmp_path: Path) -> None:
     from distributed import Client  # slow to load, and this test alone needs it
 
     recordings = str(tmp_path / "training")
     write_recordings(recordings, training()[::2])
     known = tmp_path / "scheduler.json"
+
+    def points(name: str, *options: str) -> list[dict[str, Any]]:
+        done = spring("bench", "--recording", recordings, "--json", "--out", str(tmp_path / name),
+                      *options)  # fmt: skip
+        assert done.returncode == 0, done.stderr
+        return json.loads(done.stdout)["points"]
+
     with ExitStack() as stack:
         stack.enter_context(
             process("scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard",
@@ -187,14 +195,9 @@ def test_two_workers_give_the_points_of_one_machine(tmp_path: Path) -> None:
             )  # fmt: skip
         with Client(address) as cluster:  # a worker that is late would find the work done
             cluster.wait_for_workers(2, timeout=_WAIT_S)
-        done = spring("bench", "--recording", recordings, "--model", "hammerstein", "--json",
-                      "--out", str(tmp_path / "cluster"), "--dask", address)  # fmt: skip
-    assert done.returncode == 0, done.stderr
-    found = json.loads(done.stdout)["points"]
-    here = spring("bench", "--recording", recordings, "--model", "hammerstein", "--json",
-                  "--out", str(tmp_path / "here"))  # fmt: skip
-    alike = {(point["hash"], point["number"]): point for point in json.loads(here.stdout)["points"]}
-    assert len(found) == 7
+        found = points("cluster", "--dask", address)
+    alike = {(point["hash"], point["number"]): point for point in points("here")}
+    assert len(found) == 2
     for one in found:
         for name in ("options", "rmse_n", "flash_bytes", "ram_bytes"):
             assert one[name] == alike[one["hash"], one["number"]][name]

@@ -1,6 +1,5 @@
-"""`springpot record --find-surface`: the surface is where the tool touches it, three times."""
+"""`springpot record --find-surface`, where there is none; where there is: test_documents.py."""
 
-import json
 from pathlib import Path
 from typing import Any
 from unittest import mock
@@ -14,24 +13,10 @@ from springpot.host.recording import session
 PROTOCOL = "[[profile]]\namplitude_n = 2.0\nfrequency_hz = 2.0\n"
 
 
-def recorded(device: Peer, folder: Path, *options: object, keys: str = "\n\n\n") -> Any:
+def recorded(device: Peer, folder: Path, keys: str = "\n\n\n") -> Any:
     (folder / "one.toml").write_text(PROTOCOL)
-    url = device.url.partition("&surface_mm")[0]
-    return cli("record", "--device", url, "--find-surface", "--protocol", folder / "one.toml",
-               "--out", folder / "out", "--json", *options, input=keys)  # fmt: skip
-
-
-@pytest.mark.realtime
-def test_the_surface_of_a_force_dimension_device(tmp_path: Path) -> None:
-    """At a height of 12 mm, pressed downwards: -12 mm along the axis."""
-    with peer("dhd_device", "--pressing", "--cell-ms", 3, "--surface-mm", 12) as device:
-        result = recorded(device, tmp_path, "--force", device.wait_for("cell")["url"])
-    assert result.returncode == 0, result.stderr
-    found = json.loads(result.stdout)
-    assert abs(found["recordings"][0]["max_force_n"] - 2.0) < 0.5
-    assert result.stderr.count("press Enter") == 3
-    surface_mm = float(result.stderr.partition("surface_mm = ")[2].partition(":")[0])
-    assert surface_mm == pytest.approx(-12.0, abs=0.1)
+    return cli("record", "--device", device.url, "--find-surface", "--protocol",
+               folder / "one.toml", "--out", folder / "out", input=keys)  # fmt: skip
 
 
 @pytest.mark.realtime

@@ -53,11 +53,11 @@ def test_recording_on_a_serial_device(monkeypatch):
     The device's time passes with the forces, the watchdogs wait and a period of the loop is longer
     than the device's: how long a busy machine keeps its process away does not matter.
     """
-    monkeypatch.setattr(indentation, "WATCHDOG_S", 2.0)
+    monkeypatch.setattr(indentation, "WATCHDOG_S", 0.5)
     monkeypatch.setattr(
         indentation,
         "LoopSettings",
-        lambda **settings: LoopSettings(**settings | {"period_s": 0.005, "seconds": 20.0}),
+        lambda **settings: LoopSettings(**settings | {"period_s": 0.003, "seconds": 20.0}),
     )
     command_n = 4 * np.sin(np.linspace(0, np.pi, 600)) ** 2
     with peer("serial_device", "--object", "dragon-skin-fx", "--lockstep") as device:

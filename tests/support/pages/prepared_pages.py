@@ -49,4 +49,7 @@ PREPARED = {
     "how-to/record.md": nothing,
     "how-to/run-a-device.md": emitted_job,
     "reference/c.md": small_job,
+    "tutorials/embedded-engineer.md": nothing,
+    "tutorials/haptics-researcher.md": nothing,
+    "tutorials/material-scientist.md": nothing,
 }

@@ -5,11 +5,11 @@ import re
 import shlex
 import subprocess
 import sys
+from itertools import groupby
 from pathlib import Path
 
 from support.pages.documents import Block, page_blocks
 from support.paths import ROOT, TESTS
-from support.peer import CLI
 
 
 def run_page(name: str, folder: Path, *needs: str) -> str:
@@ -32,8 +32,7 @@ def run_page(name: str, folder: Path, *needs: str) -> str:
             assert all("://" in url for url in print_urls(block, folder)), block.where
         elif not block.language:
             printed += [run_python(code, folder, name)] if code else []
-            commands = map(shlex.split, block.substituted)
-            last, code = "\n".join([_run(each, folder, block.where) for each in commands]), ""
+            last, code = "\n".join(_run_commands(block, folder)), ""
             printed.append(last)
     if code and name != "README.md":  # its Python is another test's
         printed.append(run_python(code, folder, name))
@@ -70,10 +69,21 @@ def print_urls(block: Block, folder: Path) -> list[str]:
     return found
 
 
+def _run_commands(block: Block, folder: Path) -> list[str]:
+    """Those of springpot that follow each other in one process, which loads it once."""
+    commands = map(shlex.split, block.substituted)
+    printed: list[str] = []
+    for ours, group in groupby(commands, lambda words: words[0] == "springpot"):
+        each = list(group)
+        if ours:
+            lines = [shlex.join(words[1:]) for words in each]
+            each = [["python", "-m", "support.in_process", *lines]]
+        printed += [_run(words, folder, block.where) for words in each]
+    return printed
+
+
 def _run(words: list[str], folder: Path, where: str) -> str:
-    if words[0] == "springpot":
-        words = [*CLI, *words[1:]]
-    elif words[0] == "python":
+    if words[0] == "python":
         words[0] = sys.executable
     elif words[0] == "make" and words[1] != "-C":  # the checkout's own: that it is there must do
         words = ["make", "--dry-run", "--directory", str(ROOT), *words[1:]]
