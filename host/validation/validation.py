@@ -45,7 +45,7 @@ from springpot.trainer.recordings.recording_file import Recordings
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-PACED_S = 1.0
+PACED_S = 3.0
 # Keys of `validate --json` that are attributes of the same name.
 _NAMED = ("model_rmse_n", "rendering_n", "mismatches", "notes", "clamped_low", "min_n", "seen")
 
