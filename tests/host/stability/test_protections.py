@@ -106,6 +106,7 @@ def test_no_protection_roughens_a_rest_or_a_vibration(rate_hz: float) -> None:
                     assert has <= may + 0.02 * abs(may) + 1e-9, name
 
 
+@pytest.mark.few(1)
 @pytest.mark.parametrize(("rate_hz", "stiffer"), [(100.0, 0.5), (8000.0, 8.0)])
 def test_no_protection_moves_what_any_hand_holds(rate_hz: float, stiffer: float) -> None:
     """From a stiff pinch to one fingertip, knocked, with noise: the same to the last bit."""

@@ -167,7 +167,7 @@ def test_an_object_that_is_damaged_is_fitted_by_damage_and_one_session() -> None
 
 def test_an_object_that_lets_go_has_a_surface_that_recovers() -> None:
     recordings = []
-    for hz, share in product((0.5, 1.0, 4.0), (0.4, 0.7, 1.0)):
+    for hz, share in product((1.0, 4.0), (0.6, 1.0)):
         depth_m = press(hz, share * DEPTH_M, 3)
         made = PassiveC(LETS_GO, DT_S, surface=True).force_n(depth_m)
         recordings.append(Recording(f"{hz}-{share}", depth_m, made, DT_S))
