@@ -2,11 +2,6 @@
 
 import json
 import shutil
-import subprocess
-import sys
-import time
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -142,38 +137,14 @@ def test_holdout_keeps_the_strongest_for_training() -> None:
     assert len(begin.force_n) + len(end.force_n) == len(recordings[0].force_n)
 
 
-_WAIT_S = 60.0
-
-
-@contextmanager
-def process(*arguments: str) -> Iterator[subprocess.Popen[bytes]]:
-    started = subprocess.Popen(
-        [sys.executable, "-m", "dask", *arguments],
-        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-    )  # fmt: skip
-    try:
-        yield started
-    finally:
-        started.terminate()
-        started.wait(timeout=30)
-
-
-def wait_for(file: Path) -> None:
-    end = time.monotonic() + _WAIT_S
-    while not file.exists() or not file.read_text():
-        assert time.monotonic() < end, f"{file} never came"
-        time.sleep(0.1)
-
-
 @pytest.mark.slow
 @mock.patch.object(front, "PACED_S", 0.2)
 @mock.patch.object(bench_module, "default_sweep", lambda *_: SMALL[1:3])
 def test_two_workers_give_the_points_of_one_machine(tmp_path: Path) -> None:
-    from distributed import Client  # slow to load, and this test alone needs it
+    from distributed import LocalCluster  # slow to load, and this test alone needs it
 
     recordings = str(tmp_path / "training")
     write_recordings(recordings, training()[::2])
-    known = tmp_path / "scheduler.json"
 
     def points(name: str, *options: str) -> list[dict[str, Any]]:
         done = spring("bench", "--recording", recordings, "--json", "--out", str(tmp_path / name),
@@ -181,21 +152,8 @@ def test_two_workers_give_the_points_of_one_machine(tmp_path: Path) -> None:
         assert done.returncode == 0, done.stderr
         return json.loads(done.stdout)["points"]
 
-    with ExitStack() as stack:
-        stack.enter_context(
-            process("scheduler", "--host", "127.0.0.1", "--port", "0", "--no-dashboard",
-                    "--scheduler-file", str(known))
-        )  # fmt: skip
-        wait_for(known)
-        address = json.loads(known.read_text())["address"]
-        for name in ("one", "two"):
-            stack.enter_context(
-                process("worker", address, "--name", name, "--nthreads", "1", "--no-dashboard",
-                        "--local-directory", str(tmp_path / name))
-            )  # fmt: skip
-        with Client(address) as cluster:  # a worker that is late would find the work done
-            cluster.wait_for_workers(2, timeout=_WAIT_S)
-        found = points("cluster", "--dask", address)
+    with LocalCluster(n_workers=2, threads_per_worker=1, dashboard_address=None) as cluster:
+        found = points("cluster", "--dask", cluster.scheduler_address)
     alike = {(point["hash"], point["number"]): point for point in points("here")}
     assert len(found) == 2
     for one in found:
