@@ -18,7 +18,7 @@ MCU_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm gcc-ri
   picolibc-riscv64-unknown-elf qemu-system-misc \
   clang lld nodejs
 
-.PHONY: demo test test-rest test-long test-all durations test-mcu setup-mcu firmware soak bench-tick bench-host prove docs notebook dist lock licences check format lint types ns test-c clean
+.PHONY: demo test test-rest test-long test-all durations test-mcu setup-mcu firmware soak bench-tick prove docs notebook dist lock licences check format lint types ns test-c clean
 
 # No bytecode yet: Python writes that of what it imports, a third of what pip would compile.
 $(STAMP): requirements.lock pyproject.toml
@@ -103,10 +103,6 @@ docs: $(STAMP) ns
 # Run examples/quick_start.ipynb and store what it shows.
 notebook: $(STAMP)
 	cd tests && ../$(BIN)/python -m support.pages.notebooks
-
-# Sessions of a minute over simulated devices: ticks and lateness.
-bench-host: $(STAMP)
-	$(BIN)/python tests/bench/host_loop.py
 
 # Whole ticks beside plain taps and m2cgen, the forest alone by others; JSON=FILE for the figures.
 bench-tick: $(STAMP)

@@ -30,7 +30,7 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
         ("trainer/*.py", 8778),
         ("host/*.py", 12441),
         ("runtime_c/*.[ch] codegen/*.j2", 7713),
-        ("tests/*.py", 20067),
+        ("tests/*.py", 19912),
     ],
 )
 def test_lines(what: str, most: int) -> None:
