@@ -64,10 +64,9 @@ def test_a_change_passes_if_every_part_of_ci_does(tmp_path: Path, fails: str) ->
     program(tmp_path / "bin/git", 'mkdir -p "$4"')
     program(tmp_path / "bin/id", "echo 1000")
     program(tmp_path / "bin/make", f'case "$*" in *{fails}*) exit 1;; esac')
-    path = f"{tmp_path / 'bin'}:{os.environ['PATH']}"
-    done = subprocess.run(
-        [tmp_path / ".ci/run"], env={**os.environ, "PATH": path}, capture_output=True, check=False
-    )
+    environment = {**os.environ, "PATH": f"{tmp_path / 'bin'}:{os.environ['PATH']}",
+                   "TMPDIR": str(tmp_path)}  # fmt: skip
+    done = subprocess.run([tmp_path / ".ci/run"], env=environment, capture_output=True, check=False)
     assert bool(done.returncode) is (fails != "nothing"), done.stderr
 
 
