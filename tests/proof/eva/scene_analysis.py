@@ -35,7 +35,7 @@ _PLACE = """    if (Frama_C_interval(0, 1)) {
     }
 """
 # Bounds that the analysis tries, one after the other, for a number that grows in the loop.
-_BOUNDS = tuple(8.0**power for power in range(-3, 19))
+_BOUNDS = tuple(8.0**power for power in range(-3, 23))
 
 
 def analyse_scene(
