@@ -129,8 +129,9 @@ def parse_device(url: str) -> Address:
     table, parts = drivers(), urlsplit(url)
     driver = table.get(parts.scheme)
     if driver is None:
+        what = repr(parts.scheme) if parts.scheme else "an address without a scheme"
         raise DeviceError(
-            f"{url}: no driver for {repr(parts.scheme) if parts.scheme else 'no scheme'}: use "
+            f"{url}: no driver for {what}: use "
             + "; ".join(known.example for known in table.values())
         )
     interface = parts.netloc if driver.on_bus else ""
@@ -163,7 +164,7 @@ def open_device(url: str, requirements: DeviceRequirements) -> OpenedDevice:
         )
     with blaming(url, driver.opens, DeviceError):
         opened = driver.function()(address, requirements)
-        if OpenedDevice not in type(opened).__mro__:  # isinstance does not ask a Protocol's heirs
+        if OpenedDevice not in type(opened).__mro__:  # a Protocol refuses isinstance
             raise TypeError(f"{type(opened).__name__} is no OpenedDevice and no VirtualDevice")
         return opened
 
