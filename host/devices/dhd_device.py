@@ -141,7 +141,7 @@ class DhdDevice(OpenedDevice):
         return 0.0 if self._required.examined else weight_n  # nobody may hold the handle up
 
     def _require_usable(self) -> None:
-        """Raise DeviceError for a device that is off, faulty, uncalibrated or not let go of."""
+        """Raise DeviceError for a device that is off, faulty or uncalibrated, or a button down."""
         status = self._sdk.status(self.id)
         if not status[DhdStatus.POWER]:
             raise DeviceError(f"{self._url}: it has no power: switch it on")

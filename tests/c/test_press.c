@@ -69,17 +69,22 @@ TEST(a_force_is_within_its_bounds_both_ways)
     CHECK(pulls > ROUNDS && pushes > ROUNDS);
 }
 
-TEST(samples_may_be_late_again_and_again_but_not_for_long)
+static sp_press commanded(const double *command_n)
 {
-    const double command_n[TICKS] = {0.0};
-    double force_n = 0.0;
-    sp_press press = {.command_n = command_n,
+    return (sp_press){.command_n = command_n,
                       .n = TICKS,
                       .dt_s = 1e-3,
                       .max_force_n = 6.0,
                       .watchdog_s = 0.0205,
                       .latched_note = 32,
                       .max_mps = 0.4};
+}
+
+TEST(samples_may_be_late_again_and_again_but_not_for_long)
+{
+    const double command_n[TICKS] = {0.0};
+    double force_n = 0.0;
+    sp_press press = commanded(command_n);
     for (int k = 0; k < 100; k++) {
         CHECK(sp_press_idle(&press, 1e-3, &force_n) == 0);
         CHECK(k % 20 != 19 || sp_press_step(&press, 0.0, 0.0, &force_n) == 0);
@@ -110,13 +115,7 @@ TEST(a_sensor_may_be_unlike_again_and_again_but_not_for_long)
     for (int k = 0; k < TICKS; k++) {
         command_n[k] = 5.0;
     }
-    sp_press press = {.command_n = command_n,
-                      .n = TICKS,
-                      .dt_s = 1e-3,
-                      .max_force_n = 6.0,
-                      .watchdog_s = 0.02,
-                      .latched_note = 32,
-                      .max_mps = 0.4};
+    sp_press press = commanded(command_n);
     double force_n = 99.0;
     for (int k = 0; k < 10 * TICKS; k++) {
         press.at = 0;

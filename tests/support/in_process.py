@@ -1,7 +1,6 @@
 """The command line without a process of its own: loading numpy and click once is enough.
 
-`python -m support.in_process COMMAND ...` is one process for some, each an argument; the first that
-fails ends it.
+`python -m support.in_process COMMAND ...` runs several, each one argument, until one fails.
 Where a command validates, ticks are paced for a tenth of a second, not for three.
 """
 

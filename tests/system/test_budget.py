@@ -30,7 +30,7 @@ PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
         ("trainer/*.py", 8778),
         ("host/*.py", 12442),
         ("runtime_c/*.[ch] codegen/*.j2", 7713),
-        ("tests/*.py", 19912),
+        ("tests/*.py", 19910),
     ],
 )
 def test_lines(what: str, most: int) -> None:

@@ -88,7 +88,7 @@ def _with_rbf(
     force_n: Samples,
     metadata: JsonMapping,
 ) -> Fit:
-    """The functions on features (rows, 2), and the passive fallback beside them."""
+    """Fit the functions on features (rows, 2), and the passive fallback beside them."""
     begin = time.perf_counter()
     scaling = standard(values)
     z = standardised(scaling, values)

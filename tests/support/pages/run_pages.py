@@ -70,7 +70,7 @@ def print_urls(block: Block, folder: Path) -> list[str]:
 
 
 def _run_commands(block: Block, folder: Path) -> list[str]:
-    """Those of springpot that follow each other in one process, which loads it once."""
+    """Run the commands of a block; springpot's own in a row share one process: it loads once."""
     commands = map(shlex.split, block.substituted)
     printed: list[str] = []
     for ours, group in groupby(commands, lambda words: words[0] == "springpot"):

@@ -114,7 +114,7 @@ def fit_passive(data: TrainingSet, options: FitOptions) -> Hammerstein:
 def timed_passive(
     data: TrainingSet, options: FitOptions
 ) -> tuple[Hammerstein, PassiveChoice, float]:
-    """The model of `passive_choice`, that choice, and the seconds of both, made once."""
+    """Return the model of `passive_choice`, that choice, and the seconds of both; made once."""
     choice, chosen_s = passive_choice(data, options)
     key = ("passive model", data.continues, options.fraction, options.seed, options.poles)
     model, model_s = data.once(key, lambda: choice.model(data))
