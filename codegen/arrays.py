@@ -14,7 +14,7 @@ Real = np.float32 | np.float64
 Reals = NDArray[Any]  # of a scene's number type
 
 
-def given_numbers(values: Any, argument: str) -> Samples:
+def to_float64(values: Any, argument: str) -> Samples:
     """Float64 of an argument. Raises DataError that names it where it holds more than numbers.
 
     >>> given_numbers([1, 2.5], "position_m")
@@ -37,13 +37,13 @@ def given_numbers(values: Any, argument: str) -> Samples:
     raise DataError(f"{argument}: holds {what}: give one number a sample")
 
 
-def frozen_numbers(values: Any, argument: str) -> Samples:
-    """As `given_numbers`, in an array that cannot be written to: a copy if the argument can be."""
-    found = given_numbers(values, argument)
-    if found.flags.writeable or found.base is not None:
-        found = found.copy()
-        found.setflags(write=False)
-    return found
+def to_readonly_float64(values: Any, argument: str) -> Samples:
+    """As `to_float64`, in an array that cannot be written to: a copy if the argument can be."""
+    array = to_float64(values, argument)
+    if array.flags.writeable or array.base is not None:
+        array = array.copy()
+        array.setflags(write=False)
+    return array
 
 
 def require(fits: bool, what: str) -> None:

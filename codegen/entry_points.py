@@ -25,12 +25,12 @@ Entry = TypeVar("Entry")
 
 
 @cache
-def _entries(group: str) -> tuple[EntryPoint, ...]:
+def _find_entries(group: str) -> tuple[EntryPoint, ...]:
     """Find a group's entries, springpot's own first: no package takes a name from it."""
     return tuple(sorted(entry_points(group=f"springpot.{group}"), key=lambda one: not _is_own(one)))
 
 
-def registered(group: str, kind: type[Entry] | tuple[type[Entry], ...]) -> dict[str, Entry]:
+def load_entries(group: str, kind: type[Entry] | tuple[type[Entry], ...]) -> dict[str, Entry]:
     """Load all entries of the group springpot.`group`: objects of `kind` by name.
 
     They are sorted by their attribute `place` if they have one, then by name. An entry of another
@@ -38,29 +38,29 @@ def registered(group: str, kind: type[Entry] | tuple[type[Entry], ...]) -> dict[
     out, and a line on standard error says so once. Raises ModuleNotFoundError if springpot itself
     lacks a package.
     """
-    found: JsonObject = {}
+    loaded_entries: JsonObject = {}
     kinds = kind if isinstance(kind, tuple) else (kind,)
-    for entry in _entries(group):
+    for entry in _find_entries(group):
         try:
             loaded = entry.load()
         except Exception as error:
             if _is_own(entry):
                 raise  # an extra is missing: the command line says which
             lacks = isinstance(error, ModuleNotFoundError)
-            _say(entry, str(error) if lacks else f"{type(error).__name__}: {error}")
+            _warn_once(entry, str(error) if lacks else f"{type(error).__name__}: {error}")
             continue
         if not isinstance(loaded, kinds):
-            _say(entry, f"is no {' or '.join(one.__name__ for one in kinds)}")
-        elif entry.name in found:
-            _say(entry, "the name is taken")
+            _warn_once(entry, f"is no {' or '.join(one.__name__ for one in kinds)}")
+        elif entry.name in loaded_entries:
+            _warn_once(entry, "the name is taken")
         else:
-            found[entry.name] = loaded
-    places = {name: (getattr(one, "place", 100), name) for name, one in found.items()}
-    return dict(sorted(found.items(), key=lambda item: places[item[0]]))
+            loaded_entries[entry.name] = loaded
+    sort_keys = {name: (getattr(one, "place", 100), name) for name, one in loaded_entries.items()}
+    return dict(sorted(loaded_entries.items(), key=lambda item: sort_keys[item[0]]))
 
 
 @contextmanager
-def blaming(what: str, called: object, error: type[SpringpotError]) -> Iterator[None]:
+def blame_package(what: str, called: object, error: type[SpringpotError]) -> Iterator[None]:
     """Raise a defect of another package's code as `error`: one line that names file and line.
 
     what: the line begins with it. called: a function or class of that package, or "module:name".
@@ -70,17 +70,17 @@ def blaming(what: str, called: object, error: type[SpringpotError]) -> Iterator[
         yield
     except (SpringpotError, OSError, ModuleNotFoundError):
         raise
-    except Exception as found:
+    except Exception as defect:
         module = called.partition(":")[0] if isinstance(called, str) else called.__module__
         if module.partition(".")[0] == "springpot":
             raise
         file = getattr(sys.modules.get(module), "__file__", None)
-        lines = [at.lineno for at in extract_tb(found.__traceback__) if at.filename == file]
-        place = f", {Path(file).name} line {lines[-1]}" if file and lines else ""
+        lines = [at.lineno for at in extract_tb(defect.__traceback__) if at.filename == file]
+        location = f", {Path(file).name} line {lines[-1]}" if file and lines else ""
         raise error(
-            f"{what}: {type(found).__name__}: {found} ({module}{place}): correct or uninstall "
+            f"{what}: {type(defect).__name__}: {defect} ({module}{location}): correct or uninstall "
             "that package"
-        ) from found
+        ) from defect
 
 
 def _is_own(entry: EntryPoint) -> bool:
@@ -88,7 +88,7 @@ def _is_own(entry: EntryPoint) -> bool:
 
 
 @cache
-def _say(entry: EntryPoint, why: str) -> None:
+def _warn_once(entry: EntryPoint, why: str) -> None:
     """Say once that an entry is left out; another package's defect ends no command of springpot."""
     package = f" of {entry.dist.name}" if entry.dist else ""
     print(

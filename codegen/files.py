@@ -12,7 +12,7 @@ from pathlib import Path
 from springpot.codegen.errors import DataError, UsageError
 
 
-def given_path(path: str | PathLike[str]) -> Path:
+def parse_path(path: str | PathLike[str]) -> Path:
     """Return the path that a person gave. Raises UsageError for "", which Path takes for "."."""
     if path == "":
         raise UsageError('an empty path: give a file or folder; "." is the current folder')
@@ -43,7 +43,7 @@ def read_bounded(path: Path, max_bytes: int, what: str) -> bytes:
 
 
 @contextmanager
-def written_aside(path: Path, *, overwrite: bool = True, durable: bool = False) -> Iterator[Path]:
+def atomic_write(path: Path, *, overwrite: bool = True, durable: bool = False) -> Iterator[Path]:
     """Yield a file to write beside `path`, which takes that name at the end.
 
     Where anything fails, `path` is as it was and nothing stays aside. overwrite: False raises
@@ -60,7 +60,7 @@ def written_aside(path: Path, *, overwrite: bool = True, durable: bool = False) 
         else:
             path.hardlink_to(aside)
     except OSError as error:
-        _name(error, aside, path)
+        _set_filename(error, aside, path)
         raise
     finally:
         with suppress(NotADirectoryError):
@@ -70,7 +70,7 @@ def written_aside(path: Path, *, overwrite: bool = True, durable: bool = False) 
 
 
 @contextmanager
-def folder_written_aside(folder: Path) -> Iterator[Path]:
+def write_folder_atomically(folder: Path) -> Iterator[Path]:
     """Yield the name of a folder to make, which replaces `folder` at the end."""
     parent, prefix = folder.parent, f".{folder.name}-"
     try:
@@ -81,28 +81,28 @@ def folder_written_aside(folder: Path) -> Iterator[Path]:
                 folder.rename(Path(scratch) / "old")
             aside.rename(folder)
     except OSError as error:
-        _name(error, parent / prefix, folder)
+        _set_filename(error, parent / prefix, folder)
         raise
 
 
-def _name(error: OSError, aside: Path, path: Path) -> None:
+def _set_filename(error: OSError, aside: Path, path: Path) -> None:
     """Let an error name what was asked for, not what is beside it: a full disk names nothing."""
     if error.filename is None or str(error.filename).startswith(str(aside)):
         error.filename = str(path)
 
 
-def require_place(path: Path) -> None:
+def require_writable(path: Path) -> None:
     """Raise UsageError where no file of that name can be written, its folders not made yet."""
-    place = next(folder for folder in path.absolute().parents if folder.exists())
+    parent = next(folder for folder in path.absolute().parents if folder.exists())
     if path.is_dir():
         raise UsageError(f"{path}: is a folder: give a file")
-    if not place.is_dir() or not os.access(place, os.W_OK | os.X_OK):
-        raise UsageError(f"{path}: cannot be written in {place}: choose another place")
+    if not parent.is_dir() or not os.access(parent, os.W_OK | os.X_OK):
+        raise UsageError(f"{path}: cannot be written in {parent}: choose another place")
 
 
 def write_file(path: Path, content: bytes) -> None:
     """Write a whole file aside and rename it into place."""
-    with written_aside(path) as aside:
+    with atomic_write(path) as aside:
         aside.write_bytes(content)
 
 

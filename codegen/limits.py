@@ -13,13 +13,13 @@ from springpot.codegen.stages.stage import SceneTicks
 MIN_JUMP_MPS = 1.0
 MIN_JUMP_M = 1e-3
 JUMP_PER_TRAINED_SPEED = 8.0
-_FREE_M = 10.0  # a tool may wait this far from the surface
-MIN_BELIEVED_M = 0.1
-BELIEVED_PER_RANGE = 10.0
+_MAX_HEIGHT_M = 10.0  # a tool may wait this far from the surface
+MIN_PLAUSIBLE_M = 0.1
+PLAUSIBLE_PER_RANGE = 10.0
 RESYNC_TICKS = (2, 5)  # before the watchdog latches, at most five
 MIN_WATCHDOG_TICKS = 3
 RAMP_S = 0.05
-WATCHDOG_FALL_S = 0.008  # from the maximum force; 10 ms with the ticks' rounding
+LATCH_FALL_S = 0.008  # from the maximum force; 10 ms with the ticks' rounding
 FORCE_MARGIN = 1.2
 # Maximum growth of the force: never under 1.5 N/ms (slower destabilises), and the clamp in 4 ms.
 # In a shorter tick that of a millisecond: an encoder's noise is not less in it.
@@ -27,14 +27,14 @@ MIN_SLEW_NPS = 1500.0
 SLEW_S = 0.004
 SLEW_TICK_S = 0.001
 # Behind a coupling the force is the model's within this after a silence: half of it in 5 ms.
-BACK_S = 0.01
+RETURN_RAMP_S = 0.01
 
 
 @dataclass(frozen=True)
 class GuardConfig:
     """sp_guard_config of sp_guard.h, member by member: which positions are believed."""
 
-    jump_m: Real
+    max_step_m: Real
     min_m: Real
     max_m: Real
     resync_ticks: int
@@ -57,11 +57,11 @@ class SilenceConfig:
     """sp_silence_config of sp_silence.h, member by member: how long samples may stay away."""
 
     dt_s: Real
-    per_dt: Real
+    rate_hz: Real
     watchdog_s: Real
 
 
-def watchdog_s_of(scene: Scene, dt_s: float) -> float:
+def watchdog_timeout_s(scene: Scene, dt_s: float) -> float:
     """Time without a good sample after which the force falls to zero, s.
 
     Raises UsageError where one bad sample would do.
@@ -75,29 +75,29 @@ def watchdog_s_of(scene: Scene, dt_s: float) -> float:
     return watchdog_s
 
 
-def guard_config(model: Model, watchdog_s: float, ticks: SceneTicks) -> GuardConfig:
+def build_guard_config(model: Model, watchdog_s: float, ticks: SceneTicks) -> GuardConfig:
     """Positions that are believed: up to ten trained depths, by steps of at most a hand's speed.
 
     A tool may also wait far above a surface.
     """
     dt_s, real, trained = ticks.dt_s, ticks.dtype, model.trained
     deepest_m = max(abs(trained.min_m), abs(trained.max_m))
-    believed_m = max(MIN_BELIEVED_M, BELIEVED_PER_RANGE * deepest_m)
+    plausible_m = max(MIN_PLAUSIBLE_M, PLAUSIBLE_PER_RANGE * deepest_m)
     before_latch = int(watchdog_s / dt_s) - 1
     return GuardConfig(
-        jump_m=real(max(MIN_JUMP_M, dt_s * max_mps(model))),
-        min_m=real(-_FREE_M if ticks.surface else -believed_m),
-        max_m=real(believed_m),
+        max_step_m=real(max(MIN_JUMP_M, dt_s * compute_max_mps(model))),
+        min_m=real(-_MAX_HEIGHT_M if ticks.surface else -plausible_m),
+        max_m=real(plausible_m),
         resync_ticks=min(max(before_latch, RESYNC_TICKS[0]), RESYNC_TICKS[1]),
     )
 
 
-def max_mps(model: Model) -> float:
+def compute_max_mps(model: Model) -> float:
     """Maximum believable speed of the hand, m/s."""
     return max(MIN_JUMP_MPS, JUMP_PER_TRAINED_SPEED * model.trained.max_mps)
 
 
-def output_config(model: Model, scene: Scene, ticks: SceneTicks) -> OutputConfig:
+def build_output_config(model: Model, scene: Scene, ticks: SceneTicks) -> OutputConfig:
     """Forces that leave. Raises DataError where the model never pushes out."""
     dt_s, contact, real, trained = ticks.dt_s, ticks.surface, ticks.dtype, model.trained
     peak_n = trained.max_n if contact else max(abs(trained.min_n), abs(trained.max_n))
@@ -113,14 +113,14 @@ def output_config(model: Model, scene: Scene, ticks: SceneTicks) -> OutputConfig
         max_n=real(max_n),
         slew_n=real(max(dt_s, SLEW_TICK_S) * max(MIN_SLEW_NPS, max_n / SLEW_S)),
         rise=real(min(1.0, dt_s / RAMP_S)),
-        back=real(min(1.0, dt_s / BACK_S)),
-        fall_n=real(dt_s * max_n / WATCHDOG_FALL_S),
+        back=real(min(1.0, dt_s / RETURN_RAMP_S)),
+        fall_n=real(dt_s * max_n / LATCH_FALL_S),
     )
 
 
-def silence_config(watchdog_s: float, ticks: SceneTicks) -> SilenceConfig:
+def build_silence_config(watchdog_s: float, ticks: SceneTicks) -> SilenceConfig:
     """When silence is latched: half a tick late, so that rounded sums of ticks agree on it."""
     dt_s, real = ticks.dt_s, ticks.dtype
     return SilenceConfig(
-        dt_s=real(dt_s), per_dt=real(1.0 / dt_s), watchdog_s=real(watchdog_s + 0.5 * dt_s)
+        dt_s=real(dt_s), rate_hz=real(1.0 / dt_s), watchdog_s=real(watchdog_s + 0.5 * dt_s)
     )

@@ -11,7 +11,7 @@ from springpot.codegen.types import Scalar
 _WIDTH = 96
 
 
-def literal(value: Scalar) -> str:
+def c_literal(value: Scalar) -> str:
     """C literal of a numpy or Python number; float32 ends in f. Raises ValueError if not finite."""
     if isinstance(value, np.float32 | np.float64 | float):
         if not np.isfinite(value):
@@ -28,10 +28,10 @@ def literal(value: Scalar) -> str:
 def array_text(name: str, c_type: str, values: Reals) -> str:
     """`static const` definition of a 1-D or 2-D array, row by row."""
     head = f"static const {c_type} {name}[{' * '.join(map(str, values.shape))}] = {{"
-    return "\n".join([head, *wrapped(map(literal, values.ravel())), "};"])
+    return "\n".join([head, *wrap_items(map(c_literal, values.ravel())), "};"])
 
 
-def wrapped(items: Iterable[str]) -> list[str]:
+def wrap_items(items: Iterable[str]) -> list[str]:
     """Lines of comma-separated items, each at most 100 columns."""
     lines: list[str] = []
     line = ""
@@ -50,12 +50,12 @@ def constant_text(name: str, value: Scalar) -> str:
     Member by member; the struct of GuardConfig is sp_guard_config.
     """
     if not is_dataclass(value):
-        return f"static const sp_real {name} = {literal(value)};"
+        return f"static const sp_real {name} = {c_literal(value)};"
     c_type = f"sp_{type(value).__name__.removesuffix('Config').lower()}_config"
     members = {}
     for key, item in vars(value).items():
         array = isinstance(item, np.ndarray)
-        members[key] = f"{{{', '.join(map(literal, item))}}}" if array else literal(item)
+        members[key] = f"{{{', '.join(map(c_literal, item))}}}" if array else c_literal(item)
     return members_text(name, c_type, members)
 
 

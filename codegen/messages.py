@@ -11,13 +11,13 @@ from dataclasses import MISSING, Field, fields
 from typing import Any, TypeVar
 
 NOTICES = "springpot.notices"
-_MOST = 200  # characters of a repr
-_MANY = 8  # entries that are not shown one by one
+_MAX_REPR_CHARACTERS = 200  # characters of a repr
+_MAX_SHOWN_ENTRIES = 8  # entries that are not shown one by one
 _Item = TypeVar("_Item")
 _LOG = logging.getLogger("springpot.progress")
 
 
-def number_of(number: int, what: str) -> str:
+def counted_noun(number: int, what: str) -> str:
     """Write a count and its noun.
 
     >>> number_of(1, "gap"), number_of(2, "gap")
@@ -26,15 +26,15 @@ def number_of(number: int, what: str) -> str:
     return f"{number} {what}" + ("" if number == 1 else "s")
 
 
-def at_step(what: str, done: int, total: int) -> None:
+def log_progress(what: str, done: int, total: int) -> None:
     """Log that `done` of `total` steps are done; what: the next one."""
     _LOG.info(what, extra={"done": done, "total": total})
 
 
-def counted(items: Sequence[_Item], what: str) -> Iterator[_Item]:
+def with_progress(items: Sequence[_Item], what: str) -> Iterator[_Item]:
     """Go through `items`, and log before each how many are done."""
     for done, item in enumerate(items):
-        at_step(what, done, len(items))
+        log_progress(what, done, len(items))
         yield item
 
 
@@ -55,18 +55,18 @@ def short_repr(self: Any) -> str:
     "Scene(schema=1, name='pad', model='pad.spm', guard=Guard(max_force_n=12.0))"
     """
     shown = [
-        f"{item.name}={_brief(getattr(self, item.name))}"
+        f"{item.name}={_shorten(getattr(self, item.name))}"
         for item in fields(self)
         if item.repr and not _is_default(item, getattr(self, item.name))
     ]
     text = f"{type(self).__name__}({', '.join(shown)})"
-    return text if len(text) <= _MOST else f"{text[: _MOST - 5]} ...)"
+    return text if len(text) <= _MAX_REPR_CHARACTERS else f"{text[: _MAX_REPR_CHARACTERS - 5]} ...)"
 
 
-def _brief(value: Any) -> str:
+def _shorten(value: Any) -> str:
     if hasattr(value, "shape") and value.shape:  # commands that load no numpy have reprs too
         return f"<{' x '.join(map(str, value.shape))} {value.dtype}>"
-    if isinstance(value, tuple | list | dict) and len(value) > _MANY:
+    if isinstance(value, tuple | list | dict) and len(value) > _MAX_SHOWN_ENTRIES:
         return f"<{len(value)} entries>"
     return repr(value)
 

@@ -8,7 +8,7 @@ import numpy as np
 from springpot.codegen.arrays import Real
 from springpot.codegen.coupling.auto import CouplingChoice
 from springpot.codegen.coupling.gains import CoupleConfig
-from springpot.codegen.coupling.loop_device import LoopDevice, loop_device
+from springpot.codegen.coupling.loop_device import LoopDevice, build_loop_device
 from springpot.codegen.limits import GuardConfig, OutputConfig, SilenceConfig
 from springpot.codegen.messages import short_repr
 from springpot.codegen.model.model import Model
@@ -22,7 +22,7 @@ from springpot.codegen.stages.stage import (
     RegressorStage,
     SceneTicks,
     Stage,
-    padded,
+    round_up,
 )
 from springpot.codegen.stages.windows import ToolVelocityStage
 from springpot.codegen.types import RealType
@@ -39,7 +39,7 @@ class LeftOut:
     bytes: int
 
 
-def unused_orders(model: Model, dtype: RealType) -> list[LeftOut]:
+def find_unused_orders(model: Model, dtype: RealType) -> list[LeftOut]:
     """List the fractional orders that no split uses."""
     if model.features is None or model.regressor is None:
         return []
@@ -49,26 +49,26 @@ def unused_orders(model: Model, dtype: RealType) -> list[LeftOut]:
     unused = [order for i, order in enumerate(orders) if i not in set(used.tolist())]
     if not unused:
         return []
-    vector_width = padded(len(orders)) - padded(max(len(used), 1))
+    vector_width = round_up(len(orders)) - round_up(max(len(used), 1))
     names = ", ".join(f"{order:g}" for order in unused)
     saved = vector_width * features.table_rows * np.dtype(dtype).itemsize
     return [LeftOut(f"orders {names}", "no split uses them", saved)]
 
 
-def units_left_out(
+def find_left_out_units(
     scene: Scene, ticks: SceneTicks, coupled: bool, estimates: bool, alpha: float | None
 ) -> list[LeftOut]:
     """List the units of the runtime that the scene does without."""
     size = np.dtype(ticks.dtype).itemsize
-    needless = "the device gives it" if coupled else "nothing in this scene needs a velocity"
-    found = (
+    velocity_reason = "the device gives it" if coupled else "nothing in this scene needs a velocity"
+    units = (
         (ticks.surface, "contact and onset", "the recordings never leave the object", size),
         # stiffness, damping, compliance, dt, phi; proxy's position, velocity, flag
         (coupled, "coupling", "coupling.mode is off", 8 * size + 2 * size + 4),
-        (estimates, "velocity estimate", needless, 4 * size),
+        (estimates, "velocity estimate", velocity_reason, 4 * size),
         (alpha is not None, "smoothing", "smoothing.time_constant_s is 0", 2 * size),
     )
-    return [LeftOut(what, why, saved) for present, what, why, saved in found if not present]
+    return [LeftOut(what, why, saved) for present, what, why, saved in units if not present]
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,7 +130,7 @@ class Plan(Stages):
     @property
     def loop_device(self) -> LoopDevice:
         """The device that checks assume: the scene's."""
-        return loop_device(self.scene.device, self.dt_s)
+        return build_loop_device(self.scene.device, self.dt_s)
 
     @property
     def has_places(self) -> bool:
@@ -148,16 +148,16 @@ class Plan(Stages):
         return self.per_onset is not None
 
 
-def stages(plan: Plan) -> list[Stage]:
+def list_stages(plan: Plan) -> list[Stage]:
     """Stages that keep a state, in the order of a tick."""
     excess = plan.excess or (None, None)
-    found: tuple[Stage | None, ...] = (plan.features, plan.passive, *excess, plan.velocity)
-    return [stage for stage in found if stage is not None]
+    ordered: tuple[Stage | None, ...] = (plan.features, plan.passive, *excess, plan.velocity)
+    return [stage for stage in ordered if stage is not None]
 
 
-def planned_headers(plan: Plan) -> list[str]:
+def list_headers(plan: Plan) -> list[str]:
     """Headers of the plan's units and those that they need, once each, in the order of a tick."""
-    parts: list[Stage | RegressorStage] = [*stages(plan)]
+    parts: list[Stage | RegressorStage] = [*list_stages(plan)]
     if plan.regressor is not None:
         parts.append(plan.regressor)
     headers = ["sp_number.h", "sp_silence.h", "sp_guard.h", "sp_range.h"]
@@ -169,14 +169,14 @@ def planned_headers(plan: Plan) -> list[str]:
     return list(dict.fromkeys([*headers, "sp_output.h"]))
 
 
-def state_members(plan: Plan) -> list[Member]:
+def list_state_members(plan: Plan) -> list[Member]:
     """Members of sp_state, in order."""
     members = [
         Member("uint32_t begun", (U32,)),
         Member("sp_silence_state silence", (REAL, REAL, U32)),
         Member("sp_guard_state guard", (REAL, REAL, U32, U32)),
     ]
-    members += [member for stage in stages(plan) for member in stage.members]
+    members += [member for stage in list_stages(plan) for member in stage.members]
     if plan.regressor is not None:
         members += plan.regressor.members
     if plan.couple is not None:
@@ -188,23 +188,23 @@ def state_members(plan: Plan) -> list[Member]:
 
 def state_bytes(plan: Plan) -> int:
     """Size of sp_state: the members' sizes, each padded to its own alignment."""
-    return _layout(plan)[1]
+    return _compute_layout(plan)[1]
 
 
 def member_offset(plan: Plan, name: str) -> int:
     """Offset of the member `name` in sp_state, bytes. Raises KeyError."""
-    return _layout(plan)[0][name]
+    return _compute_layout(plan)[0][name]
 
 
-def _layout(plan: Plan) -> tuple[dict[str, int], int]:
+def _compute_layout(plan: Plan) -> tuple[dict[str, int], int]:
     sizes = {REAL: plan.dtype(0).itemsize, U32: 4, DOUBLE: 8}
     offsets = {}
     total, widest = 0, 1
-    for member in state_members(plan):
+    for member in list_state_members(plan):
         align = max(sizes[scalar] for scalar in member.scalars)
         size = sum(sizes[scalar] for scalar in member.scalars)
-        total = padded(total, align)
+        total = round_up(total, align)
         offsets[member.declaration.split()[-1].split("[")[0]] = total
-        total += padded(size, align)
+        total += round_up(size, align)
         widest = max(widest, align)
-    return offsets, padded(total, widest)
+    return offsets, round_up(total, widest)

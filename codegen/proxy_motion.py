@@ -8,25 +8,25 @@ import numpy as np
 from springpot.codegen.arrays import Flags, Reals
 from springpot.codegen.coupling.gains import CoupleConfig
 from springpot.codegen.plan import Plan
-from springpot.codegen.stages.stage import Starts, bounded
-from springpot.codegen.tool_motion import Followed
+from springpot.codegen.stages.stage import Starts, clamp_state
+from springpot.codegen.tool_motion import ToolMotion
 from springpot.codegen.types import Scalar
 
 ModelForce = Callable[[int, Reals, Starts, Flags], Reals]
 _CHUNK = 1024  # ticks predicted at a time, at most
-_MIN = 8  # at least: a pass has a cost of its own
-_AHEAD = 4  # times the ticks that the last pass verified
+_MIN_CHUNK = 8  # at least: a pass has a cost of its own
+_CHUNK_GROWTH = 4  # times the ticks that the last pass verified
 
 
 @dataclass(frozen=True, eq=False)
 class ContactTrace:
     """Run as the coupling sees it: the tool's motion, and whether it is in contact, (rows,)."""
 
-    motion: Followed
+    motion: ToolMotion
     contact: Flags
 
     @property
-    def placed(self) -> Flags:
+    def proxy_starts(self) -> Flags:
         """Rows, (rows,), that set the proxy to the tool: contact begins, or history restarts."""
         begins = self.contact & ~np.concatenate([[False], self.contact[:-1]])
         starts = self.motion.starts
@@ -34,7 +34,7 @@ class ContactTrace:
         return np.asarray(begins)
 
 
-def proxy_motion(
+def simulate_proxy(
     plan: Plan, trace: ContactTrace, force: ModelForce, predicted_m: Reals | None
 ) -> Reals:
     """Position at which the model looks at each tick, (n,), m: the proxy, or the tool in free air.
@@ -49,12 +49,12 @@ def proxy_motion(
     tick `first` on, where `asked`.
     predicted_m: (n,), the motion that the C reports, with which one pass is enough.
     """
-    coupled = _Stepper(plan, trace)
-    pressed = trace.motion.position.copy()
+    stepper = _ProxyStepper(plan, trace)
+    path_m = trace.motion.position.copy()
     if predicted_m is not None:
-        predicted = trace.contact & ~trace.placed
-        pressed[predicted] = predicted_m[predicted]
-    total = len(pressed)
+        predicted = trace.contact & ~trace.proxy_starts
+        path_m[predicted] = predicted_m[predicted]
+    total = len(path_m)
     # The first prediction is the tool: a proxy that is placed begins there.
     done, chunk = 0, _CHUNK if predicted_m is None else total
     while done < total:
@@ -64,15 +64,15 @@ def proxy_motion(
         asked = trace.contact[begin:end].copy()
         asked[: done - begin] = False  # verified: only the features' past
         starts = starts[(starts >= begin) & (starts < end)] - begin
-        motion = pressed[begin:end]
-        model_n = shaped(plan, motion, force(begin, motion, starts, asked))
-        verified = coupled.verify(pressed, model_n[done - begin :], done, end)
-        chunk = min(_CHUNK, max(_MIN, _AHEAD * (verified - done)))
+        motion = path_m[begin:end]
+        model_n = apply_onset_and_fade(plan, motion, force(begin, motion, starts, asked))
+        verified = stepper.verify(path_m, model_n[done - begin :], done, end)
+        chunk = min(_CHUNK, max(_MIN_CHUNK, _CHUNK_GROWTH * (verified - done)))
         done = verified
-    return pressed
+    return path_m
 
 
-def shaped(plan: Plan, pressed: Reals, model_n: Reals) -> Reals:
+def apply_onset_and_fade(plan: Plan, pressed: Reals, model_n: Reals) -> Reals:
     """sp_range_fade and sp_contact.h: the model's force at border and surface, (n,), N."""
     zero, one = model_n.dtype.type(0), model_n.dtype.type(1)
     if plan.per_fade is not None:
@@ -87,14 +87,14 @@ def shaped(plan: Plan, pressed: Reals, model_n: Reals) -> Reals:
     return model_n
 
 
-class Coupled:
+class VirtualCoupling:
     """sp_couple.h: Algorithm 1, stepped exactly."""
 
     def __init__(self, config: CoupleConfig) -> None:
         self._config = config
         self.proxy: tuple[Scalar, Scalar] | None = None
 
-    def place(self, x: Scalar, v: Scalar) -> Scalar:
+    def start_proxy(self, x: Scalar, v: Scalar) -> Scalar:
         """Position of the proxy, m, which exists from here on."""
         self.proxy = self.proxy or (x, v)
         return self.proxy[0]
@@ -102,7 +102,7 @@ class Coupled:
     def force(self, x: Scalar, v: Scalar, model_n: Scalar) -> Scalar:
         """Force at the tool, N; then moves the proxy."""
         config = self._config
-        self.place(x, v)
+        self.start_proxy(x, v)
         assert self.proxy is not None
         proxy_m, proxy_mps = self.proxy
         e = proxy_m - x
@@ -112,19 +112,19 @@ class Coupled:
         from_rest = e - rest
         phi = config.phi
         self.proxy = (
-            bounded(x + config.dt_s * v + (rest + (phi[0] * from_rest + phi[1] * w))),
-            bounded(v + (phi[2] * from_rest + phi[3] * w)),
+            clamp_state(x + config.dt_s * v + (rest + (phi[0] * from_rest + phi[1] * w))),
+            clamp_state(v + (phi[2] * from_rest + phi[3] * w)),
         )
         return force_n
 
 
-class _Stepper:
+class _ProxyStepper:
     def __init__(self, plan: Plan, trace: ContactTrace) -> None:
         assert plan.couple is not None
-        self._coupled = Coupled(plan.couple)
+        self._coupled = VirtualCoupling(plan.couple)
         self._guard = plan.guard
         self._trace = trace
-        self._placed = trace.placed
+        self._placed = trace.proxy_starts
 
     def verify(self, pressed: Reals, model_n: Reals, begin: int, end: int) -> int:
         """Step through ticks begin .. end; correct `pressed`; return the first unverified tick.
@@ -149,9 +149,9 @@ class _Stepper:
         if not trace.contact[i]:
             return False
         x, v = trace.motion.position[i], trace.motion.velocity[i]
-        at = np.clip(self._coupled.place(x, v), self._guard.min_m, self._guard.max_m)
+        proxy_m = np.clip(self._coupled.start_proxy(x, v), self._guard.min_m, self._guard.max_m)
         # A NaN that was predicted is right: two of them are the same motion.
-        wrong = bool(at != pressed[i]) and not (np.isnan(at) and np.isnan(pressed[i]))
-        pressed[i] = at
+        wrong = bool(proxy_m != pressed[i]) and not (np.isnan(proxy_m) and np.isnan(pressed[i]))
+        pressed[i] = proxy_m
         self._coupled.force(x, v, model_n)
         return wrong

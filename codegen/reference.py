@@ -7,11 +7,22 @@ import numpy as np
 from springpot.codegen.arrays import Flags, Reals
 from springpot.codegen.notes import CLAMPED, HELD, LATCHED, LIMITED, OUTSIDE, RAMPED, RESYNC, Notes
 from springpot.codegen.plan import Plan
-from springpot.codegen.proxy_motion import ContactTrace, Coupled, proxy_motion, shaped
-from springpot.codegen.stages.model_stages import clip, model_force
+from springpot.codegen.proxy_motion import (
+    ContactTrace,
+    VirtualCoupling,
+    apply_onset_and_fade,
+    simulate_proxy,
+)
+from springpot.codegen.stages.model_stages import clip_depth, compute_model_force
 from springpot.codegen.stages.passive.placed import PlaceTicks
-from springpot.codegen.stages.stage import Starts, smoothed
-from springpot.codegen.tool_motion import Followed, Guarded, at_rows, followed, guarded
+from springpot.codegen.stages.stage import Starts, smooth_average
+from springpot.codegen.tool_motion import (
+    Guarded,
+    ToolMotion,
+    fill_missed_ticks,
+    run_guard,
+    select_rows,
+)
 from springpot.codegen.types import Scalar
 
 
@@ -36,56 +47,60 @@ def run_reference(
     predicted_m: (n,), where the C's proxy was; it decides how long this takes, never the result.
     places: before which tick sp_place was called, and with what, m.
     """
-    raw = np.asarray(position_m, dtype=plan.dtype)
+    raw_m = np.asarray(position_m, dtype=plan.dtype)
     with np.errstate(over="ignore", invalid="ignore", under="ignore"):
-        device, believed = np.zeros_like(raw), np.ones(len(raw), dtype=bool)
+        device_mps, believed = np.zeros_like(raw_m), np.ones(len(raw_m), dtype=bool)
         if plan.needs_device_velocity and velocity_mps is not None:
-            device = np.asarray(velocity_mps, dtype=plan.dtype)
-            believed = np.abs(device) <= plan.max_mps  # sp_guard_velocity.h
-        samples = guarded(plan, raw, believed)
-        motion = followed(plan, samples, device)
+            device_mps = np.asarray(velocity_mps, dtype=plan.dtype)
+            believed = np.abs(device_mps) <= plan.max_mps  # sp_guard_velocity.h
+        samples = run_guard(plan, raw_m, believed)
+        motion = fill_missed_ticks(plan, samples, device_mps)
         starts = motion.starts
         contact = motion.position > 0 if plan.contact else np.ones(len(motion.position), dtype=bool)
         pressed = motion.position
-        felt = _felt(plan, motion, contact, places)
+        place_changes = _find_place_changes(plan, motion, contact, places)
         if plan.at_proxy:
 
             def at_proxy(first: int, proxy: Reals, begun: Starts, asked: Flags) -> Reals:
-                since = [(max(row - first, 0), place_m) for row, place_m in felt]
-                return model_force(plan, _depths(plan, proxy)[0], begun, asked, since)
+                since = [(max(row - first, 0), place_m) for row, place_m in place_changes]
+                return compute_model_force(
+                    plan, _compute_depths(plan, proxy)[0], begun, asked, since
+                )
 
             predicted = predicted_m
             if predicted_m is not None:
-                predicted = at_rows(predicted_m, motion.row, motion.missed)
-            pressed = proxy_motion(plan, ContactTrace(motion, contact), at_proxy, predicted)
-        depths, outside = _depths(plan, pressed)
-        heard = motion.row >= 0
+                predicted = select_rows(predicted_m, motion.row, motion.missed)
+            pressed = simulate_proxy(plan, ContactTrace(motion, contact), at_proxy, predicted)
+        depths, outside = _compute_depths(plan, pressed)
+        accepted = motion.row >= 0
         notes = np.where(samples.resync, RESYNC, 0).astype(np.int32)
-        notes[heard] |= np.where(outside[motion.row[heard]], OUTSIDE, 0).astype(np.int32)
-        model_n = model_force(plan, depths, starts, contact, felt)
+        notes[accepted] |= np.where(outside[motion.row[accepted]], OUTSIDE, 0).astype(np.int32)
+        model_n = compute_model_force(plan, depths, starts, contact, place_changes)
         output = OutputStage(plan)
         force_n = output.run(samples, motion, pressed, model_n, contact, notes)
     return Run(force_n=force_n, notes=notes)
 
 
-def _felt(plan: Plan, motion: Followed, contact: Flags, places: PlaceTicks) -> PlaceTicks:
+def _find_place_changes(
+    plan: Plan, motion: ToolMotion, contact: Flags, places: PlaceTicks
+) -> PlaceTicks:
     """Rows from which a place is felt: once the tool is off the object, or the history restarts."""
     if plan.passive is None or plan.passive.placed is None:
         return ()
-    open_rows = np.append(np.union1d(np.flatnonzero(~contact), motion.starts), len(contact))
+    change_rows = np.append(np.union1d(np.flatnonzero(~contact), motion.starts), len(contact))
     # What comes before a tick's own row are the ticks missed before it, which the same call makes.
     begin = 1 + np.maximum.accumulate(np.append(-1, motion.row))
     asked = [(int(begin[tick]), place_m) for tick, place_m in places]
-    return plan.passive.placed.felt(
-        asked, lambda row: int(open_rows[np.searchsorted(open_rows, row)])
+    return plan.passive.placed.find_changes(
+        asked, lambda row: int(change_rows[np.searchsorted(change_rows, row)])
     )
 
 
-def _depths(plan: Plan, pressed: Reals) -> tuple[dict[str, Reals], Flags]:
+def _compute_depths(plan: Plan, pressed: Reals) -> tuple[dict[str, Reals], Flags]:
     """`penetration` and `clipped` of sp_step, each (n,), m, and where the depth was clipped."""
     minimum = plan.dtype(0) if plan.contact else plan.range.min_m
     penetration = np.where(pressed > minimum, pressed, minimum)
-    clipped, outside = clip(plan.range, penetration if plan.contact else pressed)
+    clipped, outside = clip_depth(plan.range, penetration if plan.contact else pressed)
     return {"penetration": penetration, "clipped": clipped}, outside
 
 
@@ -94,20 +109,20 @@ class OutputStage:
 
     def __init__(self, plan: Plan) -> None:
         self._plan = plan
-        self._couple = Coupled(plan.couple) if plan.couple is not None else None
-        self._output = Output(plan)
+        self._couple = VirtualCoupling(plan.couple) if plan.couple is not None else None
+        self._output = OutputLimiter(plan)
         self._smoothed = plan.dtype(0)
 
     def run(
-        self, guarded: Guarded, followed: Followed, pressed: Reals, model_n: Reals,
+        self, guarded: Guarded, followed: ToolMotion, pressed: Reals, model_n: Reals,
         contact: Flags, notes: Notes,
     ) -> Reals:  # fmt: skip
         """Force of each tick, (n,), N; adds its notes to `notes`, (n,).
 
-        Of the rows of `followed`, (rows,): pressed, where the model looks, m, the model's force,
-        N, and whether there is contact.
+        Of the rows of `fill_missed_ticks`, (rows,): pressed, where the model looks, m, the
+        model's force, N, and whether there is contact.
         """
-        model_n = shaped(self._plan, pressed, model_n)
+        model_n = apply_onset_and_fade(self._plan, pressed, model_n)
         force_n = np.zeros(len(notes), dtype=model_n.dtype)
         for i, (ticks, latched) in enumerate(zip(guarded.ticks, guarded.latched, strict=True)):
             if not ticks:
@@ -117,20 +132,20 @@ class OutputStage:
             if notes[i] & RESYNC:
                 self._forget()
                 self._output.restart()
-            for at in range(row - ticks + 1, row + 1):
+            for index in range(row - ticks + 1, row + 1):
                 force = model_n.dtype.type(0)
-                if contact[at]:
-                    force = model_n[at]
+                if contact[index]:
+                    force = model_n[index]
                     if self._couple is not None:
-                        x, v = followed.position[at], followed.velocity[at]
+                        x, v = followed.position[index], followed.velocity[index]
                         force = self._couple.force(x, v, force)
                     if (alpha := self._plan.smooth_alpha) is not None:
-                        force = self._smoothed = smoothed(alpha, self._smoothed, force)
+                        force = self._smoothed = smooth_average(alpha, self._smoothed, force)
                 else:
                     self._forget()
-                    self._output.free()
-            back = ticks > 1 and self._couple is not None
-            force_n[i], note = self._output.force(latched, back, force)
+                    self._output.release()
+            after_silence = ticks > 1 and self._couple is not None
+            force_n[i], note = self._output.force(latched, after_silence, force)
             notes[i] |= note
         return force_n
 
@@ -140,13 +155,13 @@ class OutputStage:
         self._smoothed = self._plan.dtype(0)
 
 
-class Output:
+class OutputLimiter:
     """Keep the force of the last call, and bound the next one by it."""
 
     def __init__(self, plan: Plan) -> None:
         self._config = plan.output
         self._real = plan.dtype
-        self.given: Scalar = self._real(0)
+        self.last_force_n: Scalar = self._real(0)
         self._share: Scalar = self._real(0)
         self._rise: Scalar = self._real(0)
 
@@ -154,7 +169,7 @@ class Output:
         """The ramp begins again."""
         self._share, self._rise = self._real(0), self._config.rise
 
-    def free(self) -> None:
+    def release(self) -> None:
         """No contact."""
         self._share = self._real(1)
 
@@ -163,17 +178,17 @@ class Output:
 
         Force, N, and notes.
         """
-        self.given = share * self.given
+        self.last_force_n = share * self.last_force_n
         if latched:
             return self._fall(fall), LATCHED
-        return self.given, HELD
+        return self.last_force_n, HELD
 
     def force(self, latched: Scalar, back: bool, force: Scalar) -> tuple[Scalar, int]:
         """Force at a good sample, N, and notes; back: after a silence, behind a coupling."""
         if latched:
             return self._fall(self._real(1)), LATCHED
         note = 0
-        before, now = abs(self._before(force)), abs(force)
+        before, now = abs(self._last_same_sign(force)), abs(force)
         share = before / now if before < now else self._real(1)
         if back and share < 1 and share < self._share:
             self._rise = self._rise if self._share < 1 else self._config.back
@@ -182,25 +197,25 @@ class Output:
             force = force * self._share
             self._share = self._share + self._rise * self._real(1)
             note |= RAMPED
-        force, clamped = self._clamped(force)
-        self.given, limited = self._slewed(force)
+        force, clamped = self._clamp(force)
+        self.last_force_n, limited = self._limit_slew(force)
         note |= clamped | limited
-        return self.given, note
+        return self.last_force_n, note
 
-    def _before(self, force: Scalar) -> Scalar:
-        given, zero = self.given, self._real(0)
+    def _last_same_sign(self, force: Scalar) -> Scalar:
+        given, zero = self.last_force_n, self._real(0)
         return max(given, zero) if force > 0 else min(given, zero)
 
-    def _clamped(self, force: Scalar) -> tuple[Scalar, int]:
+    def _clamp(self, force: Scalar) -> tuple[Scalar, int]:
         min_n, max_n = self._config.min_n, self._config.max_n
         if min_n <= force <= max_n:
             return force, 0
         beyond = min_n if force < min_n else self._real(0)
         return (max_n if force > max_n else beyond), CLAMPED
 
-    def _slewed(self, force: Scalar) -> tuple[Scalar, int]:
+    def _limit_slew(self, force: Scalar) -> tuple[Scalar, int]:
         slew = self._config.slew_n * self._real(1)
-        before = self._before(force)
+        before = self._last_same_sign(force)
         most, least = before + slew, before - slew
         if force > 0:
             return (most, LIMITED) if force > most else (force, 0)
@@ -208,6 +223,6 @@ class Output:
 
     def _fall(self, ticks: Scalar) -> Scalar:
         step = self._config.fall_n * ticks
-        down, up = self.given - step, self.given + step
-        self.given = down if down > 0 else up if up < 0 else self._real(0)
-        return self.given
+        down, up = self.last_force_n - step, self.last_force_n + step
+        self.last_force_n = down if down > 0 else up if up < 0 else self._real(0)
+        return self.last_force_n

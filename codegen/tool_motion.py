@@ -10,7 +10,7 @@ from springpot.codegen.model.formulas import SMALLEST
 from springpot.codegen.plan import Plan
 from springpot.codegen.stages.stage import Starts
 
-SILENCE_WORTH = 0.15625  # SP_SILENCE_WORTH
+SILENCE_PAYBACK = 0.15625  # SP_SILENCE_PAYBACK
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,7 +30,7 @@ class Guarded:
     fall: Reals
 
 
-def guarded(plan: Plan, raw: Reals, believed: Flags) -> Guarded:
+def run_guard(plan: Plan, raw: Reals, believed: Flags) -> Guarded:
     """sp_guard.h and sp_silence.h over a run from a fresh state.
 
     raw: (n,), m. believed: (n,), whether the device's own velocity is.
@@ -42,50 +42,50 @@ def guarded(plan: Plan, raw: Reals, believed: Flags) -> Guarded:
     ticks = np.zeros(n, dtype=np.int64)
     resync, latches = np.zeros(n, dtype=bool), np.zeros(n, dtype=bool)
     fall = np.zeros(n, dtype=raw.dtype)
-    good = suspect = silent = lost = real(0)
+    last_good_m = suspect_m = silent_s = lost_s = real(0)
     agreeing = 0
     started = latched = False
-    tick = silence.dt_s * silence.per_dt
-    worth = real(SILENCE_WORTH) * silence.dt_s
+    tick = silence.dt_s * silence.rate_hz
+    worth = real(SILENCE_PAYBACK) * silence.dt_s
     plausible = (raw >= config.min_m) & (raw <= config.max_m)
     for i, x in enumerate(raw):
-        elapsed = (silent + silence.dt_s) * silence.per_dt
+        elapsed = (silent_s + silence.dt_s) * silence.rate_hz
         since = 1 + (int(elapsed - real(0.5)) if elapsed >= 1.5 else 0)
         if believed[i] and not plausible[i]:
             agreeing = 0
-        elif believed[i] and started and abs(x - good) > config.jump_m * real(since):
-            agrees = agreeing and abs(x - suspect) <= config.jump_m
+        elif believed[i] and started and abs(x - last_good_m) > config.max_step_m * real(since):
+            agrees = agreeing and abs(x - suspect_m) <= config.max_step_m
             agreeing = agreeing + 1 if agrees else 1
-            suspect = x
+            suspect_m = x
             if agreeing >= config.resync_ticks:
                 agreeing = 0
-                resync[i], ticks[i], good = True, 1, x
+                resync[i], ticks[i], last_good_m = True, 1, x
         elif believed[i]:
             agreeing = 0
             resync[i] = not started
-            ticks[i], good, started = 1 if not started else since, x, True
+            ticks[i], last_good_m, started = 1 if not started else since, x, True
         if not ticks[i] and plan.contact and plausible[i]:
-            part = x / good if x < good else real(1)
-            share[i] = min(part, real(1)) if x > 0 else real(0)
+            remaining = x / last_good_m if x < last_good_m else real(1)
+            share[i] = min(remaining, real(1)) if x > 0 else real(0)
         if ticks[i]:
-            silent = real(0)
-            lost = lost - worth if lost > 0 else lost
+            silent_s = real(0)
+            lost_s = lost_s - worth if lost_s > 0 else lost_s
         elif latched:
             fall[i] = tick
         else:
-            silent = silent + silence.dt_s
-            lost = (lost if lost > 0 else real(0)) + silence.dt_s
-            latched = not lost <= silence.watchdog_s
-            beyond = (lost - silence.watchdog_s) * silence.per_dt
+            silent_s = silent_s + silence.dt_s
+            lost_s = (lost_s if lost_s > 0 else real(0)) + silence.dt_s
+            latched = not lost_s <= silence.watchdog_s
+            beyond = (lost_s - silence.watchdog_s) * silence.rate_hz
             if latched:
-                fall[i], silent = min(real(int(beyond) + 1), tick), real(0)
+                fall[i], silent_s = min(real(int(beyond) + 1), tick), real(0)
         latches[i] = latched
-        position[i] = good
+        position[i] = last_good_m
     return Guarded(position, ticks, share, resync, latches, fall)
 
 
 @dataclass(frozen=True, eq=False)
-class Followed:
+class ToolMotion:
     """The tool's way through a run.
 
     (rows,): position, m; velocity, m/s; missed: no sample came. row: (n,), of each tick's sample,
@@ -99,7 +99,7 @@ class Followed:
     starts: Starts
 
 
-def followed(plan: Plan, samples: Guarded, device_mps: Reals) -> Followed:
+def fill_missed_ticks(plan: Plan, samples: Guarded, device_mps: Reals) -> ToolMotion:
     """Before each sample a row for every tick missed, along an even way.
 
     With the estimated velocity of a coupling: at a constant acceleration from the velocity before.
@@ -117,21 +117,21 @@ def followed(plan: Plan, samples: Guarded, device_mps: Reals) -> Followed:
     row[accepted] = rows
     starts = rows[samples.resync[accepted]]
     if plan.velocity is not None:
-        velocity = _estimated(plan, position, rows, ticks, starts)
+        velocity = _estimate_velocity(plan, position, rows, ticks, starts)
     else:
         for k in np.flatnonzero(ticks > 1):
-            _fill(plan, position, rows[k], ticks[k], None)
-        velocity = at_rows(device_mps, row, missed)
-    return Followed(position, velocity, missed, row, starts)
+            _fill_gap(plan, position, rows[k], ticks[k], None)
+        velocity = select_rows(device_mps, row, missed)
+    return ToolMotion(position, velocity, missed, row, starts)
 
 
-def at_rows(of_ticks: Reals, row: NDArray[np.int64], missed: Flags) -> Reals:
+def select_rows(of_ticks: Reals, row: NDArray[np.int64], missed: Flags) -> Reals:
     """Values of ticks, (n,), at the rows of their samples and of the ticks missed before."""
     accepted = np.flatnonzero(row >= 0)
     return of_ticks[accepted[np.cumsum(~missed) - ~missed]]
 
 
-def _estimated(
+def _estimate_velocity(
     plan: Plan, position: Reals, rows: NDArray[np.int64], ticks: NDArray[np.int64], starts: Starts
 ) -> Reals:
     """Fill the rows that were missed; velocity of the tool at every row, m/s."""
@@ -142,7 +142,7 @@ def _estimated(
     last, before = real(0), real(0)
     for end, since in zip(rows.tolist(), ticks.tolist(), strict=True):
         if since > 1:
-            _fill(plan, position, end, since, last * plan.silence.dt_s)
+            _fill_gap(plan, position, end, since, last * plan.silence.dt_s)
         elif end in restarts:
             last, before = real(0), position[end]
         for i in range(end - since + 1, end + 1):
@@ -151,12 +151,12 @@ def _estimated(
     return velocity
 
 
-def _fill(plan: Plan, position: Reals, end: int, since: int, begin: Reals | None) -> None:
+def _fill_gap(plan: Plan, position: Reals, end: int, since: int, begin: Reals | None) -> None:
     """Rows missed before the sample at row `end`; begin: the step, m, that the tool came with."""
     real = position.dtype.type
     step = (position[end] - position[end - since]) / real(since)
-    left = np.arange(since - 1, 0, -1).astype(real)
+    ticks_left = np.arange(since - 1, 0, -1).astype(real)
     if begin is not None:
-        step = step + (step - begin) / real(since) * (real(since) - left)
-    way = position[end] - left * step
-    position[end - since + 1 : end] = np.clip(way, plan.guard.min_m, plan.guard.max_m)
+        step = step + (step - begin) / real(since) * (real(since) - ticks_left)
+    path_m = position[end] - ticks_left * step
+    position[end - since + 1 : end] = np.clip(path_m, plan.guard.min_m, plan.guard.max_m)

@@ -11,7 +11,7 @@ import click
 from springpot.codegen import errors
 from springpot.host.commands import COMMANDS
 from springpot.host.options import CommandGroup
-from springpot.host.output import notices_printed, say
+from springpot.host.output import notices_printed, print_line
 
 _EXIT_STATUS: dict[type[Exception], int] = {
     errors.UsageError: 2,
@@ -49,33 +49,35 @@ def main() -> None:
     try:
         springpot.main(prog_name="springpot", standalone_mode=False)
     except errors.SpringpotError as error:
-        say(f"springpot: {error}")
+        print_line(f"springpot: {error}")
         sys.exit(exit_status(error))
     except click.UsageError as error:
         command = error.ctx.command_path if error.ctx else "springpot"
         line = " ".join(error.format_message().split()).rstrip(".")
-        say(f"springpot: {line}: see `{command} --help`")
+        print_line(f"springpot: {line}: see `{command} --help`")
         sys.exit(2)
     except click.ClickException as error:
-        say(f"springpot: {error.format_message()}")
+        print_line(f"springpot: {error.format_message()}")
         sys.exit(2)
     except OSError as error:
         place = f"{error.filename}: " if error.filename else ""
-        say(f"springpot: {place}{error.strerror or error}: choose another place, or free this one")
+        print_line(
+            f"springpot: {place}{error.strerror or error}: choose another place, or free this one"
+        )
         sys.exit(2)
     except click.exceptions.Abort:
-        say("springpot: interrupted")
+        print_line("springpot: interrupted")
         sys.exit(130)
     except click.exceptions.Exit as stop:
         sys.exit(stop.exit_code)
     except ModuleNotFoundError as error:
-        say(f"springpot: {_what_is_missing(error)}")
+        print_line(f"springpot: {_what_is_missing(error)}")
         sys.exit(2)
     except (ImportError, SystemError):
         if not interrupts:
             raise
         # A compiled module that is being imported makes another error of Ctrl-C.
-        say("springpot: interrupted")
+        print_line("springpot: interrupted")
         sys.exit(130)
 
 

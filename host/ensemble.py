@@ -10,17 +10,21 @@ from sklearn.base import clone
 from sklearn.metrics import r2_score
 
 from springpot import Model
-from springpot.codegen.arrays import Samples, given_numbers
+from springpot.codegen.arrays import Samples, to_float64
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.features import Features
-from springpot.trainer.models.ensembles import ensemble_ir, linear_ir, require_fitted
+from springpot.trainer.models.ensembles import convert_ensemble, convert_linear, require_fitted
 from springpot.trainer.models.fit import FitOptions, assemble
 from springpot.trainer.models.passive.passive_fit import fit_passive
 from springpot.trainer.models.predict import regressor_force
-from springpot.trainer.models.rf_fd import PAPER_ORDERS, depth_scale, fractional_features
-from springpot.trainer.models.training_set import TrainingSet, training_set
-from springpot.trainer.recordings.quality.spikes import hold_spikes
-from springpot.trainer.recordings.recording_file import Recordings, given_recordings
+from springpot.trainer.models.rf_fd import (
+    PAPER_ORDERS,
+    build_fractional_features,
+    compute_depth_scale,
+)
+from springpot.trainer.models.training_set import TrainingSet, build_training_set
+from springpot.trainer.recordings.quality.spikes import replace_spikes
+from springpot.trainer.recordings.recording_file import Recordings, resolve_recordings
 
 KIND = "ensemble"
 GivenFeatures = Features | Sequence[float] | None
@@ -52,11 +56,11 @@ def ensemble_data(
     >>> features.shape[1], len(features) == len(force_n)
     (10, True)
     """
-    held = [hold_spikes(recording)[0] for recording in given_recordings(recordings)]
-    data = training_set(held, smooth_s)
+    held = [replace_spikes(recording)[0] for recording in resolve_recordings(recordings)]
+    data = build_training_set(held, smooth_s)
     rows = data.rows(fraction, seed)
     found = _scaled(data, _features(features, data.dt_s), rows), data.force_n(rows)
-    return (*found, data.owner(rows)) if return_groups else found
+    return (*found, data.recording_index(rows)) if return_groups else found
 
 
 def from_ensemble(
@@ -76,8 +80,8 @@ def from_ensemble(
     >>> from_ensemble(forest, recordings).kind
     'ensemble'
     """
-    held = [hold_spikes(recording)[0] for recording in given_recordings(recordings)]
-    data = training_set(held, smooth_s)
+    held = [replace_spikes(recording)[0] for recording in resolve_recordings(recordings)]
+    data = build_training_set(held, smooth_s)
     features = _features(features, data.dt_s)
     rows = data.even_rows(_CHECKED_ROWS)
     scale = _scale(data)
@@ -93,7 +97,7 @@ def from_ensemble(
     force_n = data.force_n(rows)
     if predicted_n.ndim != 1:
         raise UsageError(f"the regressor has {predicted_n.shape[1]} outputs: fit it on one force")
-    found = linear_ir(regressor, values, predicted_n) or ensemble_ir(regressor)
+    found = convert_linear(regressor, values, predicted_n) or convert_ensemble(regressor)
     differs = np.abs(regressor_force(found, values) - predicted_n)
     if np.percentile(differs, 99) > _AGREES * np.abs(predicted_n).max():
         raise UsageError(
@@ -152,15 +156,15 @@ def _features(given: GivenFeatures, dt_s: float) -> Features:
     if not (given is None or isinstance(given, Sequence | np.ndarray)):
         return given
     orders = (
-        PAPER_ORDERS if given is None else tuple(given_numbers(given, "features").ravel().tolist())
+        PAPER_ORDERS if given is None else tuple(to_float64(given, "features").ravel().tolist())
     )
     if not orders or not all(0.0 <= order <= 1.0 for order in orders):
         raise UsageError(f"features={given!r}: give Features, or orders from 0 to 1")
-    return fractional_features(dt_s, None, orders=orders)
+    return build_fractional_features(dt_s, None, orders=orders)
 
 
 def _scale(data: TrainingSet) -> float:
-    return depth_scale(data.trained.max_m - min(data.trained.min_m, 0.0))
+    return compute_depth_scale(data.trained.max_m - min(data.trained.min_m, 0.0))
 
 
 def _scaled(data: TrainingSet, features: Features, rows: Any) -> Samples:

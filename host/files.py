@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from springpot.codegen.errors import UsageError
-from springpot.codegen.files import given_path
+from springpot.codegen.files import parse_path
 from springpot.codegen.messages import notice
 from springpot.codegen.model import model_file
 from springpot.codegen.model.model import Model
@@ -15,7 +15,7 @@ from springpot.host.emission import scene_file
 from springpot.trainer.recordings import hdf5_file, recording_file
 from springpot.trainer.recordings.formats.importing import ImportOptions
 from springpot.trainer.recordings.recording import RECORDING_SUFFIX, Recording, Zero
-from springpot.trainer.recordings.recording_file import Recordings, given_recordings
+from springpot.trainer.recordings.recording_file import Recordings, resolve_recordings
 
 if TYPE_CHECKING:
     from springpot.trainer.models.fit import Fit
@@ -34,7 +34,7 @@ def read_recordings(*paths: File) -> list[Recording]:
     """
     for path in paths:
         _require_file(path, "read_recordings(*paths) takes several")
-    return recording_file.read_recordings(map(given_path, paths))
+    return recording_file.read_recordings(map(parse_path, paths))
 
 
 def write_recordings(path: File, recordings: Recordings) -> list[Path]:
@@ -46,7 +46,7 @@ def write_recordings(path: File, recordings: Recordings) -> list[Path]:
     >>> write_recordings("presses", press)[0].suffix
     '.h5'
     """
-    out, chosen = given_path(path), given_recordings(recordings)
+    out, chosen = parse_path(path), resolve_recordings(recordings)
     if out.suffix != RECORDING_SUFFIX:
         return write_in_folder(out, chosen)
     if len(chosen) != 1:
@@ -110,7 +110,7 @@ def import_recordings(
     if not files:
         raise UsageError("no files: give at least one")
     mapping = parse_map(columns) if columns else None
-    given = [given_path(file) for file in files]
+    given = [parse_path(file) for file in files]
     found, guesses, notes = import_set(given, mapping, zero, resample_hz, options, rest_s)
     notice("\n".join([*guesses.values(), *notes]))
     return warn_of_quality(found).checked
@@ -122,7 +122,7 @@ def read_model(path: File) -> Model:
     >>> read_model("model.spm").kind
     'hammerstein'
     """
-    return model_file.read_model(given_path(path))
+    return model_file.read_model(parse_path(path))
 
 
 def write_model(path: File, model: "Model | Fit") -> str:
@@ -131,7 +131,7 @@ def write_model(path: File, model: "Model | Fit") -> str:
     >>> write_model("model.spm", model) == write_model("again.spm", model)
     True
     """
-    return model_file.write_model(given_path(path), given_model(model))
+    return model_file.write_model(parse_path(path), given_model(model))
 
 
 def given_model(given: "Model | Fit | File") -> Model:
@@ -157,7 +157,7 @@ def given_scene_and_model(
     if isinstance(scene, Scene):
         stated = scene_file.checked_scene(scene)
     elif scene is not None:
-        file = given_path(scene)
+        file = parse_path(scene)
         stated = scene_file.read_scene(file)
     if model is None:
         if stated is None:
@@ -172,7 +172,7 @@ def given_scene_and_model(
 
 def some_recordings(given: Recordings) -> list[Recording]:
     """Return the recordings themselves, or those of files. Raises UsageError for none."""
-    if not (found := given_recordings(given)):
+    if not (found := resolve_recordings(given)):
         raise UsageError("no recordings: give at least one")
     return found
 

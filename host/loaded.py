@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from springpot.codegen.arrays import Reals, given_numbers
+from springpot.codegen.arrays import Reals, to_float64
 from springpot.codegen.errors import UsageError
-from springpot.codegen.files import given_path
+from springpot.codegen.files import parse_path
 from springpot.codegen.types import JsonObject
 from springpot.host.files import File
-from springpot.trainer.models.predict import stiffest_words
+from springpot.trainer.models.predict import stiffest_place_message
 from springpot.trainer.recordings.recording import Recording
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ def load(folder: File) -> "LoadedScene":
     >>> force_n.shape == notes.shape == press.position_m.shape
     True
     """
-    return LoadedScene(given_path(folder))
+    return LoadedScene(parse_path(folder))
 
 
 class LoadedScene:
@@ -88,7 +88,7 @@ class LoadedScene:
                     f"at {1.0 / self.dt_s:g} Hz: springpot.validate replays it between the samples"
                 )
             position_m = position_m.position_m
-        position = given_numbers(position_m, "position_m").astype(self._library.dtype)
+        position = to_float64(position_m, "position_m").astype(self._library.dtype)
         if position.ndim != 1 or not len(position):
             raise UsageError(f"positions of shape {position.shape}: give (n,), n above 0")
         deepest_m, trained_m = float(position.max()), float(self.manifest["trained"]["depth_m"][1])
@@ -120,7 +120,7 @@ class LoadedScene:
         if isinstance(given, Recording) and given.place_m is not None:
             return given.place_m
         x_m, y_m = places["start_m"]
-        warnings.warn(f"no place: {stiffest_words((x_m, y_m))}", UserWarning, stacklevel=3)
+        warnings.warn(f"no place: {stiffest_place_message((x_m, y_m))}", UserWarning, stacklevel=3)
         return None
 
     def new_state(self) -> "SceneState":

@@ -26,11 +26,11 @@ JND_WORDS = (
 )
 _BOOTSTRAPS = 2000
 STIFFNESS_JND = 0.15  # just noticeable difference, of the stiffness: about so much
-_TURN = 0.1  # of the range of positions: what turns by less is one way in
-_WINDOWS = (16, 8, 4, 2)  # of a way in: as many as noise allows
-_KNOWN = 0.03  # median standard error of the measured slopes, of the slope
+_MIN_REVERSAL = 0.1  # of the range of positions: what turns by less is one way in
+_WINDOWS_PER_STROKE = (16, 8, 4, 2)  # of a way in: as many as noise allows
+_MAX_MEDIAN_SLOPE_SE = 0.03  # median standard error of the measured slopes, of the slope
 _UNKNOWN, _FLAT = 0.1, 0.05  # standard error of a slope, and share of the greatest: not counted
-_FEWEST = 8  # samples of a window
+_MIN_WINDOW_SAMPLES = 8  # samples of a window
 _QUADRATIC = 3  # numbers of a parabola
 
 
@@ -115,7 +115,7 @@ def accuracy(
     )
 
 
-def error_ratios(found: Accuracy, floor: NoiseFloor) -> JsonObject:
+def error_ratio_keys(found: Accuracy, floor: NoiseFloor) -> JsonObject:
     """JSON keys: the floor and what it is from, the RMSE over it, the error over the JND."""
     per_floor = found.rmse_n / floor.rms_n if floor.rms_n else None
     return {
@@ -174,10 +174,10 @@ def slope_errors(
     """
     ramps = [0] * len(recordings) if ramps is None else ramps
     ways = [
-        _known_slopes(recording, force_n, slice(max(way.start, ramp), way.stop))
+        _resolved_slopes(recording, force_n, slice(max(way.start, ramp), way.stop))
         for recording, force_n, ramp in zip(recordings, predicted_n, ramps, strict=True)
-        for way in _ways_in(recording.position_m)
-        if way.stop - ramp > _FEWEST
+        for way in _loading_strokes(recording.position_m)
+        if way.stop - ramp > _MIN_WINDOW_SAMPLES
     ]
     if not sum(map(len, ways)):
         return None
@@ -200,7 +200,7 @@ def slope_keys(found: SlopeErrors | None) -> JsonObject:
     }
 
 
-def slope_words(keys: JsonObject) -> str:
+def slope_sentence(keys: JsonObject) -> str:
     """The same in a person's words; keys: of `slope_keys`."""
     if keys["slope_error_median_percent"] is None:
         return "not known: no way in on which the measured slope stands out from noise"
@@ -221,7 +221,7 @@ def press_errors_n(
     first, later = [], []
     for recording, force_n, ramp in zip(recordings, predicted_n, ramps, strict=True):
         error_n = force_n - recording.force_n
-        begins = [way.start for way in _ways_in(recording.position_m)]
+        begins = [way.start for way in _loading_strokes(recording.position_m)]
         second = max(begins[1], ramp) if len(begins) > 1 else len(error_n)
         first.append(error_n[ramp:second])
         later.append(error_n[second:])
@@ -230,23 +230,23 @@ def press_errors_n(
     return rms(np.concatenate(first)), rms(np.concatenate(later))
 
 
-def _ways_in(position_m: Samples) -> Iterator[slice]:
+def _loading_strokes(position_m: Samples) -> Iterator[slice]:
     """Samples of each way from a turn to a deeper one."""
-    turns = turning_points(position_m, _TURN * float(np.ptp(position_m)))
+    turns = turning_points(position_m, _MIN_REVERSAL * float(np.ptp(position_m)))
     for begin, end in pairwise(turns):
         if position_m[end] > position_m[begin]:
             yield slice(begin, end + 1)
 
 
-def _known_slopes(recording: Recording, predicted_n: Samples, way: slice) -> Samples:
+def _resolved_slopes(recording: Recording, predicted_n: Samples, way: slice) -> Samples:
     """Slopes (k, 3), N/m: measured, its standard error, predicted."""
     depth_m, force_n = recording.position_m[way], recording.force_n[way]
-    for windows in _WINDOWS:
+    for windows in _WINDOWS_PER_STROKE:
         found = list(_slopes(depth_m, force_n, predicted_n[way], windows))
         slopes = np.array(found).reshape(-1, 3)
         slopes = slopes[slopes[:, 0] > _FLAT * slopes[:, 0].max(initial=0.0)]
         shares = slopes[:, 1] / slopes[:, 0]
-        if len(shares) and np.median(shares) <= _KNOWN:
+        if len(shares) and np.median(shares) <= _MAX_MEDIAN_SLOPE_SE:
             known: Samples = slopes[shares <= _UNKNOWN]
             return known
     return np.empty((0, 3))
@@ -259,7 +259,9 @@ def _slopes(
     number = np.clip(np.searchsorted(edges_m, depth_m, side="right") - 1, 0, windows - 1)
     for window in range(windows):
         rows = np.flatnonzero(number == window)
-        if len(rows) < _FEWEST or np.ptp(depth_m[rows]) <= 0.5 * (edges_m[1] - edges_m[0]):
+        if len(rows) < _MIN_WINDOW_SAMPLES or np.ptp(depth_m[rows]) <= 0.5 * (
+            edges_m[1] - edges_m[0]
+        ):
             continue
         u = (depth_m[rows] - depth_m[rows].mean()) / (edges_m[1] - edges_m[0])
         powers = np.stack([np.ones_like(u), u, u * u], axis=1)

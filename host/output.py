@@ -25,7 +25,7 @@ RESULT = "bench.json"  # of a benchmark, in its folder
 json_option = click.option("--json", "as_json", is_flag=True, help="Print one JSON object.")
 
 
-def say(line: str) -> None:
+def print_line(line: str) -> None:
     """Print a message on standard error."""
     click.echo(line, err=True)
 
@@ -47,7 +47,7 @@ class _ProgressLine(logging.Handler):
 
 class _SaidLine(logging.Handler):
     def emit(self, record: logging.LogRecord) -> None:
-        say(f"springpot: {record.getMessage()}")
+        print_line(f"springpot: {record.getMessage()}")
 
 
 @contextmanager
@@ -56,7 +56,7 @@ def notices_printed() -> Iterator[None]:
 
     def show(message: Warning | str, category: type[Warning], *place: Any) -> None:
         if category is UserWarning:  # of the Python interface, which a command may call
-            say(f"warning: {message}")
+            print_line(f"warning: {message}")
         else:
             shown(message, category, *place)
 

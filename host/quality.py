@@ -4,7 +4,7 @@ import warnings
 from collections.abc import Callable
 
 from springpot.codegen.messages import notice
-from springpot.host.output import say
+from springpot.host.output import print_line
 from springpot.trainer.recordings.quality.report import QualityReport, check_recordings
 from springpot.trainer.recordings.recording_file import Recordings
 
@@ -12,7 +12,9 @@ _CALLER = 5  # frames above `warn`: of who called the public function that judge
 
 
 def report_quality(
-    recordings: Recordings, doubt: Callable[[str], None] = say, good: Callable[[str], None] = say
+    recordings: Recordings,
+    doubt: Callable[[str], None] = print_line,
+    good: Callable[[str], None] = print_line,
 ) -> QualityReport:
     """Say the warnings and which way is in, by default on standard error.
 

@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 from pydantic import TypeAdapter, ValidationError
 
-from springpot.codegen.arrays import Samples, given_numbers
+from springpot.codegen.arrays import Samples, to_float64
 from springpot.codegen.errors import DataError, UsageError
-from springpot.codegen.files import given_path
+from springpot.codegen.files import parse_path
 from springpot.codegen.messages import notice
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene, Target
@@ -25,7 +25,7 @@ from springpot.host.files import (
 )
 from springpot.trainer.models.fit import Engine, Fit, FitOptions
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.recording_file import Recordings, given_recordings
+from springpot.trainer.recordings.recording_file import Recordings, resolve_recordings
 
 if TYPE_CHECKING:
     from springpot.host.emission.result import Emission
@@ -57,7 +57,7 @@ def record(
     from springpot.host.recording.protocols import load_protocol
     from springpot.host.recording.session import open_press_device, record_session
 
-    out = given_path(folder)
+    out = parse_path(folder)
     profiles = load_protocol(str(protocol), seed)
     device = open_press_device(url, seed, object_name, Limits(max_force_n, max_depth_m))
     presses = record_session(device, url, str(protocol), profiles, out)
@@ -123,7 +123,7 @@ def train(
     from springpot.trainer.kinds import fit_model
 
     training = warn_of_quality(some_recordings(recordings)).checked
-    fit = fit_model(kind, name or kind, training, options, given_recordings(validation))
+    fit = fit_model(kind, name or kind, training, options, resolve_recordings(validation))
     for line in fit.warnings:
         warnings.warn(line, UserWarning, stacklevel=2)
     return fit
@@ -149,32 +149,32 @@ def predict(
     (3,)
     """
     from springpot.trainer.models.predict import (
-        beginnings,
-        extrapolations,
-        limited_each_n,
+        find_extrapolation,
+        find_moving_starts,
+        missing_place_message,
+        predict_limited_n,
+        read_zero,
         require_compatible,
-        unplaced,
-        zero_of,
     )
-    from springpot.trainer.recordings.quality.signs import sign_doubts
+    from springpot.trainer.recordings.quality.signs import find_sign_refusals
 
     model = given_model(model)
     doubts = []
     if isinstance(position_m, Recording):
         recording = position_m if dt_s is None else replace(position_m, dt_s=dt_s)
-        doubts += sign_doubts([recording])
+        doubts += find_sign_refusals([recording])
     else:
-        positions = given_numbers(position_m, "position_m")
+        positions = to_float64(position_m, "position_m")
         if positions.ndim != 1:
             raise DataError(f"position_m: shape {positions.shape}: give (n,), one press at a time")
         step_s, still_n = model.dt_s if dt_s is None else dt_s, np.zeros_like(positions)
-        recording = Recording("position_m", positions, still_n, step_s, zero_of(model))
+        recording = Recording("position_m", positions, still_n, step_s, read_zero(model))
     if place_m is not None:
         recording = replace(recording, place_x_m=place_m[0], place_y_m=place_m[1])
     require_compatible(recording, model)
-    (force_n,) = limited_each_n(model, [recording])
-    doubts += [unplaced(model, recording), *extrapolations(model, recording)]
-    for doubt in (*doubts, *beginnings(model, [recording])):
+    (force_n,) = predict_limited_n(model, [recording])
+    doubts += [missing_place_message(model, recording), *find_extrapolation(model, recording)]
+    for doubt in (*doubts, *find_moving_starts(model, [recording])):
         if doubt:
             warnings.warn(doubt, UserWarning, stacklevel=2)
     return force_n
@@ -201,7 +201,7 @@ def emit(
     from springpot.host.emission.emission import emit as emit_folder
 
     stated, chosen = given_scene_and_model(scene, model)
-    emission = emit_folder(stated, chosen, given_path(folder), accept_unsafe)
+    emission = emit_folder(stated, chosen, parse_path(folder), accept_unsafe)
     for line in emission.notices:
         if line.startswith("warning: "):
             warnings.warn(line.removeprefix("warning: "), UserWarning, stacklevel=2)
@@ -250,11 +250,11 @@ def bench(
     from springpot.host.quality import warn_of_quality
 
     training = warn_of_quality(some_recordings(recordings)).checked
-    testing = given_recordings(validation)
+    testing = resolve_recordings(validation)
     if not testing:
         training, testing = holdout(training, seed)
     asked = Bench(tuple(training), tuple(testing), target, seed, tuple(models))
-    return run_bench(asked, given_path(out), "springpot.bench")
+    return run_bench(asked, parse_path(out), "springpot.bench")
 
 
 def _fit_options(given: Mapping[str, object]) -> FitOptions:

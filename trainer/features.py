@@ -21,20 +21,22 @@ from springpot.codegen.model.features import (
     PositionVelocity,
     RecursiveBank,
 )
-from springpot.codegen.model.formulas import foaw, loss_and_gain
-from springpot.trainer.recordings.signals import came_before
+from springpot.codegen.model.formulas import compute_loss_and_gain, estimate_foaw_velocity
+from springpot.trainer.recordings.signals import estimate_history_m
 
 POLES_PER_DECADE = 2.5
-_FASTEST_STEPS = 0.25  # shortest time constant
-_BEYOND = 3.0  # longest time constant, of the memory asked for: the kernel's tail needs it
-_POINTS_PER_DECADE = 60
-DIRECT = 4
+_MIN_TAU_STEPS = 0.25  # shortest time constant
+_MAX_TAU_PER_MEMORY = (
+    3.0  # longest time constant, of the memory asked for: the kernel's tail needs it
+)
+_FREQUENCIES_PER_DECADE = 60
+N_DIRECT_TAPS = 4
 FAST_FIR_POLES = 8
-_FASTEST_TICKS = (1.0, 1.5, 2.0, 3.0, 4.0)
-_SLOWEST_WINDOWS = (0.5, 1.0, 2.0, 6.0)
-_LEAST_LEFT = 1e-15  # of a state after a tick: of less nothing is left
-_LOG_PIECE = 200.0  # e^-200 is a float64 yet
-_CHUNK = 8192  # rows with windows that are gathered at once
+_MIN_TAU_CANDIDATES = (1.0, 1.5, 2.0, 3.0, 4.0)
+_MAX_TAU_CANDIDATES = (0.5, 1.0, 2.0, 6.0)
+_MIN_DECAY_FACTOR = 1e-15  # of a state after a tick: of less nothing is left
+_MAX_LOG_SPAN = 200.0  # e^-200 is a float64 yet
+_CHUNK_ROWS = 8192  # rows with windows that are gathered at once
 
 
 def gl_weights(order: float, length: int) -> Samples:
@@ -61,35 +63,37 @@ def gl_taps(order: float, length: int, dt_s: float) -> Samples:
     return weights
 
 
-def recursive_bank(orders: tuple[float, ...], dt_s: float, longest_s: float) -> RecursiveBank:
+def fit_recursive_bank(orders: tuple[float, ...], dt_s: float, longest_s: float) -> RecursiveBank:
     """Log-spaced poles, one bank for all orders, true to motion between longest_s/2 and two steps.
 
     Weights are non-negative: each feature is then a sum of Maxwell branches, locally dissipative.
     """
-    fastest_s, slowest_s = _FASTEST_STEPS * dt_s, _BEYOND * longest_s
+    fastest_s, slowest_s = _MIN_TAU_STEPS * dt_s, _MAX_TAU_PER_MEMORY * longest_s
     n_poles = 1 + round(POLES_PER_DECADE * np.log10(slowest_s / fastest_s))
     tau_s = np.geomspace(fastest_s, slowest_s, max(n_poles, 2))
-    ends = _BEYOND / longest_s, 0.5 / dt_s
-    n_points = round(_POINTS_PER_DECADE * np.log10(ends[1] / ends[0]))
-    omega = np.geomspace(*ends, max(n_points, _POINTS_PER_DECADE))
-    weights = np.stack([_weights(order, tau_s, omega) for order in orders], axis=1)
+    ends = _MAX_TAU_PER_MEMORY / longest_s, 0.5 / dt_s
+    n_points = round(_FREQUENCIES_PER_DECADE * np.log10(ends[1] / ends[0]))
+    omega = np.geomspace(*ends, max(n_points, _FREQUENCIES_PER_DECADE))
+    weights = np.stack([_fit_pole_weights(order, tau_s, omega) for order in orders], axis=1)
     return RecursiveBank(orders=orders, tau_s=tau_s, weights=weights)
 
 
-def _weights(order: float, tau_s: Samples, omega: Samples) -> Samples:
+def _fit_pole_weights(order: float, tau_s: Samples, omega: Samples) -> Samples:
     """Weights w >= 0, (poles,), with sum of w s/(s + 1/tau) ~ s^r on s = j omega (relative)."""
     from scipy.optimize import nnls  # what replays recordings has no scipy
 
     s = 1j * omega[:, None]
     system = s / (s + 1.0 / tau_s) / s**order
-    wanted = np.concatenate([np.ones(len(omega)), np.zeros(len(omega))])
+    target = np.concatenate([np.ones(len(omega)), np.zeros(len(omega))])
     columns = np.concatenate([system.real, system.imag])
-    size = np.linalg.norm(columns, axis=0)  # far from 1 for high orders, and nnls goes in circles
-    weights, _ = nnls(columns / size, wanted)
-    return np.asarray(weights / size, dtype=np.float64)
+    column_norms = np.linalg.norm(
+        columns, axis=0
+    )  # far from 1 for high orders, and nnls goes in circles
+    weights, _ = nnls(columns / column_norms, target)
+    return np.asarray(weights / column_norms, dtype=np.float64)
 
 
-def fast_fir_bank(bank: FirBank) -> FastFirBank:
+def fit_fast_fir_bank(bank: FirBank) -> FastFirBank:
     """Fit the running sums C_k of all orders' taps with shared poles, by least squares.
 
     By parts, sum of c_k x(t-k) = sum of C_k (x(t-k) - x(t-k-1)) + C_last x(oldest): the C_k fall
@@ -98,27 +102,29 @@ def fast_fir_bank(bank: FirBank) -> FastFirBank:
     """
     length = len(bank.taps)
     candidates = [
-        _with_poles(bank, np.geomspace(fastest, slowest * length, FAST_FIR_POLES))
-        for fastest in _FASTEST_TICKS
-        for slowest in _SLOWEST_WINDOWS
+        _fit_shared_poles(bank, np.geomspace(fastest, slowest * length, FAST_FIR_POLES))
+        for fastest in _MIN_TAU_CANDIDATES
+        for slowest in _MAX_TAU_CANDIDATES
     ]
-    return min(candidates, key=lambda fast: imitation_error(bank, fast))
+    return min(candidates, key=lambda fast: compute_response_error(bank, fast))
 
 
-def _with_poles(bank: FirBank, tau_ticks: Samples) -> FastFirBank:
+def _fit_shared_poles(bank: FirBank, tau_ticks: Samples) -> FastFirBank:
     length = len(bank.taps)
     sums = np.cumsum(bank.taps, axis=0)
-    age = np.arange(length - 1 - DIRECT)
+    age = np.arange(length - 1 - N_DIRECT_TAPS)
     # Rows over their mean: without it the newest sums, the largest, would count most.
-    scale = sums[DIRECT : length - 1].mean(axis=1, keepdims=True)
+    scale = sums[N_DIRECT_TAPS : length - 1].mean(axis=1, keepdims=True)
     poles, *_ = np.linalg.lstsq(
-        np.exp(-age[:, None] / tau_ticks) / scale, sums[DIRECT : length - 1] / scale, rcond=1e-10
+        np.exp(-age[:, None] / tau_ticks) / scale,
+        sums[N_DIRECT_TAPS : length - 1] / scale,
+        rcond=1e-10,
     )
-    weights = np.concatenate([sums[:DIRECT], poles, sums[-1:]])
+    weights = np.concatenate([sums[:N_DIRECT_TAPS], poles, sums[-1:]])
     return FastFirBank(orders=bank.orders, tau_ticks=tau_ticks, length=length, weights=weights)
 
 
-def equivalent_taps(fast: FastFirBank) -> Samples:
+def compute_taps(fast: FastFirBank) -> Samples:
     """Taps of the same filter, shape (length, orders): differences of its running sums."""
     n_direct = len(fast.weights) - len(fast.tau_ticks) - 1
     age = np.arange(fast.length - 1 - n_direct)
@@ -127,16 +133,16 @@ def equivalent_taps(fast: FastFirBank) -> Samples:
     return np.diff(sums, axis=0, prepend=np.zeros((1, sums.shape[1])))
 
 
-def imitation_error(bank: FirBank, fast: FastFirBank) -> float:
+def compute_response_error(bank: FirBank, fast: FastFirBank) -> float:
     """Maximum over the orders of the relative RMS error of the response to slow and fast sines.
 
     Frequencies are log-spaced from one period in ten windows to a tenth of the sample rate.
     """
     length = len(bank.taps)
-    turns = np.geomspace(0.1 / length, 0.1, 60)
-    phase = np.exp(-2j * np.pi * turns[:, None] * np.arange(length))
-    wanted, found = phase @ bank.taps, phase @ equivalent_taps(fast)
-    relative = np.abs(found - wanted) / np.abs(wanted)
+    cycles_per_sample = np.geomspace(0.1 / length, 0.1, 60)
+    phase = np.exp(-2j * np.pi * cycles_per_sample[:, None] * np.arange(length))
+    target_response, response = phase @ bank.taps, phase @ compute_taps(fast)
+    relative = np.abs(response - target_response) / np.abs(target_response)
     return float(np.sqrt((relative**2).mean(axis=0)).max())
 
 
@@ -151,20 +157,20 @@ def feature_values(features: Features, depth_m: Samples, dt_s: float, rows: Indi
 
 
 def depth_features(features: Features, depth_m: Samples, dt_s: float, rows: Indices) -> Samples:
-    """Features at rows of a recording at depths (n,), m, after `came_before`: (rows, features)."""
-    before_m = came_before(depth_m)
+    """Features at rows, after `estimate_history_m`, of depths (n,), m: (rows, features)."""
+    before_m = estimate_history_m(depth_m)
     along_m = np.concatenate([before_m, depth_m])
     return feature_values(features, along_m, dt_s, len(before_m) + rows)
 
 
 @feature_values.register
 def _fir_values(bank: FirBank, depth_m: Samples, dt_s: float, rows: Indices) -> Samples:
-    return _windowed(bank.taps, depth_m, rows)
+    return _apply_taps(bank.taps, depth_m, rows)
 
 
 @feature_values.register
 def _fast_fir_values(bank: FastFirBank, depth_m: Samples, dt_s: float, rows: Indices) -> Samples:
-    return _windowed(equivalent_taps(bank), depth_m, rows)
+    return _apply_taps(compute_taps(bank), depth_m, rows)
 
 
 @feature_values.register
@@ -186,7 +192,7 @@ def highpass(
     """
     from scipy.signal import lfilter  # what replays recordings has no scipy
 
-    losses, gains = loss_and_gain(np.array([tau_s]), dt_s)
+    losses, gains = compute_loss_and_gain(np.array([tau_s]), dt_s)
     loss, gain = float(losses[0]), float(gains[0])
     rises = np.diff(values, axis=0, prepend=values[:1])
     states, begin, h = np.empty_like(rises), 0, np.zeros_like(rises[0])
@@ -200,43 +206,48 @@ def highpass(
     return states
 
 
-def highpass_by_depth(values: Samples, lost: Samples) -> Samples:
+def highpass_by_depth(values: Samples, decay: Samples) -> Samples:
     """State h of a pole that loses the share `lost`, (n,), in each tick: sp_depth.h.
 
     values: (n, k), as what is returned.
     """
     rises = np.diff(values, axis=0, prepend=values[:1])
-    return decaying(1.0 - lost, (1.0 - 0.5 * lost)[:, None] * rises)
+    return filter_decay(1.0 - decay, (1.0 - 0.5 * decay)[:, None] * rises)
 
 
-def decaying(left: Samples, added: Samples, least_0: bool = False) -> Samples:
+def filter_decay(decay_factor: Samples, increment: Samples, clip_at_zero: bool = False) -> Samples:
     """h[i] = left[i] h[i-1] + added[i] from 0, (n,), (n, k); left, (n,), above 0.
 
     least_0: h is 0 where that is below.
     By h[i] = P[i] sum(added[j] / P[j]), P the product of `left` so far, in pieces in which P stays
     above 0.
     """
-    logs = np.log(np.maximum(left, _LEAST_LEFT))
-    passed = np.cumsum(logs)
-    cuts = [0, *(1 + np.flatnonzero(np.diff(np.floor(passed / -_LOG_PIECE)))).tolist(), len(left)]
-    h, last = np.empty_like(added), np.zeros_like(added[0])
+    logs = np.log(np.maximum(decay_factor, _MIN_DECAY_FACTOR))
+    log_sum = np.cumsum(logs)
+    cuts = [
+        0,
+        *(1 + np.flatnonzero(np.diff(np.floor(log_sum / -_MAX_LOG_SPAN)))).tolist(),
+        len(decay_factor),
+    ]
+    h, last = np.empty_like(increment), np.zeros_like(increment[0])
     for begin, end in pairwise(cuts):
-        before = passed[begin] - logs[begin]
-        product = np.exp(passed[begin:end] - before).reshape(-1, *[1] * (added.ndim - 1))
-        sums = last + np.cumsum(added[begin:end] / product, axis=0)
-        if least_0:
+        before = log_sum[begin] - logs[begin]
+        product = np.exp(log_sum[begin:end] - before).reshape(-1, *[1] * (increment.ndim - 1))
+        sums = last + np.cumsum(increment[begin:end] / product, axis=0)
+        if clip_at_zero:
             sums -= np.minimum(np.minimum.accumulate(sums), 0.0)
         h[begin:end] = product * sums
         last = h[end - 1] if end > begin else last
     return h
 
 
-def _windowed(taps: Samples, depth_m: Samples, rows: Indices) -> Samples:
-    held = np.concatenate([np.full(len(taps) - 1, depth_m[0]), depth_m])
-    windows = sliding_window_view(held, len(taps))
+def _apply_taps(taps: Samples, depth_m: Samples, rows: Indices) -> Samples:
+    padded_m = np.concatenate([np.full(len(taps) - 1, depth_m[0]), depth_m])
+    windows = sliding_window_view(padded_m, len(taps))
     newest_last = taps[::-1]
     parts = [
-        windows[rows[begin : begin + _CHUNK]] @ newest_last for begin in range(0, len(rows), _CHUNK)
+        windows[rows[begin : begin + _CHUNK_ROWS]] @ newest_last
+        for begin in range(0, len(rows), _CHUNK_ROWS)
     ]
     return np.concatenate(parts) if parts else np.empty((0, taps.shape[1]))
 
@@ -251,8 +262,11 @@ def _position_velocity_values(
     features: PositionVelocity, depth_m: Samples, dt_s: float, rows: Indices
 ) -> Samples:
     per_step = 1.0 / (dt_s * np.arange(1, features.length + 1))
-    held = np.concatenate([np.full(features.length, depth_m[0]), depth_m])
-    windows = sliding_window_view(held, features.length + 1)
-    velocity, w = foaw(per_step, np.float64(features.band_m), windows), features.weight
-    averages = accumulate(velocity.tolist(), lambda held, new: w * new + (1.0 - w) * held)
+    padded_m = np.concatenate([np.full(features.length, depth_m[0]), depth_m])
+    windows = sliding_window_view(padded_m, features.length + 1)
+    velocity, w = (
+        estimate_foaw_velocity(per_step, np.float64(features.band_m), windows),
+        features.weight,
+    )
+    averages = accumulate(velocity.tolist(), lambda padded_m, new: w * new + (1.0 - w) * padded_m)
     return np.stack([depth_m, list(averages)], axis=1)[rows]

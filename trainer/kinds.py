@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING
 
-from springpot.codegen.entry_points import blaming, registered
+from springpot.codegen.entry_points import blame_package, load_entries
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.messages import short_repr
 
@@ -54,7 +54,7 @@ HAMMERSTEIN = Kind("hammerstein", "springs, Maxwell branches and stops with non-
 SPRINGPOT = Kind("springpot", "a fractional solid: three or four numbers with intervals",
                  f"{_MODELS}.springpot:fit_springpot", "*", "#6c584c", 7)  # fmt: skip
 AUTO = "auto"  # the kind of lowest cross-validated error
-_AUTO_FIT = "springpot.trainer.selection.auto:fit_auto"
+_AUTO_FIT_FUNCTION = "springpot.trainer.selection.auto:fit_auto"
 
 
 def kind_names() -> tuple[str, ...]:
@@ -79,24 +79,24 @@ def fit_model(
     Raises UsageError for an unknown kind, DataError where the recordings do not fit together,
     SpringpotError where the model misses 30 % of the largest force in recordings held out.
     """
-    from springpot.trainer.models.doubts import require_followed
-    from springpot.trainer.models.training_set import training_set
+    from springpot.trainer.models.doubts import require_acceptable_misfit
+    from springpot.trainer.models.training_set import build_training_set
 
-    kind = _kind_of_places(kind, recordings)
-    data = training_set(recordings, options.smooth_s)
+    kind = _resolve_kind(kind, recordings)
+    data = build_training_set(recordings, options.smooth_s)
     fit = fit_kind(kind, name, data, options, validation)
-    require_followed(fit, data, options.accept_misfit)
+    require_acceptable_misfit(fit, data, options.accept_misfit)
     return fit
 
 
-def _kind_of_places(kind: str, recordings: "Sequence[Recording]") -> str:
+def _resolve_kind(kind: str, recordings: "Sequence[Recording]") -> str:
     """Kind that is fitted: of several places hammerstein alone, which auto then takes.
 
     Raises UsageError for another one, DataError if only some recordings have a place.
     """
-    from springpot.trainer.recordings.recording import sites_of
+    from springpot.trainer.recordings.recording import group_by_site
 
-    sites = sites_of(recordings)
+    sites = group_by_site(recordings)
     if len(sites) < 2:
         return kind
     for recording in recordings:
@@ -124,7 +124,7 @@ def fit_kind(
     import scipy.linalg  # noqa: F401  # brings a BLAS of its own, limited only if it is loaded
     from threadpoolctl import threadpool_limits
 
-    from springpot.trainer.models.doubts import doubts
+    from springpot.trainer.models.doubts import find_fit_warnings
 
     if kind not in kind_names():
         raise UsageError(f"kind {kind!r}: use one of {', '.join(kind_names())}")
@@ -134,14 +134,16 @@ def fit_kind(
     # machine that has other work.
     with threadpool_limits(1, user_api="blas"):
         if kind == AUTO:
-            fit: Fit = resolve_name(_AUTO_FIT)(name, data, options, validation)
+            fit: Fit = resolve_name(_AUTO_FIT_FUNCTION)(name, data, options, validation)
         else:
-            fit = _fit_of_entry(kind, name, data, options, validation)
-    warnings = dict.fromkeys((*data.warnings, *fit.warnings, *doubts(fit, data, options)))
+            fit = _fit_entry_point(kind, name, data, options, validation)
+    warnings = dict.fromkeys(
+        (*data.warnings, *fit.warnings, *find_fit_warnings(fit, data, options))
+    )
     return replace(fit, warnings=tuple(warnings))
 
 
-def _fit_of_entry(
+def _fit_entry_point(
     entry: str,
     name: str,
     data: "TrainingSet",
@@ -152,20 +154,20 @@ def _fit_of_entry(
     from springpot.trainer.models.fit import Fit
 
     kind = KINDS[entry]
-    with blaming(f"kind {entry!r}", kind.fit, UsageError):
-        _require_name("Kind", kind.name, entry)
+    with blame_package(f"kind {entry!r}", kind.fit, UsageError):
+        _check_name("Kind", kind.name, entry)
         fit = kind.function()(name, data, options, validation)
         if not isinstance(fit, Fit):
             raise TypeError("its fit returns no Fit")
-        _require_name("its model", fit.model.kind, entry)
+        _check_name("its model", fit.model.kind, entry)
         return fit
 
 
-def _require_name(what: str, name: str, entry: str) -> None:
+def _check_name(what: str, name: str, entry: str) -> None:
     """Raise TypeError for a name by which commands would look for a kind that is not there."""
     if name != entry:
         raise TypeError(f"{what} has the name {name!r}: give that of its entry point")
 
 
 # Entry points of the group springpot.kinds, by name; a package's module may import the above.
-KINDS: dict[str, Kind] = registered("kinds", Kind)
+KINDS: dict[str, Kind] = load_entries("kinds", Kind)

@@ -47,7 +47,9 @@ def max_published_damping_nspm(coupling: Coupling, dt_s: float) -> float:
 
 
 @lru_cache(maxsize=256)
-def transition(stiffness_npm: float, damping_nspm: float, mass_kg: float, dt_s: float) -> Samples:
+def state_transition(
+    stiffness_npm: float, damping_nspm: float, mass_kg: float, dt_s: float
+) -> Samples:
     """exp(A dt) for A = [[0, 1], [-k/m, -b/m]], (2, 2), in closed form; shared: only read it.
 
     With A = a I + N, a = -b/2m, N^2 = (a^2 - k/m) I: exp = e^(a dt) (c I + s N), where c and s are
@@ -70,9 +72,11 @@ def transition(stiffness_npm: float, damping_nspm: float, mass_kg: float, dt_s: 
     return c * np.eye(2) + s * (matrix - a * np.eye(2))
 
 
-def couple_config(coupling: Coupling, dt_s: float, real: Callable[[float], Real]) -> CoupleConfig:
+def build_couple_config(
+    coupling: Coupling, dt_s: float, real: Callable[[float], Real]
+) -> CoupleConfig:
     """Constants of sp_couple.h, rounded to the scene's type only after phi is computed."""
-    phi = transition(coupling.stiffness_npm, coupling.damping_nspm, coupling.mass_kg, dt_s)
+    phi = state_transition(coupling.stiffness_npm, coupling.damping_nspm, coupling.mass_kg, dt_s)
     return CoupleConfig(
         stiffness_npm=real(coupling.stiffness_npm),
         damping_nspm=real(coupling.damping_nspm),
@@ -89,7 +93,7 @@ def require_plausible_damping(coupling: Coupling) -> None:
     the proxy to the tool. Coupled at the tool, Algorithm 1 as published therefore decides, at the
     paper's 1 ms whatever the scene's rate; at the proxy, what devices do.
     """
-    if _plausible(coupling):
+    if _is_plausible(coupling):
         return
     stated = (
         f"coupling: stiffness_npm = {coupling.stiffness_npm:g}, damping_nspm = "
@@ -97,17 +101,17 @@ def require_plausible_damping(coupling: Coupling) -> None:
     )
     for key, unit in (("damping_nspm", "N s/m"), ("stiffness_npm", "N/m")):
         meant = getattr(coupling, key) / 1e3
-        if _plausible(replace(coupling, **{key: meant})):
+        if _is_plausible(replace(coupling, **{key: meant})):
             raise UnsafeError(f"{stated}: {key} = {meant:g} ({meant:g} {unit}) was probably meant")
     raise UnsafeError(f"{stated}: the paper's gains are 1500 N/m, 20 N s/m and 0.05 kg")
 
 
 def is_unit_error(coupling: Coupling) -> bool:
     """Whether `require_plausible_damping` refuses these gains; never of "auto" and "off"."""
-    return coupling.mode in ("tool", "proxy") and not _plausible(coupling)
+    return coupling.mode in ("tool", "proxy") and not _is_plausible(coupling)
 
 
-def _plausible(coupling: Coupling) -> bool:
+def _is_plausible(coupling: Coupling) -> bool:
     k, b, m = coupling.stiffness_npm, coupling.damping_nspm, coupling.mass_kg
     # A proxy may be lighter than the paper's, for its step is exact: that is no wrong unit.
     mass_kg = max(m, Coupling.mass_kg) if coupling.mode == "proxy" else m

@@ -6,13 +6,13 @@ from typing import Literal
 import numpy as np
 
 from springpot.codegen.arrays import Samples
-from springpot.codegen.coupling.gains import transition
+from springpot.codegen.coupling.gains import state_transition
 from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE, LoopDevice
 from springpot.codegen.scene import Coupling
-from springpot.codegen.stages.windows import TIME_S as VELOCITY_S
+from springpot.codegen.stages.windows import LOWPASS_TAU_S as VELOCITY_S
 from springpot.codegen.types import Scalar
 
-_LIMIT_WITHIN = 1.001  # of the first unstable stiffness
+_LIMIT_TOLERANCE = 1.001  # of the first unstable stiffness
 Matrices = Samples
 HandName = Literal["mid", "firm", "light"]
 
@@ -35,7 +35,7 @@ HAND_MODELS = (
 )
 DESIGN_HAND = HAND_MODELS[0]
 # The hands of every check, and samples beyond the device's own delay.
-CHECKED = (*((hand, 0) for hand in HAND_MODELS), (DESIGN_HAND, 1))
+CHECKED_HANDS = (*((hand, 0) for hand in HAND_MODELS), (DESIGN_HAND, 1))
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class LinearLoop:
             if first == 0:
                 return low
             low, high = float(grid[first - 1]), float(grid[first])
-            if high / low < _LIMIT_WITHIN:
+            if high / low < _LIMIT_TOLERANCE:
                 return low
             grid = np.linspace(low, high, 20)
         return 1e7
@@ -101,14 +101,14 @@ class LinearLoop:
         else:
             x_p, v_p = unit[4:6]
             force, *proxy = self._couple(x, v_held, x_p, v_p, k * (x_p if mode == "proxy" else x))
-        at = 4 + len(proxy)
-        smoothed = self.smoothing * force + (1.0 - self.smoothing) * unit[at]
-        queue = [smoothed, *unit[at : at + self.device.delay_samples]]
+        force_index = 4 + len(proxy)
+        smoothed = self.smoothing * force + (1.0 - self.smoothing) * unit[force_index]
+        queue = [smoothed, *unit[force_index : force_index + self.device.delay_samples]]
         moved_x, moved_v = self._move(x, v, queue[-1])
-        moved = np.empty((n, states, states))
+        next_state = np.empty((n, states, states))
         for row, value in enumerate([moved_x, moved_v, x, v_held, *proxy, *queue]):
-            moved[:, row] = value
-        return moved
+            next_state[:, row] = value
+        return next_state
 
     def _couple(
         self, x: Scalar, v: Scalar, x_p: Scalar, v_p: Scalar, model_n: Scalar
@@ -116,7 +116,7 @@ class LinearLoop:
         """sp_couple.h: force at the tool, then the proxy moved."""
         coupling = self.coupling
         k, b, m = coupling.stiffness_npm, coupling.damping_nspm, coupling.mass_kg
-        phi = transition(k, b, m, self.dt_s)
+        phi = state_transition(k, b, m, self.dt_s)
         e, w, rest = x_p - x, v_p - v, -model_n / k
         force = -k * e - b * w
         x_next = x + self.dt_s * v + rest + phi[0, 0] * (e - rest) + phi[0, 1] * w
@@ -126,6 +126,6 @@ class LinearLoop:
         """Hand and device under a force that is held for a tick, exactly."""
         hand, device = self.hand, self.device
         b, m = hand.damping_nspm + device.viscous_nspm, hand.mass_kg + device.mass_kg
-        phi = transition(hand.stiffness_npm, b, m, self.dt_s)
+        phi = state_transition(hand.stiffness_npm, b, m, self.dt_s)
         rest = -force / hand.stiffness_npm
         return rest + phi[0, 0] * (x - rest) + phi[0, 1] * v, phi[1, 0] * (x - rest) + phi[1, 1] * v

@@ -9,7 +9,7 @@ from springpot.codegen.types import JsonObject
 DEVICE_MASS_KG = 0.3
 DEVICE_DAMPING_NSPM = 4.0
 RESOLUTION_UM = 10.0
-_NOISE_STEPS = 0.3  # of the encoder
+_NOISE_PER_STEP = 0.3  # of the encoder
 _ROUNDING = 1e-6  # of a tick: 3 ms are three ticks of 1 ms, however they are rounded
 
 
@@ -25,7 +25,7 @@ class LoopDevice:
     viscous_nspm: float = DEVICE_DAMPING_NSPM
     coulomb_n: float = 0.0
     resolution_um: float = RESOLUTION_UM
-    noise_um: float = _NOISE_STEPS * RESOLUTION_UM
+    noise_um: float = _NOISE_PER_STEP * RESOLUTION_UM
     delay_samples: int = 0
     stated: tuple[str, ...] = ()
 
@@ -34,7 +34,7 @@ class LoopDevice:
         """Whether the scene states what a linear loop needs: mass and viscous friction."""
         return {"mass_kg", "viscous_nspm"} <= set(self.stated)
 
-    def later(self, ticks: int) -> "LoopDevice":
+    def with_delay(self, ticks: int) -> "LoopDevice":
         """The same with so many more ticks of delay."""
         return replace(self, delay_samples=self.delay_samples + ticks)
 
@@ -73,7 +73,7 @@ class LoopDevice:
 ASSUMED_DEVICE = LoopDevice()
 
 
-def loop_device(device: Device, dt_s: float) -> LoopDevice:
+def build_loop_device(device: Device, dt_s: float) -> LoopDevice:
     """The device of a scene, with what is assumed where the scene does not state it."""
     stated = {name: getattr(device, name) for name in ("mass_kg", "viscous_nspm", "coulomb_n")
               if getattr(device, name) is not None}  # fmt: skip
@@ -81,6 +81,6 @@ def loop_device(device: Device, dt_s: float) -> LoopDevice:
     if device.delay_s is not None:
         late = math.ceil(device.delay_s / dt_s - _ROUNDING)
     noise_um = device.position_noise_um
-    noise_um = _NOISE_STEPS * device.resolution_um if noise_um is None else noise_um
+    noise_um = _NOISE_PER_STEP * device.resolution_um if noise_um is None else noise_um
     return LoopDevice(**stated, resolution_um=device.resolution_um, noise_um=noise_um,
                       delay_samples=late, stated=tuple(stated))  # fmt: skip

@@ -5,11 +5,11 @@ import json
 from dataclasses import asdict
 from importlib.metadata import version
 
-from springpot.codegen.emit.c_text import rendered
-from springpot.codegen.emit.header import header_text
-from springpot.codegen.emit.source import source_text
+from springpot.codegen.emit.c_text import render_template
+from springpot.codegen.emit.header import render_header
+from springpot.codegen.emit.source import render_source
 from springpot.codegen.model.model_file import model_hash
-from springpot.codegen.plan import Plan, planned_headers, state_bytes
+from springpot.codegen.plan import Plan, list_headers, state_bytes
 from springpot.codegen.types import JsonObject
 from springpot.runtime_c.paths import flags
 
@@ -25,12 +25,14 @@ def emit_files(plan: Plan, selftest: bool = True) -> dict[str, str]:
     """
     prefix = plan.scene.runtime.prefix
     files = {
-        f"{prefix}.h": header_text(plan),
-        f"{prefix}.c": source_text(plan, json.dumps(_short_manifest(plan)), selftest),
-        "main.c": rendered("main.c.j2", plan=plan, prefix=prefix),
-        "Makefile": rendered("Makefile.j2", prefix=prefix, flags=" ".join(flags("SP_CFLAGS"))),
+        f"{prefix}.h": render_header(plan),
+        f"{prefix}.c": render_source(plan, json.dumps(_short_manifest(plan)), selftest),
+        "main.c": render_template("main.c.j2", plan=plan, prefix=prefix),
+        "Makefile": render_template(
+            "Makefile.j2", prefix=prefix, flags=" ".join(flags("SP_CFLAGS"))
+        ),
     }
-    files = {name: stamp(name) + text for name, text in files.items()}
+    files = {name: version_line(name) + text for name, text in files.items()}
     files["manifest.json"] = json.dumps(_manifest(plan), indent=2, sort_keys=True) + "\n"
     digest = hashlib.sha256()
     for name in sorted(files):
@@ -47,28 +49,28 @@ def _manifest(plan: Plan) -> JsonObject:
         "model_hash": model_hash(plan.model),
         "provenance": dict(plan.model.provenance),
         "contact": "surface" if plan.contact else "always",
-        "coupling": coupling_metadata(plan),
+        "coupling": describe_coupling(plan),
         "outside": plan.outside,
         "accept_unsafe": plan.accept_unsafe,
         "orders": list(getattr(plan.features, "orders", ())),
         "window_s": plan.model.memory_s,
         **({} if plan.regressor is None else plan.regressor.manifest()),
-        **_places(plan),
+        **_map_extent(plan),
         "state_bytes": state_bytes(plan),
         "limits": {
             "min_n": float(plan.output.min_n),
             "max_n": float(plan.output.max_n),
             "watchdog_s": plan.watchdog_s,
-            "jump_m": float(plan.guard.jump_m),
+            "max_step_m": float(plan.guard.max_step_m),
             "slew_nps": float(plan.output.slew_n) / plan.dt_s,
             "recovery_ticks": plan.recovery_ticks,
         },
-        "units": [header.removesuffix(".h") for header in planned_headers(plan)],
+        "units": [header.removesuffix(".h") for header in list_headers(plan)],
         "left_out": [asdict(item) for item in plan.left_out],
     }
 
 
-def coupling_metadata(plan: Plan) -> JsonObject:
+def describe_coupling(plan: Plan) -> JsonObject:
     """Mode, gains, why, and what a hand will feel on the object's stiffest part."""
     choice = plan.coupling
     gains = asdict(choice.coupling) if plan.couple is not None else {"mode": "off"}
@@ -80,7 +82,7 @@ def coupling_metadata(plan: Plan) -> JsonObject:
     }
 
 
-def _places(plan: Plan) -> JsonObject:
+def _map_extent(plan: Plan) -> JsonObject:
     """Extent of the map, m, of a scene with places."""
     hammerstein = plan.model.hammerstein
     if hammerstein is None or (places := hammerstein.places) is None:
@@ -115,7 +117,7 @@ def _short_manifest(plan: Plan) -> JsonObject:
     }
 
 
-def stamp(name: str) -> str:
+def version_line(name: str) -> str:
     """First line of a generated file."""
     text = f"springpot {version('springpot')} {_HASH}"
     return f"# {text}\n" if name == "Makefile" else f"/* {text} */\n"

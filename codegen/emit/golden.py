@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Reals
-from springpot.codegen.literals import wrapped
+from springpot.codegen.literals import wrap_items
 from springpot.codegen.plan import Plan
 from springpot.codegen.reference import run_reference
 from springpot.codegen.stages.stage import Probe
@@ -14,9 +14,9 @@ from springpot.codegen.types import RealType
 
 LEG_TICKS = 60
 _GLITCH_M = 0.5
-_PLACE = (0.375, 0.75)  # of the map: where the second press of a golden motion is
+_PLACE_FRACTIONS = (0.375, 0.75)  # of the map: where the second press of a golden motion is
 # Depths as shares of the trained range; below 0 is free air where there is contact.
-_STATIONS = (-0.05, 0.4, 0.15, 0.9, 1.0, 0.7, 1.1, 0.3, -0.02, 0.6, 0.0)
+_DEPTH_FRACTIONS = (-0.05, 0.4, 0.15, 0.9, 1.0, 0.7, 1.1, 0.3, -0.02, 0.6, 0.0)
 
 
 def golden_positions(plan: Plan) -> NDArray[np.float32 | np.float64]:
@@ -26,13 +26,13 @@ def golden_positions(plan: Plan) -> NDArray[np.float32 | np.float64]:
     span_m = trained.max_m - base_m
     ramp = np.arange(LEG_TICKS) / LEG_TICKS
     smooth = ramp * ramp * (3.0 - 2.0 * ramp)
-    legs = [start + (end - start) * smooth for start, end in pairwise(_STATIONS)]
+    legs = [start + (end - start) * smooth for start, end in pairwise(_DEPTH_FRACTIONS)]
     positions: NDArray[np.float32 | np.float64] = (base_m + span_m * np.concatenate(legs)).astype(
         plan.dtype
     )
     positions[LEG_TICKS + 7] += plan.dtype(_GLITCH_M)
     positions[2 * LEG_TICKS + 11 : 2 * LEG_TICKS + 15] = np.nan
-    positions[7 * LEG_TICKS :] += plan.dtype(3.0 * float(plan.guard.jump_m))
+    positions[7 * LEG_TICKS :] += plan.dtype(3.0 * float(plan.guard.max_step_m))
     return positions
 
 
@@ -41,11 +41,13 @@ def golden_places(plan: Plan) -> list[tuple[int, tuple[float, float]]]:
     if not plan.has_places or (law := plan.model.hammerstein) is None or law.places is None:
         return []
     first_m, last_m = law.places.first_m, law.places.last_m
-    x_m, y_m = (first_m + np.array(_PLACE) * (last_m - first_m)).astype(plan.dtype).tolist()
+    x_m, y_m = (
+        (first_m + np.array(_PLACE_FRACTIONS) * (last_m - first_m)).astype(plan.dtype).tolist()
+    )
     return [(3 * LEG_TICKS, (x_m, y_m))]
 
 
-def backward_velocity(position_m: Reals, dt_s: float) -> Reals:
+def differentiate(position_m: Reals, dt_s: float) -> Reals:
     """Velocities that a device would report, (n,), m/s: backward differences, 0 at the first."""
     velocity_mps: Reals = np.diff(position_m, prepend=position_m[:1]) / position_m.dtype.type(dt_s)
     return velocity_mps
@@ -60,7 +62,7 @@ def probe_inputs(probe: Probe, dtype: RealType) -> Reals:
 def golden_arrays(plan: Plan) -> list[str]:
     """Inputs and the reference's forces as bit patterns: a NaN has no literal."""
     positions = golden_positions(plan)
-    velocities = backward_velocity(positions, plan.dt_s) if plan.needs_device_velocity else None
+    velocities = differentiate(positions, plan.dt_s) if plan.needs_device_velocity else None
     columns = {"golden_position": positions}
     if velocities is not None:
         columns["golden_velocity"] = velocities
@@ -73,6 +75,6 @@ def golden_arrays(plan: Plan) -> list[str]:
     for name, values in columns.items():
         items = [f"0x{pattern:x}u" for pattern in values.view(bits).tolist()]
         parts.append(f"static const {c_type} {name}[{len(items)}] = {{")
-        parts += [*wrapped(items), "};"]
+        parts += [*wrap_items(items), "};"]
     parts.append(f"static const uint8_t golden_notes[{len(run.notes)}] = {{")
-    return [*parts, *wrapped(map(str, run.notes.tolist())), "};"]
+    return [*parts, *wrap_items(map(str, run.notes.tolist())), "};"]

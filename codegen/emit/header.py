@@ -3,9 +3,9 @@
 import re
 from functools import cache
 
-from springpot.codegen.emit.c_text import code_of, rendered, top_level_blocks
-from springpot.codegen.literals import literal
-from springpot.codegen.plan import Plan, planned_headers, state_bytes, state_members
+from springpot.codegen.emit.c_text import render_template, split_blocks, strip_comments
+from springpot.codegen.literals import c_literal
+from springpot.codegen.plan import Plan, list_headers, list_state_members, state_bytes
 from springpot.runtime_c.paths import INCLUDE, SOURCE
 
 _PUBLIC = "abi_version|state_size|manifest|init|reset|step|run|idle|place|selftest|state"
@@ -15,79 +15,81 @@ _INCLUDES = re.compile(r'^#include (?:"[^"]*"|<(?:float|math|std\w+|string)\.h>)
 _ELSEWHERE = re.compile(r" \((?:see )?flags\.mk\)")
 
 
-def header_text(plan: Plan) -> str:
+def render_header(plan: Plan) -> str:
     """sp.h for one scene: with its prefix, its number type, its notes and its state."""
     prefix = plan.scene.runtime.prefix
     before, _, rest = (INCLUDE / "sp.h").read_text().partition("/* springpot places begin */\n")
-    inside, _, after = rest.partition("/* springpot places end */\n")
-    text = before + inside * plan.has_places + after
-    note = rendered("note.txt.j2", prefix=prefix, square_roots="sp_rbf.h" in planned_headers(plan))
+    place_section, _, after = rest.partition("/* springpot places end */\n")
+    text = before + place_section * plan.has_places + after
+    note = render_template(
+        "note.txt.j2", prefix=prefix, square_roots="sp_rbf.h" in list_headers(plan)
+    )
     notes = (INCLUDE / "sp_notes.h").read_text()
     notes = notes[notes.index("#ifndef") :]
-    for place, replacement in (
+    for pattern, replacement in (
         (r" +\(from sp_scene\.h; on a PC, \w+\(\) bytes\)", ""),
         (r"at the rate that sp_scene\.h and sp_manifest\(\) state", "at the rate SP_RATE_HZ"),
         (r"\(bits, in sp_notes\.h\)", "(bits, below)"),
         (r"(?= \* What a call returns)", note),
         (r'\n#include "sp_notes\.h"\n#include "sp_real.h"\n', f"\n{notes}"),
-        (r"(?<=/\* springpot declarations end \*/\n)(?=\n#ifdef)", _state(plan)),
+        (r"(?<=/\* springpot declarations end \*/\n)(?=\n#ifdef)", _render_state(plan)),
     ):
-        text, changed = re.subn(place, replacement.replace("\\", r"\\"), text)
-        assert changed == 1, f"sp.h has no {place} any more"
+        text, changed = re.subn(pattern, replacement.replace("\\", r"\\"), text)
+        assert changed == 1, f"sp.h has no {pattern} any more"
     text = re.sub(r"\bSP_(H|RATE_HZ)\b", rf"{prefix.upper()}_\1", text)
-    return named(text, prefix, plan.real)
+    return apply_prefix(text, prefix, plan.real)
 
 
-def named(text: str, prefix: str, real: str) -> str:
+def apply_prefix(text: str, prefix: str, real: str) -> str:
     """Give every name the scene's prefix and number type; sp_NAME.h names a section."""
     text = re.sub(r"\bsp_real\b(?!\.h)", real, text)
     return re.sub(r"\bsp_(\w+)\b(?!\.h)", rf"{prefix}_\1", text)
 
 
-def prefixed(text: str, prefix: str) -> str:
+def prefix_public_names(text: str, prefix: str) -> str:
     """Give the public names of sp.h, and only those, the scene's prefix: in the C of a port."""
     return re.sub(rf"\bsp_({_PUBLIC})\b", rf"{prefix}_\1", text)
 
 
 @cache
-def unit_blocks(header: str) -> tuple[str, ...]:
+def read_unit_blocks(header: str) -> tuple[str, ...]:
     """Blocks of a unit's header, without its guard and its includes."""
     text = (SOURCE / header).read_text()
     guard = header.replace(".", "_").upper()
     text = text.replace(f"#ifndef {guard}\n#define {guard}\n", "").rstrip("\n")
     text = _INCLUDES.sub("", text.removesuffix("#endif"))
-    return tuple(top_level_blocks(_ELSEWHERE.sub("", text)))
+    return tuple(split_blocks(_ELSEWHERE.sub("", text)))
 
 
 def state_types(plan: Plan) -> dict[str, None]:
     """Blocks of the units that define what the state is made of, in order."""
-    names = {member.declaration.split()[0] for member in state_members(plan)}
-    found = [block for header in planned_headers(plan) for block in unit_blocks(header)]
+    names = {member.declaration.split()[0] for member in list_state_members(plan)}
+    found = [block for header in list_headers(plan) for block in read_unit_blocks(header)]
     return {
         block: None
         for block in found
-        if (last := re.search(r"\} (\w+);$", code_of(block).rstrip())) and last[1] in names
+        if (last := re.search(r"\} (\w+);$", strip_comments(block).rstrip())) and last[1] in names
     }
 
 
-def _state(plan: Plan) -> str:
+def _render_state(plan: Plan) -> str:
     """What a caller can hold against its own loop and device, and the members of the state."""
     rate_hz = 1.0 / plan.dt_s
     whole = abs(rate_hz - round(rate_hz)) < _WHOLE_HZ
     numbers = {
-        "RATE_HZ": str(round(rate_hz)) if whole else literal(plan.dtype(rate_hz)),
-        "DT_S": literal(plan.silence.dt_s),
-        "MAX_FORCE_N": literal(plan.output.max_n),
-        "TRAINED_DEPTH_M": literal(plan.range.max_m),
-        "WATCHDOG_S": literal(plan.dtype(plan.watchdog_s)),
+        "RATE_HZ": str(round(rate_hz)) if whole else c_literal(plan.dtype(rate_hz)),
+        "DT_S": c_literal(plan.silence.dt_s),
+        "MAX_FORCE_N": c_literal(plan.output.max_n),
+        "TRAINED_DEPTH_M": c_literal(plan.range.max_m),
+        "WATCHDOG_S": c_literal(plan.dtype(plan.watchdog_s)),
         "STATE_BYTES": str(state_bytes(plan)),
     }
-    return rendered(
+    return render_template(
         "state.h.j2",
         name=plan.scene.runtime.prefix.upper(),
         whole_hz=int(rate_hz + _WHOLE_HZ),
         numbers=numbers,
         types="\n\n".join(state_types(plan)),
-        members=state_members(plan),
+        members=list_state_members(plan),
         bytes=state_bytes(plan),
     )

@@ -14,8 +14,8 @@ from springpot.codegen.model.regressors import Forest, Quantisation
 from springpot.codegen.types import RealType
 
 MAX_BIN = 2**16 - 1  # of a leaf or a feature in 16 bits
-_ABOVE = 0.01  # of a feature's thresholds: room for values beyond the maximum
-_TOGETHER = 1 << 18  # samples times trees, traversed side by side: more leave the cache
+_RANGE_MARGIN = 0.01  # of a feature's thresholds: room for values beyond the maximum
+_CHUNK_TRAVERSALS = 1 << 18  # samples times trees, traversed side by side: more leave the cache
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +33,7 @@ class QuantisedLeaves:
     error_n: float
 
 
-def quantised_leaves(forest: Forest) -> QuantisedLeaves:
+def quantise_leaves(forest: Forest) -> QuantisedLeaves:
     """Spread 16 bits over the range of the leaves.
 
     Sums of whole numbers are exact, so that trees may be added in any order with the same bits.
@@ -53,7 +53,7 @@ def quantised_leaves(forest: Forest) -> QuantisedLeaves:
     )
 
 
-def forest_force(
+def predict_forest_n(
     forest: Forest, leaves: QuantisedLeaves, values: NDArray[np.float32], real: RealType
 ) -> Reals:
     """Force of rows of features (n, features), (n,), N: the sum of the quantised leaves, scaled.
@@ -63,24 +63,29 @@ def forest_force(
     inner, stored = forest.feature >= 0, leaves.quantised.astype(np.uint32)
     threshold = largest_float32_below(forest.threshold)
     children = np.stack([forest.right, forest.left], axis=1).ravel()
-    sums, trees = np.zeros(len(values), dtype=np.uint32), len(forest.roots)
-    for begin in range(0, len(values), rows := max(1, _TOGETHER // trees)):
+    leaf_sums, trees = np.zeros(len(values), dtype=np.uint32), len(forest.roots)
+    for begin in range(0, len(values), rows := max(1, _CHUNK_TRAVERSALS // trees)):
         part = np.ascontiguousarray(values[begin : begin + rows])
         flat, first = part.ravel(), np.repeat(np.arange(len(part)) * part.shape[1], trees)
-        at = np.tile(forest.roots, len(part))
-        active = np.flatnonzero(inner[at])
+        node = np.tile(forest.roots, len(part))
+        active = np.flatnonzero(inner[node])
         while len(active):
-            here = at.take(active)
-            is_left = flat.take(first.take(active) + forest.feature.take(here)) <= threshold[here]
-            here = children.take(2 * here + is_left)
-            at[active] = here
-            active = active[inner.take(here)]
-        sums[begin : begin + rows] = stored[at].reshape(-1, trees).sum(axis=1, dtype=np.uint32)
-    force_n: Reals = real(leaves.bias_n) + sums.astype(real) * real(leaves.leaf_step_n)
+            active_nodes = node.take(active)
+            is_left = (
+                flat.take(first.take(active) + forest.feature.take(active_nodes))
+                <= threshold[active_nodes]
+            )
+            active_nodes = children.take(2 * active_nodes + is_left)
+            node[active] = active_nodes
+            active = active[inner.take(active_nodes)]
+        leaf_sums[begin : begin + rows] = (
+            stored[node].reshape(-1, trees).sum(axis=1, dtype=np.uint32)
+        )
+    force_n: Reals = real(leaves.bias_n) + leaf_sums.astype(real) * real(leaves.leaf_step_n)
     return force_n
 
 
-def used_features(forest: Forest) -> NDArray[np.int32]:
+def find_used_features(forest: Forest) -> NDArray[np.int32]:
     """Columns that some split uses, ascending: (used,)."""
     return np.unique(forest.feature[forest.feature >= 0])
 
@@ -95,26 +100,26 @@ def largest_float32_below(threshold: Samples) -> NDArray[np.float32]:
     return np.where(above, np.nextafter(nearest, np.float32(-np.inf)), nearest)
 
 
-def level_order(forest: Forest) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
+def sort_by_level(forest: Forest) -> tuple[NDArray[np.int32], NDArray[np.int32]]:
     """Place and level of each node of the model, both (nodes,).
 
     Places go tree after tree, level by level, siblings adjacent: a node then names one child only.
     """
-    place, level_of = (np.empty(len(forest.feature), dtype=np.int32) for _ in range(2))
+    position, level_of = (np.empty(len(forest.feature), dtype=np.int32) for _ in range(2))
     placed = 0
     for root in forest.roots:
         level, depth = np.array([root]), 0
         while len(level):
-            place[level] = np.arange(placed, placed + len(level), dtype=np.int32)
+            position[level] = np.arange(placed, placed + len(level), dtype=np.int32)
             level_of[level] = depth
             placed += len(level)
             inner = level[forest.feature[level] >= 0]
             level = np.stack([forest.left[inner], forest.right[inner]], axis=1).ravel()
             depth += 1
-    return place, level_of
+    return position, level_of
 
 
-def rounded(quantisation: Quantisation, features: Reals) -> NDArray[np.float32]:
+def to_bins(quantisation: Quantisation, features: Reals) -> NDArray[np.float32]:
     """Bins of features (n, features), 0 .. 65535, as the float32 that scikit-learn takes."""
     feature_min = quantisation.feature_min.astype(np.float32)
     bins_per_unit = quantisation.bins_per_unit.astype(np.float32)
@@ -124,26 +129,26 @@ def rounded(quantisation: Quantisation, features: Reals) -> NDArray[np.float32]:
     return whole
 
 
-def quantisation_over(features: Samples) -> Quantisation:
+def fit_quantisation(features: Samples) -> Quantisation:
     """Bins that cover the values of each column, (n, features)."""
     feature_min, feature_max = features.min(axis=0), features.max(axis=0)
     span = np.where(feature_max > feature_min, feature_max - feature_min, 1.0)
     return Quantisation(feature_min=feature_min, bins_per_unit=MAX_BIN / span)
 
 
-def fewer_trees(forest: Forest, count: int) -> Forest:
+def keep_trees(forest: Forest, count: int) -> Forest:
     """The first `count` trees; where the force was the mean of the trees, their mean."""
     total = forest.weight * len(forest.roots)
     weight = total / count if np.isclose(total, 1.0) else forest.weight
-    return _reachable(replace(forest, roots=forest.roots[:count], weight=weight))
+    return _drop_unreachable(replace(forest, roots=forest.roots[:count], weight=weight))
 
 
-def larger_leaves(forest: Forest, leaves: int) -> Forest:
+def merge_leaves(forest: Forest, leaves: int) -> Forest:
     """Make one leaf, their mean, of each subtree of at most `leaves` leaves.
 
     Leaves hold about as many samples each, so that this is nearly a fit with larger leaves.
     """
-    _, level = level_order(forest)
+    _, level = sort_by_level(forest)
     count = (forest.feature < 0).astype(np.int64)
     total_n = np.where(count, forest.value_n, 0.0)
     for depth in range(int(level.max()) - 1, -1, -1):
@@ -152,42 +157,44 @@ def larger_leaves(forest: Forest, leaves: int) -> Forest:
             count[inner] += count[children]
             total_n[inner] += total_n[children]
     feature = np.where(count <= leaves, -1, forest.feature).astype(np.int32)
-    return _reachable(replace(forest, feature=feature, value_n=total_n / count))
+    return _drop_unreachable(replace(forest, feature=feature, value_n=total_n / count))
 
 
-def quantised(forest: Forest, n_features: int) -> Forest:
+def quantise_thresholds(forest: Forest, n_features: int) -> Forest:
     """Thresholds as 16-bit bins of their range: no table of them is needed."""
     if forest.quantisation is not None:
         return forest
     feature_min, bins_per_unit = np.zeros(n_features), np.ones(n_features)
     threshold = np.zeros(len(forest.threshold))
     for column in range(n_features):
-        here = forest.feature == column
-        if here.any():
-            values = forest.threshold[here]
-            span = (1.0 + _ABOVE) * float(np.ptp(values)) or 1.0
+        in_column = forest.feature == column
+        if in_column.any():
+            values = forest.threshold[in_column]
+            span = (1.0 + _RANGE_MARGIN) * float(np.ptp(values)) or 1.0
             feature_min[column], bins_per_unit[column] = values.min(), (MAX_BIN - 1) / span
-            threshold[here] = np.floor((values - feature_min[column]) * bins_per_unit[column] + 0.5)
+            threshold[in_column] = np.floor(
+                (values - feature_min[column]) * bins_per_unit[column] + 0.5
+            )
     return replace(
         forest, threshold=threshold, quantisation=Quantisation(feature_min, bins_per_unit)
     )
 
 
-def _reachable(forest: Forest) -> Forest:
+def _drop_unreachable(forest: Forest) -> Forest:
     keep = np.zeros(len(forest.feature), dtype=bool)
     reached = forest.roots
     while len(reached):
         keep[reached] = True
         inner = reached[forest.feature[reached] >= 0]
         reached = np.concatenate([forest.left[inner], forest.right[inner]])
-    place = (np.cumsum(keep) - 1).astype(np.int32)
+    new_index = (np.cumsum(keep) - 1).astype(np.int32)
     leaf = forest.feature[keep] < 0
     return replace(
         forest,
         feature=forest.feature[keep],
         threshold=forest.threshold[keep],
-        left=np.where(leaf, 0, place[forest.left[keep]]).astype(np.int32),
-        right=np.where(leaf, 0, place[forest.right[keep]]).astype(np.int32),
+        left=np.where(leaf, 0, new_index[forest.left[keep]]).astype(np.int32),
+        right=np.where(leaf, 0, new_index[forest.right[keep]]).astype(np.int32),
         value_n=forest.value_n[keep],
-        roots=place[forest.roots],
+        roots=new_index[forest.roots],
     )

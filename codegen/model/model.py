@@ -16,7 +16,7 @@ Contact = Literal["surface", "always"]
 
 
 @contextmanager
-def _naming(part: str) -> Iterator[None]:
+def _prefix_error(part: str) -> Iterator[None]:
     """Put a part's name before the field that an error names."""
     try:
         yield
@@ -77,20 +77,20 @@ class Model:
         """Raise DataError, with part, field and reason, for what cannot be rendered."""
         features, regressor, passive = self.features, self.regressor, self.hammerstein
         require(self.dt_s > 0.0, f"dt_s: {self.dt_s:g} s is no time step")
-        alone = (features is None) != (regressor is None)
-        require(not alone, "features, regressor: one without the other")
+        has_both_or_none = (features is None) != (regressor is None)
+        require(not has_both_or_none, "features, regressor: one without the other")
         adds = passive is not None and self.hammerstein_adds
         require(adds or regressor is not None, "regressor, hammerstein: no force")
         require(adds == self.hammerstein_adds, "hammerstein_adds: nothing to add")
-        placed = passive is not None and passive.places is not None
+        has_places = passive is not None and passive.places is not None
         alone_at_a_surface = adds and regressor is None and self.contact == "surface"
-        require(alone_at_a_surface or not placed, "places: need a passive model with a surface")
+        require(alone_at_a_surface or not has_places, "places: need a passive model with a surface")
         for name, part in (("trained", self.trained), ("features", features),
                            ("hammerstein", passive)):  # fmt: skip
-            with _naming(name):
+            with _prefix_error(name):
                 if part is not None:
                     part.require_valid()
-        with _naming("regressor"):
+        with _prefix_error("regressor"):
             if features is not None and regressor is not None:
                 regressor.require_valid(features.n_features)
 
@@ -112,9 +112,9 @@ class Model:
     @property
     def memory_s(self) -> float:
         """How far back it remembers, s."""
-        own = 0.0 if self.features is None else self.features.memory_s(self.dt_s)
+        features_s = 0.0 if self.features is None else self.features.memory_s(self.dt_s)
         adds = self.hammerstein is not None and self.hammerstein_adds
-        return max(own, self.hammerstein.memory_s if adds and self.hammerstein else 0.0)
+        return max(features_s, self.hammerstein.memory_s if adds and self.hammerstein else 0.0)
 
     def stiffened(self, factor: float) -> "Model":
         """The model of an object so many times stiffer: its force at x is this one's at factor x.

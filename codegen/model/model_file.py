@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.entry_points import registered
+from springpot.codegen.entry_points import load_entries
 from springpot.codegen.errors import DataError
 from springpot.codegen.files import read_bounded, write_file
 from springpot.codegen.model.features import (
@@ -35,7 +35,7 @@ MODEL_SCHEMA = 5
 MODEL_MAGIC = b"springpot-model"
 MODEL_SUFFIX = ".spm"
 _MAX_BYTES = 1 << 29  # a forest of 19 million nodes
-_WHAT = "springpot model: `springpot train --out FILE.spm` makes one"
+_FILE_DESCRIPTION = "springpot model: `springpot train --out FILE.spm` makes one"
 # The only types that a file can name; another package's kind adds its own with `register_part`.
 _PARTS: dict[str, type] = {
     part.__name__: part
@@ -59,7 +59,7 @@ def register_part(part: type) -> None:
 def model_hash(model: Model) -> str:
     """SHA-256 of everything in the model, independent of how a file packs it."""
     arrays: _Arrays = {}
-    header = _packed(model, "model", arrays)
+    header = _pack(model, "model", arrays)
     digest = hashlib.sha256(json.dumps(header, sort_keys=True).encode())
     for name in sorted(arrays):
         values = np.ascontiguousarray(arrays[name])
@@ -79,7 +79,7 @@ def model_bytes(model: Model) -> bytes:
     Raises DataError for a model that `read_model` would refuse.
     """
     arrays: _Arrays = {}
-    header = _packed(model, "model", arrays)
+    header = _pack(model, "model", arrays)
     try:
         model.require_valid()
     except DataError as error:
@@ -98,12 +98,14 @@ def read_model(path: Path) -> Model:
     Raises DataError if it is damaged, of another schema, or no model that can be rendered.
     """
     try:
-        first_line, _, body = read_bounded(path, _MAX_BYTES, _WHAT).partition(b"\n")
+        first_line, _, body = read_bounded(path, _MAX_BYTES, _FILE_DESCRIPTION).partition(b"\n")
     except OSError as error:
-        raise DataError(f"{path}: cannot be read ({error.strerror}): give a {_WHAT}") from None
+        raise DataError(
+            f"{path}: cannot be read ({error.strerror}): give a {_FILE_DESCRIPTION}"
+        ) from None
     found = re.fullmatch(MODEL_MAGIC + rb" ([0-9]{1,9}) ([0-9a-f]{64})", first_line)
     if not found:
-        raise DataError(f"{path}: not a {_WHAT}")
+        raise DataError(f"{path}: not a {_FILE_DESCRIPTION}")
     if int(found[1]) != MODEL_SCHEMA:
         raise DataError(
             f"{path}: model schema {int(found[1])}, this springpot reads {MODEL_SCHEMA}: upgrade "
@@ -114,10 +116,10 @@ def read_model(path: Path) -> Model:
     try:
         with np.load(io.BytesIO(body), allow_pickle=False) as stored:
             arrays = {name: stored[name] for name in stored.files}
-        model = _from_parts(json.loads(arrays.pop("header").tobytes()), arrays, "model")
+        model = _unpack(json.loads(arrays.pop("header").tobytes()), arrays, "model")
         if not isinstance(model, Model):
             raise DataError("describes no model")
-        _packed(model, "model", {})  # finite numbers alone, and known parts
+        _pack(model, "model", {})  # finite numbers alone, and known parts
         model.require_valid()
     except DataError as error:
         raise DataError(f"{path}: {error}: train again") from None
@@ -128,16 +130,16 @@ def read_model(path: Path) -> Model:
     return model
 
 
-def _packed(value: Any, path: str, arrays: _Arrays) -> object:
+def _pack(value: Any, path: str, arrays: _Arrays) -> object:
     """JSON of a part; its arrays go into `arrays` under their path."""
     if is_dataclass(value):
         name = type(value).__name__
         if name not in _PARTS:
             raise DataError(f"{path}: {name} is no known part: call register_part({name})")
         # What stands at its default is left out: a model's hash stays when parts gain fields.
-        names = [item.name for item in fields(value) if not _at_default(value, item)]
-        inside = {name: _packed(getattr(value, name), f"{path}.{name}", arrays) for name in names}
-        return {"part": name, **inside}
+        names = [item.name for item in fields(value) if not _is_default(value, item)]
+        members = {name: _pack(getattr(value, name), f"{path}.{name}", arrays) for name in names}
+        return {"part": name, **members}
     if isinstance(value, np.ndarray | float) and not np.isfinite(value).all():
         raise DataError(f"{path}: holds a number that is not finite: train on other recordings")
     if isinstance(value, np.ndarray):
@@ -148,14 +150,14 @@ def _packed(value: Any, path: str, arrays: _Arrays) -> object:
     return dict(value) if path == "model.provenance" else value
 
 
-def _at_default(part: Any, item: Field[Any]) -> bool:
+def _is_default(part: Any, item: Field[Any]) -> bool:
     """Whether a value is what a file without it means."""
     if "left_out" in item.metadata:
         return getattr(part, item.name) is None
     return isinstance(item.default, int | float) and getattr(part, item.name) == item.default
 
 
-def _from_parts(value: Any, arrays: _Arrays, path: str) -> Any:
+def _unpack(value: Any, arrays: _Arrays, path: str) -> Any:
     """The value of a field out of its JSON."""
     if not isinstance(value, dict) or path == "model.provenance":
         return value
@@ -165,8 +167,8 @@ def _from_parts(value: Any, arrays: _Arrays, path: str) -> Any:
         return arrays[value["array"]]
     name = value.pop("part")
     if name not in _PARTS:
-        registered("kinds", object)  # another package's kind brings parts of its own
+        load_entries("kinds", object)  # another package's kind brings parts of its own
     if name not in _PARTS:
         raise DataError(f"{path}: no known part {name!r}: install the package that adds its kind")
-    inside = {field: _from_parts(item, arrays, f"{path}.{field}") for field, item in value.items()}
+    inside = {field: _unpack(item, arrays, f"{path}.{field}") for field, item in value.items()}
     return _PARTS[name](**inside)

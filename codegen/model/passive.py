@@ -18,11 +18,11 @@ from springpot.codegen.messages import short_repr
 from springpot.codegen.model.places import MAX_NODES, Places
 
 _MAX_RATE_RATIO = 1e4  # of relaxation at the surface and at u = 1
-_ROUNDED = 1.0 - 1e-12
-FLOW_SHARE = 0.2  # of the force at u = 1: there a flow has its stated time constant
+_BOUND_TOLERANCE = 1.0 - 1e-12
+FLOW_REFERENCE_FRACTION = 0.2  # of the force at u = 1: there a flow has its stated time constant
 
 
-def _among(
+def _require_in(
     name: str, values: NDArray[np.int64], known: tuple[int, ...], shape: tuple[int, ...]
 ) -> None:
     require_shape(name, values, shape)
@@ -46,14 +46,14 @@ class Flow:
         """Raise DataError, with field and reason."""
         branches = (self.rate_ps.size,)
         require_positive("flow.rate_ps", self.rate_ps, branches)
-        _among("flow.power", self.power, (3, 5), branches)
-        _among("flow.degree", self.degree, (1, 2, 4), branches)
+        _require_in("flow.power", self.power, (3, 5), branches)
+        _require_in("flow.degree", self.degree, (1, 2, 4), branches)
         require_not_negative("flow.force_n", self.force_n, branches)
 
     @property
     def tau_s(self) -> Samples:
         """Time constant of each branch while it holds FLOW_SHARE, (F,), s."""
-        return 1.0 / (self.rate_ps * FLOW_SHARE ** (self.power - 1.0))
+        return 1.0 / (self.rate_ps * FLOW_REFERENCE_FRACTION ** (self.power - 1.0))
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,12 +71,12 @@ class Damage:
     def require_valid(self, nodes: int) -> None:
         """Raise DataError, with field and reason."""
         curves = self.heal_s.size
-        _among("damage.power", self.power, (1, 3), (curves,))
+        _require_in("damage.power", self.power, (1, 3), (curves,))
         require_not_negative("damage.heal_s", self.heal_s, (curves,))
         require_not_negative("damage.curve_n", self.curve_n, (curves, nodes))
 
 
-def power_order(part: Flow | Damage) -> Indices:
+def sort_by_power(part: Flow | Damage) -> Indices:
     """Numbers of the branches, or curves, lower powers first: as the C has them."""
     return np.argsort(part.power, kind="stable")
 
@@ -159,7 +159,7 @@ class Hammerstein:
         self.memory.require_valid(branches, flowing, curves)
         if self.places is not None:
             self.places.require_valid(self.slopes_n.size)
-            bounded = bool(np.all(self.slopes_n >= _ROUNDED * self.places.most_n))
+            bounded = bool(np.all(self.slopes_n >= _BOUND_TOLERANCE * self.places.most_n))
             require(bounded, "places: steeper somewhere than the curves beside them say")
 
     @property

@@ -35,8 +35,8 @@ class Places:
     def require_valid(self, slopes: int) -> None:
         """Raise DataError, with field and reason."""
         require(self.amounts.ndim == 3, f"places.amounts: {self.amounts.ndim} axes, not 3")
-        few = all(2 <= n <= MAX_NODES for n in self.nodes)
-        require(few, f"places.amounts: {self.nodes}, not 2 to {MAX_NODES}")
+        in_range = all(2 <= n <= MAX_NODES for n in self.nodes)
+        require(in_range, f"places.amounts: {self.nodes}, not 2 to {MAX_NODES}")
         require_shape("places.first_m", self.first_m, (2,))
         require_positive("places.step_m", self.step_m, (2,))
         materials = self.amounts.shape[2]
@@ -69,21 +69,22 @@ class Places:
         return most_n
 
 
-def grid_steps(
+def locate_in_grid(
     nodes: tuple[int, ...], first_m: Reals, per_step: Reals, place_m: Reals
 ) -> tuple[Real, ...]:
-    """sp_map_steps: a place in steps from the first node, x and y, within the grid."""
-    passed = ((place_m - first_m) * per_step).tolist()
+    """sp_map_grid_coordinate: a place in steps from the first node, x and y, within the grid."""
+    node_position = ((place_m - first_m) * per_step).tolist()
     real = per_step.dtype.type
     return tuple(
-        real(min(at if at > 0.0 else 0.0, n - 1)) for at, n in zip(passed, nodes, strict=True)
+        real(min(coordinate if coordinate > 0.0 else 0.0, n - 1))
+        for coordinate, n in zip(node_position, nodes, strict=True)
     )
 
 
-def amounts_at(amounts: Reals, first_m: Reals, per_step: Reals, place_m: Reals) -> Reals:
+def interpolate_amounts(amounts: Reals, first_m: Reals, per_step: Reals, place_m: Reals) -> Reals:
     """sp_map_amounts: amount of each material at a place, (materials,)."""
     real = amounts.dtype.type
-    steps = grid_steps(amounts.shape[:2], first_m, per_step, place_m)
+    steps = locate_in_grid(amounts.shape[:2], first_m, per_step, place_m)
     i, j = (min(int(at), nodes - 2) for at, nodes in zip(steps, amounts.shape[:2], strict=True))
     x, y, one = steps[0] - real(i), steps[1] - real(j), real(1)
     weights = ((one - x) * (one - y), (one - x) * y, x * (one - y), x * y)
@@ -94,9 +95,9 @@ def amounts_at(amounts: Reals, first_m: Reals, per_step: Reals, place_m: Reals) 
     return total
 
 
-def mixed(amount: Reals, materials: Reals) -> Reals:
+def mix_materials(amount: Reals, materials: Reals) -> Reals:
     """sp_map_mix: sum of the materials, (materials, n), by their amounts, in the order of the C."""
     total: Reals = amount[0] * materials[0]
-    for its, material in zip(amount[1:], materials[1:], strict=True):
-        total = total + its * material
+    for weight, material in zip(amount[1:], materials[1:], strict=True):
+        total = total + weight * material
     return total

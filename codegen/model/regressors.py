@@ -94,7 +94,7 @@ class Forest(Regressor):
         return replace(self, threshold=self.threshold / scale)
 
     def on_columns(self, columns: Indices) -> "Forest":
-        """The same on `columns` alone, which are all that it uses, ascending."""
+        """The same on `build_design_matrices` alone, which are all that it uses, ascending."""
         inner, steps = self.feature >= 0, self.quantisation
         feature = np.where(inner, np.searchsorted(columns, self.feature), -1).astype(np.int32)
         return replace(self, feature=feature, quantisation=steps and steps.take(columns))
@@ -124,8 +124,8 @@ class Rbf(Regressor):
         require_positive("scale", self.scale, (n_features,))
         for name in ("mean", "feature_min", "feature_max"):
             require_shape(name, getattr(self, name), (n_features,))
-        below = bool(np.all(self.feature_min <= self.feature_max))
-        require(below, "feature_min: above feature_max")
+        ordered = bool(np.all(self.feature_min <= self.feature_max))
+        require(ordered, "feature_min: above feature_max")
         require_shape("centers", self.centers, (len(self.weights_n), n_features))
         require_shape("weights_n", self.weights_n, (len(self.weights_n),))
         require_shape("tail_n", self.tail_n, (n_features + 1,))
@@ -166,14 +166,14 @@ def require_trees(forest: Forest, n_features: int) -> None:
     for name in ("feature", "threshold", "left", "right", "value_n"):
         require_shape(name, getattr(forest, name), (n,))
     require(forest.roots.ndim == 1 and len(forest.roots) > 0, "roots: no list of trees")
-    _require_within("feature", forest.feature, -1, n_features)
+    _require_range("feature", forest.feature, -1, n_features)
     for name in ("left", "right", "roots"):  # of leaves too: tables are built by indexing with them
-        _require_within(name, getattr(forest, name), 0, n)
+        _require_range(name, getattr(forest, name), 0, n)
     inner = forest.feature >= 0
     children = np.concatenate([forest.left[inner], forest.right[inner], forest.roots])
-    times = np.bincount(children, minlength=n)
-    if (bad := np.flatnonzero(times != 1)).size:
-        raise DataError(f"left, right: node {bad[0]} is reached {times[bad[0]]} times, not once")
+    visits = np.bincount(children, minlength=n)
+    if (bad := np.flatnonzero(visits != 1)).size:
+        raise DataError(f"left, right: node {bad[0]} is reached {visits[bad[0]]} times, not once")
     # Every node has one parent: what is still not reached from the roots lies on cycles.
     level, reached = forest.roots, 0
     for _ in range(MAX_DEPTH + 1):
@@ -188,7 +188,7 @@ def require_trees(forest: Forest, n_features: int) -> None:
         raise DataError(f"left, right: {n - reached} nodes lie on cycles")
 
 
-def _require_within(name: str, values: NDArray[np.int32], begin: int, end: int) -> None:
+def _require_range(name: str, values: NDArray[np.int32], begin: int, end: int) -> None:
     if values.size and not (values.min() >= begin and values.max() < end):
         bad = int(np.flatnonzero((values < begin) | (values >= end))[0])
         raise DataError(f"{name}: {values[bad]} at {bad} is outside {begin} .. {end - 1}")

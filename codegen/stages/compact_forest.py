@@ -10,22 +10,22 @@ from springpot.codegen.errors import UsageError
 from springpot.codegen.model.forest import (
     MAX_BIN,
     QuantisedLeaves,
+    find_used_features,
     largest_float32_below,
-    level_order,
-    used_features,
+    sort_by_level,
 )
 from springpot.codegen.model.regressors import Forest
-from springpot.codegen.stages.stage import padded
+from springpot.codegen.stages.stage import round_up
 
 # Metadata of sp_forest.h and sp_forest_x86.h; a test compares them with the headers.
 COMPACT_SLOT_BITS = 4
 LEVELS = 4
-REST = 10  # the plain C traverses this many trees at once, or a multiple
-VECTOR = 16  # trees side by side in the widest vector unit
+TREES_PER_PASS = 10  # the plain C traverses this many trees at once, or a multiple
+MAX_VECTOR_TREES = 16  # trees side by side in the widest vector unit
 
 ENTRIES = 1 << LEVELS
 _MAX_STEP = 2 ** (16 - COMPACT_SLOT_BITS) - 1
-_TOGETHER = 3  # levels that lie together below the first ones
+_LEVELS_PER_LINE = 3  # levels that lie together below the first ones
 
 Ints = NDArray[np.int64]
 
@@ -54,7 +54,7 @@ class _Order:
     first levels. roots: (trees,). size: nodes in the table.
     """
 
-    place: Ints
+    table_index: Ints
     level: NDArray[np.int32]
     tree: Ints
     heap: Ints
@@ -67,7 +67,7 @@ def compact_forest(forest: Forest, leaves: QuantisedLeaves) -> CompactForest:
 
     Raises UsageError where 4 bytes do not do.
     """
-    columns = used_features(forest)
+    columns = find_used_features(forest)
     if len(columns) >= 1 << COMPACT_SLOT_BITS:
         raise UsageError(
             f"a forest on {len(columns)} features: the C's nodes of 4 bytes name "
@@ -75,12 +75,12 @@ def compact_forest(forest: Forest, leaves: QuantisedLeaves) -> CompactForest:
         )
     leaf = forest.feature < 0
     slot = np.where(leaf, 0, np.searchsorted(columns, forest.feature) + 1)
-    thresholds, bin_index = _bins(forest, columns)
-    order = _order(forest)
+    thresholds, bin_index = _rank_thresholds(forest, columns)
+    order = _sort_nodes(forest)
     low = order.level >= LEVELS
     # Above LEVELS heap positions name the children (2 h, 2 h + 1). A leaf's step is 0 and its slot
     # 0. Its bin, 0, is above no node's: a traversal that goes on stays there.
-    step = np.where(leaf | ~low, 0, order.place[forest.left] - order.place)
+    step = np.where(leaf | ~low, 0, order.table_index[forest.left] - order.table_index)
     if bin_index.max(initial=0) > MAX_BIN or step.max(initial=0) > _MAX_STEP:
         raise UsageError(
             "the forest is too large for the C's nodes of 4 bytes: fit fewer trees or larger "
@@ -88,9 +88,11 @@ def compact_forest(forest: Forest, leaves: QuantisedLeaves) -> CompactForest:
         )
     stored = low | leaf
     nodes = np.zeros((order.size, 2), dtype=np.uint16)
-    nodes[order.place[stored], 0] = (step << COMPACT_SLOT_BITS | slot)[stored]
-    nodes[order.place[stored], 1] = np.where(leaf, leaves.quantised, bin_index)[stored]
-    n_padded = padded(padded(len(order.roots), REST), VECTOR)  # every traversal: whole groups
+    nodes[order.table_index[stored], 0] = (step << COMPACT_SLOT_BITS | slot)[stored]
+    nodes[order.table_index[stored], 1] = np.where(leaf, leaves.quantised, bin_index)[stored]
+    n_padded = round_up(
+        round_up(len(order.roots), TREES_PER_PASS), MAX_VECTOR_TREES
+    )  # every traversal: whole groups
     top = np.zeros((ENTRIES - 1, n_padded, 2), dtype=np.uint16)  # zeros send everything to the left
     high = ~low & ~leaf
     top[order.heap[high] - 1, order.tree[high], 0] = slot[high]
@@ -102,7 +104,7 @@ def compact_forest(forest: Forest, leaves: QuantisedLeaves) -> CompactForest:
     )
 
 
-def _bins(forest: Forest, columns: NDArray[np.int32]) -> tuple[tuple[Any, ...], Ints]:
+def _rank_thresholds(forest: Forest, columns: NDArray[np.int32]) -> tuple[tuple[Any, ...], Ints]:
     """Sorted thresholds of each used feature, and the bin of each split, one for each node.
 
     Quantised features are their own bins: no thresholds are needed.
@@ -121,37 +123,37 @@ def _bins(forest: Forest, columns: NDArray[np.int32]) -> tuple[tuple[Any, ...], 
     return tuple(thresholds), bin_index
 
 
-def _order(forest: Forest) -> _Order:
+def _sort_nodes(forest: Forest) -> _Order:
     """Places of nodes: first levels by heap position; below, three levels of a subtree together.
 
     All trees take the first levels in step, so that a vector reads one row of them; below, where
     trees part, what is read next should lie in the cache line that was just read.
     """
-    before, level = level_order(forest)
-    heap = np.zeros(len(before), dtype=np.int64)
-    tree = np.zeros(len(before), dtype=np.int64)
+    depth_first, level = sort_by_level(forest)
+    heap = np.zeros(len(depth_first), dtype=np.int64)
+    tree = np.zeros(len(depth_first), dtype=np.int64)
     heap[forest.roots], tree[forest.roots] = 1, np.arange(len(forest.roots))
     # Three levels below a node are 7 pairs of children, 56 bytes: about a cache line together.
-    block = np.arange(len(before))
+    block = np.arange(len(depth_first))
     for depth in range(int(level.max())):
         inner = np.flatnonzero((level == depth) & (forest.feature >= 0))
         for side, children in enumerate((forest.left[inner], forest.right[inner])):
             tree[children] = tree[inner]
             if depth < LEVELS:
                 heap[children] = 2 * heap[inner] + side
-            elif (depth + 1 - LEVELS) % _TOGETHER:
+            elif (depth + 1 - LEVELS) % _LEVELS_PER_LINE:
                 block[children] = block[inner]
     parents = np.flatnonzero((level >= LEVELS) & (forest.feature >= 0))
     # `before` counts tree after tree, so that trees stay apart in this order.
-    parents = parents[np.lexsort((before[parents], before[block[parents]]))]
+    parents = parents[np.lexsort((depth_first[parents], depth_first[block[parents]]))]
     pairs = np.bincount(tree[parents], minlength=len(forest.roots))
     roots = ENTRIES * np.arange(len(pairs)) + 2 * np.concatenate([[0], np.cumsum(pairs)[:-1]])
-    place = np.zeros(len(before), dtype=np.int64)
+    table_index = np.zeros(len(depth_first), dtype=np.int64)
     first = ENTRIES * (tree[parents] + 1) + 2 * np.arange(len(parents))
-    place[forest.left[parents]], place[forest.right[parents]] = first, first + 1
+    table_index[forest.left[parents]], table_index[forest.right[parents]] = first, first + 1
     entering = level <= LEVELS
     # A leaf above LEVELS sends everything to the left: its heap position, shifted down to LEVELS.
     lowered = heap[entering] << (LEVELS - level[entering])
-    place[entering] = roots[tree[entering]] + lowered - ENTRIES
+    table_index[entering] = roots[tree[entering]] + lowered - ENTRIES
     size = ENTRIES * len(pairs) + 2 * len(parents) + 1  # the last one is what padding ends at
-    return _Order(place, level, tree, heap, roots, size)
+    return _Order(table_index, level, tree, heap, roots, size)

@@ -11,7 +11,7 @@ import numpy as np
 from springpot.codegen.arrays import Indices, Reals, Samples
 from springpot.codegen.literals import array_text
 from springpot.codegen.model.features import FastFirBank, RecursiveBank
-from springpot.codegen.model.formulas import SMALLEST, loss_and_gain, numbers, relaxing
+from springpot.codegen.model.formulas import SMALLEST, compute_loss_and_gain, relax_pole, to_scalars
 from springpot.codegen.stages.stage import (
     DOUBLE,
     REAL,
@@ -21,8 +21,8 @@ from springpot.codegen.stages.stage import (
     Probe,
     Starts,
     feature_stage,
-    held_before,
-    padded,
+    pad_history,
+    round_up,
     stage_code,
     window_members,
 )
@@ -63,21 +63,21 @@ class WeightedSumStage(FeatureStage):
         return total
 
 
-def in_lanes(weights: Reals, used: Indices, dtype: type) -> Reals:
+def pad_columns(weights: Reals, used: Indices, dtype: type) -> Reals:
     """The columns `used`, padded with zeros to whole vectors: (terms, capacity)."""
-    found: Reals = np.zeros((len(weights), padded(max(len(used), 1))), dtype=dtype)
-    found[:, : len(used)] = weights[:, used]
-    return found
+    padded_weights: Reals = np.zeros((len(weights), round_up(max(len(used), 1))), dtype=dtype)
+    padded_weights[:, : len(used)] = weights[:, used]
+    return padded_weights
 
 
-def pole_states(loss: Reals, rises: Reals, h: Reals) -> Reals:
+def step_poles(loss: Reals, rises: Reals, h: Reals) -> Reals:
     """sp_poles.h: states after each tick, (n, poles), from h, (poles,); rises (n,), (n, poles)."""
     if rises.shape == (1, len(h)):  # all poles at once
         states: Reals = h + (rises - loss * h)
         return states * (np.abs(states) >= SMALLEST)
     states = np.empty((len(rises), len(h)), dtype=loss.dtype)
-    for k, (its_loss, begin) in enumerate(zip(numbers(loss), numbers(h), strict=True)):
-        states[:, k] = relaxing(its_loss, rises if rises.ndim == 1 else rises[:, k], begin)
+    for k, (pole_loss, begin) in enumerate(zip(to_scalars(loss), to_scalars(h), strict=True)):
+        states[:, k] = relax_pole(pole_loss, rises if rises.ndim == 1 else rises[:, k], begin)
     return states
 
 
@@ -125,11 +125,11 @@ class RecursiveStage(WeightedSumStage):
 
     def reference(self, depth: Reals, starts: Starts) -> Reals:
         result = np.zeros((len(depth), self.n_features), dtype=depth.dtype)
-        for rows, samples in held_before(depth, starts, 1):
+        for rows, samples in pad_history(depth, starts, 1):
             rises = np.diff(samples)
-            fast = pole_states(self.loss, rises, np.zeros_like(self.loss))
+            fast = step_poles(self.loss, rises, np.zeros_like(self.loss))
             slow_rises, at_rest = rises.astype(np.float64), np.zeros_like(self.slow_loss)
-            slow = pole_states(self.slow_loss, slow_rises, at_rest)
+            slow = step_poles(self.slow_loss, slow_rises, at_rest)
             states = np.concatenate([fast, slow.astype(depth.dtype)], axis=1)
             result[rows] = self.weigh(states)[:, : self.n_features]
         return result
@@ -141,14 +141,14 @@ def recursive_stage(
 ) -> RecursiveStage:
     """Keep the columns `used`; order the poles fast first."""
     order = np.argsort(bank.tau_s)
-    loss, gain = loss_and_gain(bank.tau_s[order], dt_s)
+    loss, gain = compute_loss_and_gain(bank.tau_s[order], dt_s)
     slow = bank.tau_s[order] > SLOW_TICKS * dt_s
     slow &= dtype is np.float32
     return RecursiveStage(
         orders=tuple(bank.orders[i] for i in used),
         loss=loss[~slow].astype(dtype),
         slow_loss=loss[slow],
-        weights=in_lanes(gain[:, None] * bank.weights[order], used, dtype),
+        weights=pad_columns(gain[:, None] * bank.weights[order], used, dtype),
     )
 
 
@@ -189,7 +189,7 @@ class FastFirStage(WeightedSumStage):
 
     def reference(self, depth: Reals, starts: Starts) -> Reals:
         result = np.zeros((len(depth), self.n_features), dtype=depth.dtype)
-        for rows, samples in held_before(depth, starts, self.length):
+        for rows, samples in pad_history(depth, starts, self.length):
             terms = self._terms(samples, rows.stop - rows.start)
             result[rows] = self.weigh(terms)[:, : self.n_features]
         return result
@@ -214,11 +214,11 @@ class FastFirStage(WeightedSumStage):
 def fast_fir_stage(bank: FastFirBank, used: Columns, dt_s: float, dtype: RealType) -> FastFirStage:
     """Keep the columns `used` of the bank."""
     n_direct = len(bank.weights) - len(bank.tau_ticks) - 1
-    own = bank.length - 1 - n_direct
+    tail_length = bank.length - 1 - n_direct
     return FastFirStage(
         orders=tuple(bank.orders[i] for i in used),
         keep=np.exp(-1.0 / bank.tau_ticks).astype(dtype),
-        leave=np.exp(-own / bank.tau_ticks).astype(dtype),
-        weights=in_lanes(bank.weights, used, dtype),
+        leave=np.exp(-tail_length / bank.tau_ticks).astype(dtype),
+        weights=pad_columns(bank.weights, used, dtype),
         length=bank.length,
     )

@@ -8,13 +8,13 @@ import numpy as np
 
 from springpot.codegen.arrays import Reals
 from springpot.codegen.errors import UsageError
-from springpot.codegen.literals import array_text, constant_text, members_text, wrapped
+from springpot.codegen.literals import array_text, constant_text, members_text, wrap_items
 from springpot.codegen.model.forest import (
     QuantisedLeaves,
-    forest_force,
     largest_float32_below,
-    quantised_leaves,
-    rounded,
+    predict_forest_n,
+    quantise_leaves,
+    to_bins,
 )
 from springpot.codegen.model.regressors import Forest
 from springpot.codegen.scene import Runtime
@@ -47,18 +47,18 @@ class ForestStage(RegressorStage):
 
     def tables(self) -> list[str]:
         leaves, steps = self.leaves, self.forest.quantisation
-        found = [
+        lines = [
             f"enum {{\n    N_FEATURES = {self.n_features}\n}};",
             constant_text("leaf_step_n", self.dtype(leaves.leaf_step_n)),
             constant_text("forest_bias_n", self.dtype(leaves.bias_n)),
         ]
         if steps is not None:
-            found += [
+            lines += [
                 "/* A feature's minimum, and its bins in a unit (sp_quantise.h). */",
                 array_text("feature_min", "float", steps.feature_min.astype(np.float32)),
                 array_text("bins_per_unit", "float", steps.bins_per_unit.astype(np.float32)),
             ]
-        return found
+        return lines
 
     def manifest(self) -> JsonObject:
         return {"leaf_error_n": self.leaves.error_n}
@@ -66,8 +66,8 @@ class ForestStage(RegressorStage):
     def reference(self, features: Reals) -> Reals:
         values = features.astype(np.float32)
         if self.forest.quantisation is not None:
-            values = rounded(self.forest.quantisation, values)
-        return forest_force(self.forest, self.leaves, values, self.dtype)
+            values = to_bins(self.forest.quantisation, values)
+        return predict_forest_n(self.forest, self.leaves, values, self.dtype)
 
 
 @dataclass(frozen=True, eq=False)
@@ -143,7 +143,7 @@ class IfsStage(ForestStage):
         return ("sp_quantise.h",) if self.forest.quantisation is not None else ()
 
     def tables(self) -> list[str]:
-        return [*super().tables(), score_source(self.forest, self.leaves)]
+        return [*super().tables(), render_score(self.forest, self.leaves)]
 
 
 @regressor_stage.register
@@ -155,7 +155,7 @@ def forest_stage(
     Raises UsageError for a forest that is too large for either.
     """
     forest = forest.on_columns(used)
-    leaves = quantised_leaves(forest)
+    leaves = quantise_leaves(forest)
     if runtime.forest == "m2cgen":
         return IfsStage(forest, leaves, len(used), dtype)
     compact = compact_forest(forest, leaves)
@@ -163,7 +163,7 @@ def forest_stage(
     return CompactForestStage(forest, leaves, len(used), dtype, compact, vectors)
 
 
-def score_source(forest: Forest, leaves: QuantisedLeaves) -> str:
+def render_score(forest: Forest, leaves: QuantisedLeaves) -> str:
     """C function forest_score: the sum of the quantised leaves, the same number as the table's.
 
     Leaves are whole numbers, so that the sum is exact in any order. Raises UsageError for forests
@@ -202,4 +202,4 @@ def score_source(forest: Forest, leaves: QuantisedLeaves) -> str:
 
 def _nodes(name: str, nodes: Any) -> list[str]:
     pairs = [f"{{{step}, {bin_index}}}" for step, bin_index in nodes.tolist()]
-    return [f"static const sp_forest_node {name}[{len(pairs)}] = {{", *wrapped(pairs), "};"]
+    return [f"static const sp_forest_node {name}[{len(pairs)}] = {{", *wrap_items(pairs), "};"]

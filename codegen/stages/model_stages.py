@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from springpot.codegen.arrays import Flags, Real, Reals
-from springpot.codegen.entry_points import blaming
+from springpot.codegen.entry_points import blame_package
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
@@ -47,7 +47,7 @@ class Stages:
     excess: tuple[HammersteinStage, HammersteinStage] | None
 
 
-def model_force(
+def compute_model_force(
     stages: Stages,
     motion: dict[str, Reals],
     starts: Starts,
@@ -79,31 +79,31 @@ def model_force(
     return np.where(contact, force_n, zero)
 
 
-def clip(config: RangeConfig, depth: Reals) -> tuple[Reals, Flags]:
+def clip_depth(config: RangeConfig, depth: Reals) -> tuple[Reals, Flags]:
     """sp_range.h: clipped depth, (n,), m, and where it was outside."""
     above, below = depth > config.max_m, depth < config.min_m
     clipped = np.where(above, config.max_m, np.where(below, config.min_m, depth))
     return clipped.astype(depth.dtype), above | below
 
 
-def model_stages(model: Model, scene: Scene, ticks: SceneTicks) -> Stages:
+def build_stages(model: Model, scene: Scene, ticks: SceneTicks) -> Stages:
     """Resolve the model's part; beyond the trained depth as `guard.outside` of the scene says."""
-    falls_back = scene.guard.outside == "fallback" and model.hammerstein is not None
+    uses_fallback = scene.guard.outside == "fallback" and model.hammerstein is not None
     passive, excess = None, None
 
-    def along(follows: str) -> HammersteinStage:
+    def passive_stage(follows: str) -> HammersteinStage:
         assert model.hammerstein is not None
         return hammerstein_stage(model.hammerstein, ticks, follows)
 
     if model.hammerstein is not None and model.hammerstein_adds:
-        passive = along("penetration" if falls_back else "clipped")
-    elif model.hammerstein is not None and falls_back:
-        excess = (along("penetration"), along("clipped"))
+        passive = passive_stage("penetration" if uses_fallback else "clipped")
+    elif model.hammerstein is not None and uses_fallback:
+        excess = (passive_stage("penetration"), passive_stage("clipped"))
     if model.features is None or model.regressor is None:
         return Stages(None, None, passive, excess)
     used = model.regressor.used_columns(model.features.n_features)
-    with blaming("the stage of the features", type(model.features), UsageError):
+    with blame_package("the stage of the features", type(model.features), UsageError):
         features = feature_stage(model.features, used, ticks.dt_s, ticks.dtype)
-    with blaming("the stage of the regressor", type(model.regressor), UsageError):
+    with blame_package("the stage of the regressor", type(model.regressor), UsageError):
         regressor = regressor_stage(model.regressor, used, scene.runtime, ticks.dtype)
     return Stages(features, regressor, passive, excess)

@@ -12,8 +12,8 @@ from springpot.codegen.scene import Runtime
 from springpot.codegen.stages.stage import (
     Columns,
     RegressorStage,
-    padded,
     regressor_stage,
+    round_up,
     stage_code,
 )
 from springpot.codegen.types import RealType, Scalar
@@ -75,7 +75,7 @@ def rbf_stage(rbf: Rbf, used: Columns, runtime: Runtime, dtype: RealType) -> Rbf
     n, n_features = rbf.centers.shape
     if n_features != 2:
         raise UsageError(f"radial basis functions on {n_features} features: the C has two")
-    capacity = padded(n, RBF_VECTOR_WIDTH)
+    capacity = round_up(n, RBF_VECTOR_WIDTH)
     centers: Reals = np.zeros((2, capacity), dtype=dtype)
     centers[:, :n] = rbf.centers.T
     weights: Reals = np.zeros(capacity, dtype=dtype)

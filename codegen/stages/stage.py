@@ -23,7 +23,7 @@ Starts = Indices  # ticks at which the history restarts with the sample held
 
 REAL, U32, DOUBLE = "real", "u32", "double"
 VECTOR_WIDTH = 4  # SP_VECTOR_WIDTH of sp_weighted_sum.h
-LARGEST = 1e6  # SP_LARGEST
+LARGEST = 1e6  # SP_MAX_STATE
 
 
 @dataclass(frozen=True)
@@ -168,29 +168,29 @@ def regressor_stage(
     raise TypeError(f"{type(regressor).__name__} has no stage: register one with regressor_stage")
 
 
-def vector_width_of(runtime: Runtime) -> int:
+def select_vector_width(runtime: Runtime) -> int:
     """Numbers that tables are padded to whole vectors of; 1 where the target has no vectors."""
     return VECTOR_WIDTH if runtime.target == "host" else 1
 
 
-def flushed(x: Scalar) -> Scalar:
-    """sp_flushed: one number, or 0 where it would be near denormal."""
+def flush_denormal(x: Scalar) -> Scalar:
+    """sp_flush_denormal: one number, or 0 where it would be near denormal."""
     return x.dtype.type(0) if abs(x) < x.dtype.type(SMALLEST) else x
 
 
-def smoothed(weight: Scalar, average: Scalar, newest: Scalar) -> Scalar:
+def smooth_average(weight: Scalar, average: Scalar, newest: Scalar) -> Scalar:
     """sp_smooth: a moving average with the newest value in it."""
-    return flushed(average + weight * (newest - average))
+    return flush_denormal(average + weight * (newest - average))
 
 
-def bounded(x: Scalar) -> Scalar:
-    """sp_bounded: a state within +-LARGEST; what is no number becomes the largest."""
+def clamp_state(x: Scalar) -> Scalar:
+    """sp_clamp_state: a state within +-LARGEST; what is no number becomes the largest."""
     largest = x.dtype.type(LARGEST)
     below = x if x < largest else largest
     return below if below > -largest else -largest
 
 
-def padded(n: int, vector_width: int = VECTOR_WIDTH) -> int:
+def round_up(n: int, vector_width: int = VECTOR_WIDTH) -> int:
     """Return n rounded up to whole vectors."""
     return -(-n // vector_width) * vector_width
 
@@ -201,18 +201,17 @@ def segments(length: int, starts: Starts) -> list[tuple[int, int, bool]]:
     return [(begin, end, bool(i)) for i, (begin, end) in enumerate(pairwise(bounds)) if begin < end]
 
 
-def held_before(depth: Reals, starts: Starts, length: int) -> list[tuple[slice, Reals]]:
+def pad_history(depth: Reals, starts: Starts, length: int) -> list[tuple[slice, Reals]]:
     """Rows of each stretch, and its samples, (length + rows,), m, with the past in front.
 
     Before a stretch the object has rested at its first sample, before the first one at 0.
     """
     zero = depth.dtype.type(0)
-    return [
-        (slice(begin, end), np.concatenate(
-            [np.full(length, depth[begin] if held else zero, dtype=depth.dtype), depth[begin:end]]
-        ))
-        for begin, end, held in segments(len(depth), starts)
-    ]  # fmt: skip
+    padded = []
+    for begin, end, continues in segments(len(depth), starts):
+        past = np.full(length, depth[begin] if continues else zero, dtype=depth.dtype)
+        padded.append((slice(begin, end), np.concatenate([past, depth[begin:end]])))
+    return padded
 
 
 def stage_code(name: str) -> str:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from springpot.codegen.arrays import Real, Reals
 from springpot.codegen.literals import array_text, constant_text
 from springpot.codegen.model.features import FirBank, Lags, PositionVelocity
-from springpot.codegen.model.formulas import foaw
+from springpot.codegen.model.formulas import estimate_foaw_velocity
 from springpot.codegen.stages.stage import (
     REAL,
     U32,
@@ -24,16 +24,16 @@ from springpot.codegen.stages.stage import (
     Stage,
     Starts,
     feature_stage,
-    held_before,
-    padded,
-    smoothed,
+    pad_history,
+    round_up,
+    smooth_average,
     stage_code,
     window_members,
 )
 from springpot.codegen.types import RealType, Scalar
 
-SUMS = 16  # SP_TAPS_SUMS
-TIME_S = 0.004  # of the low-pass
+N_PARTIAL_SUMS = 16  # SP_TAPS_LANES
+LOWPASS_TAU_S = 0.004  # of the low-pass
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,26 +74,26 @@ class FirStage(FeatureStage):
         return Probe(
             inputs=length,
             outputs=rows,
-            sums=lambda made_up: np.array([tap_sums(row, made_up, 1)[0] for row in self.taps]),
+            sums=lambda made_up: np.array([sum_taps(row, made_up, 1)[0] for row in self.taps]),
         )
 
     def reference(self, depth: Reals, starts: Starts) -> Reals:
         length = self.taps.shape[1]
         result = np.zeros((len(depth), self.n_features), dtype=depth.dtype)
-        for rows, samples in held_before(depth, starts, length - 1):
+        for rows, samples in pad_history(depth, starts, length - 1):
             n = len(samples) - length + 1
             newest_first = samples[::-1]
             for i in range(self.n_features):
-                result[rows, i] = tap_sums(self.taps[i], newest_first, n)[::-1]
+                result[rows, i] = sum_taps(self.taps[i], newest_first, n)[::-1]
         return result
 
 
-def tap_sums(taps: Reals, newest_first: Reals, n: int) -> Reals:
+def sum_taps(taps: Reals, newest_first: Reals, n: int) -> Reals:
     """sp_taps.h for n windows, the newest first, each a sample earlier: shape (n,), m/s^r."""
     windows = sliding_window_view(np.ascontiguousarray(newest_first), n)
-    s = np.zeros((SUMS, n), dtype=taps.dtype)
-    for k in range(0, len(taps), SUMS):
-        s += taps[k : k + SUMS, None] * windows[k : k + SUMS]
+    s = np.zeros((N_PARTIAL_SUMS, n), dtype=taps.dtype)
+    for k in range(0, len(taps), N_PARTIAL_SUMS):
+        s += taps[k : k + N_PARTIAL_SUMS, None] * windows[k : k + N_PARTIAL_SUMS]
     s = s[:8] + s[8:]
     s = s[:4] + s[4:]
     total: Reals = (s[0] + s[2]) + (s[1] + s[3])
@@ -104,7 +104,7 @@ def tap_sums(taps: Reals, newest_first: Reals, n: int) -> Reals:
 def fir_stage(bank: FirBank, used: Columns, dt_s: float, dtype: RealType) -> FirStage:
     """Keep the columns `used` of the bank."""
     n_taps = len(bank.taps)
-    taps: Reals = np.zeros((max(len(used), 1), padded(n_taps, SUMS)), dtype=dtype)
+    taps: Reals = np.zeros((max(len(used), 1), round_up(n_taps, N_PARTIAL_SUMS)), dtype=dtype)
     taps[: len(used), :n_taps] = bank.taps[:, used].T
     return FirStage(orders=tuple(bank.orders[i] for i in used), taps=taps, n_taps=n_taps)
 
@@ -143,7 +143,7 @@ class LagsStage(FeatureStage):
     def reference(self, depth: Reals, starts: Starts) -> Reals:
         longest = self._length - 1
         result = np.zeros((len(depth), self.n_features), dtype=depth.dtype)
-        for rows, samples in held_before(depth, starts, longest):
+        for rows, samples in pad_history(depth, starts, longest):
             n = len(samples) - longest
             for i, lag in enumerate(self.lags.tolist()):
                 result[rows, i] = samples[longest - lag : longest - lag + n]
@@ -193,13 +193,13 @@ class PositionVelocityStage(FeatureStage):
     def reference(self, depth: Reals, starts: Starts) -> Reals:
         length = len(self.per_step)
         velocity = np.zeros_like(depth)
-        for rows, samples in held_before(depth, starts, length):
+        for rows, samples in pad_history(depth, starts, length):
             windows = sliding_window_view(samples, length + 1)
-            velocity[rows] = foaw(self.per_step, self.band_m, windows)
+            velocity[rows] = estimate_foaw_velocity(self.per_step, self.band_m, windows)
             if self.weight is not None:
                 average = velocity.dtype.type(0)
                 for i in range(rows.start, rows.stop):
-                    velocity[i] = average = smoothed(self.weight, average, velocity[i])
+                    velocity[i] = average = smooth_average(self.weight, average, velocity[i])
         return np.stack([depth, velocity], axis=1)
 
 
@@ -233,10 +233,10 @@ class ToolVelocityStage(Stage):
 
     def next(self, velocity_mps: Scalar, before_m: Scalar, x: Scalar) -> Scalar:
         """sp_tool_velocity: the velocity at x, m/s, a tick after before_m."""
-        return smoothed(self.weight, velocity_mps, (x - before_m) * self.rate_hz)
+        return smooth_average(self.weight, velocity_mps, (x - before_m) * self.rate_hz)
 
 
-def tool_velocity_stage(ticks: SceneTicks) -> ToolVelocityStage:
+def build_tool_velocity_stage(ticks: SceneTicks) -> ToolVelocityStage:
     """Difference at 1/dt_s, low-passed over TIME_S by backward Euler."""
     dt_s, dtype = ticks.dt_s, ticks.dtype
-    return ToolVelocityStage(rate_hz=dtype(1.0 / dt_s), weight=dtype(dt_s / (dt_s + TIME_S)))
+    return ToolVelocityStage(rate_hz=dtype(1.0 / dt_s), weight=dtype(dt_s / (dt_s + LOWPASS_TAU_S)))

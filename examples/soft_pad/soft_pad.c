@@ -1,4 +1,4 @@
-/* springpot 0.1.0 56baaa85fe73c27df31e930dd9ede129ed471cbf0cb3de1596713df1c5ab7bf6 */
+/* springpot 0.1.0 a5f9e9bc60de1ef6b2c3000f8e8c7205c89e63dbb7e99b0cfd50b11db5e385a8 */
 /* pad: the whole scene, its self-test too. How to call it: soft_pad.h.
  *
  * In the order of a tick: units, each named by its file in springpot and without what this scene does
@@ -45,37 +45,37 @@ typedef char soft_pad_int_is_as_planned[sizeof(int) >= 4 ? 1 : -1];
 /* A function that few ticks call, out of the way of the others; and a long one that is called in
  * two places: a copy in each would cost the inlining within it. */
 #if defined(__GNUC__)
-#define SP_RARE __attribute__((noinline, cold, unused)) static
-#define SP_APART __attribute__((noinline)) static
+#define SP_COLD __attribute__((noinline, cold, unused)) static
+#define SP_NOINLINE __attribute__((noinline)) static
 #else
-#define SP_RARE static inline
-#define SP_APART static
+#define SP_COLD static inline
+#define SP_NOINLINE static
 #endif
 
 /* A length of time: positive, not infinite and not NaN, without libm. */
-static inline int soft_pad_is_time(float x)
+static inline int soft_pad_is_valid_dt(float x)
 {
     return x == x && x > (float)0 && x <= SP_REAL_MAX;
 }
 
 /* Values below this are 0: a denormal costs a hundred times a number's time on some processors. */
-#define SP_SMALLEST_DOUBLE 1e-30
-#define SP_SMALLEST ((float)SP_SMALLEST_DOUBLE)
+#define SP_FLUSH_BELOW_DOUBLE 1e-30
+#define SP_FLUSH_BELOW ((float)SP_FLUSH_BELOW_DOUBLE)
 
-static inline float soft_pad_flushed(float x)
+static inline float soft_pad_flush_denormal(float x)
 {
-    return soft_pad_abs(x) < SP_SMALLEST ? (float)0 : x;
+    return soft_pad_abs(x) < SP_FLUSH_BELOW ? (float)0 : x;
 }
 
 /* Far above every state of a model in its units. Where bounds of one step do not add up to a bound
  * of the state (a measured time step, a mass on a spring), it is stated. The analysis shows that no
  * NaN comes here; one would become the largest. */
-#define SP_LARGEST 1e6
+#define SP_MAX_STATE 1e6
 
-static inline float soft_pad_bounded(float x)
+static inline float soft_pad_clamp_state(float x)
 {
-    const float below = x < (float)SP_LARGEST ? x : (float)SP_LARGEST;
-    return below > (float)-SP_LARGEST ? below : (float)-SP_LARGEST;
+    const float below = x < (float)SP_MAX_STATE ? x : (float)SP_MAX_STATE;
+    return below > (float)-SP_MAX_STATE ? below : (float)-SP_MAX_STATE;
 }
 
 /* --------------------------------------------------------------------------------- sp_silence.h */
@@ -87,58 +87,59 @@ static inline float soft_pad_bounded(float x)
 
 typedef struct {
     float dt_s;       /* of a tick */
-    float per_dt;     /* 1/dt_s, 1/s */
+    float rate_hz;    /* 1/dt_s, 1/s */
     float watchdog_s; /* longest time without a good sample, and half a tick */
 } soft_pad_silence_config;
 
 /* Of a silent tick, what a good one makes up for: if every third tick is silent, that ends within
  * five times the watchdog's time. */
-#define SP_SILENCE_WORTH ((float)0.15625)
+#define SP_SILENCE_PAYBACK ((float)0.15625)
 
 /* A good sample, of a tick of tick_s. */
-static inline void soft_pad_silence_heard(soft_pad_silence_state *state, float tick_s)
+static inline void soft_pad_silence_good_sample(soft_pad_silence_state *state, float tick_s)
 {
     state->silent_s = (float)0;
-    if (state->lost_s > (float)0) {
-        state->lost_s -= SP_SILENCE_WORTH * tick_s;
+    if (state->debt_s > (float)0) {
+        state->debt_s -= SP_SILENCE_PAYBACK * tick_s;
     }
 }
 
 /* Latched ticks of one call, at most: every force has fallen in fewer. */
-#define SP_SILENCE_MOST ((float)1048576)
+#define SP_SILENCE_MAX_LATCHED_TICKS ((float)1048576)
 
 /* dt_s have passed without a good sample; returns how many ticks of them it was latched. */
-static inline float soft_pad_silence_passed(const soft_pad_silence_config *config, soft_pad_silence_state *state,
-                                        float dt_s)
+static inline float soft_pad_silence_no_sample(const soft_pad_silence_config *config, soft_pad_silence_state *state,
+                                           float dt_s)
 {
-    const float ticks = dt_s * config->per_dt;
+    const float ticks = dt_s * config->rate_hz;
     if (state->latched) {
         return ticks;
     }
     const float silent_s = state->silent_s + dt_s;
-    const float lost_s = (state->lost_s > (float)0 ? state->lost_s : (float)0) + dt_s;
-    if (lost_s <= config->watchdog_s) {
+    const float debt_s = (state->debt_s > (float)0 ? state->debt_s : (float)0) + dt_s;
+    if (debt_s <= config->watchdog_s) {
         state->silent_s = silent_s < config->watchdog_s ? silent_s : config->watchdog_s;
-        state->lost_s = lost_s;
+        state->debt_s = debt_s;
         return (float)0;
     }
-    const float beyond = (lost_s - config->watchdog_s) * config->per_dt;
-    const float most = beyond < SP_SILENCE_MOST ? beyond : SP_SILENCE_MOST;
+    const float beyond = (debt_s - config->watchdog_s) * config->rate_hz;
+    const float most =
+        beyond < SP_SILENCE_MAX_LATCHED_TICKS ? beyond : SP_SILENCE_MAX_LATCHED_TICKS;
     const float over = (float)((uint32_t)most + 1u);
     state->latched = 1;
     state->silent_s = (float)0;
-    state->lost_s = (float)0;
+    state->debt_s = (float)0;
     return over < ticks ? over : ticks;
 }
 
 /* Ticks without a good sample before this one, which lasts tick_s: no more than the watchdog
  * allows, whatever a stray write made of the state. */
-static inline uint32_t soft_pad_silence_missed(const soft_pad_silence_config *config,
-                                         const soft_pad_silence_state *state, float tick_s)
+static inline uint32_t soft_pad_silence_missed_ticks(const soft_pad_silence_config *config,
+                                               const soft_pad_silence_state *state, float tick_s)
 {
     const float most_s = config->watchdog_s;
     const float silent_s = state->silent_s < most_s ? state->silent_s : most_s;
-    const float ticks = (silent_s + tick_s) * config->per_dt;
+    const float ticks = (silent_s + tick_s) * config->rate_hz;
     return ticks >= (float)1.5 ? (uint32_t)(ticks - (float)0.5) : 0;
 }
 
@@ -151,14 +152,14 @@ static inline uint32_t soft_pad_silence_missed(const soft_pad_silence_config *co
  * agree with each other, the new position is taken as true: a stall must not hold for ever. */
 
 typedef struct {
-    float jump_m;        /* maximum believable step, m a tick */
+    float max_step_m;    /* maximum believable step, m a tick */
     float min_m;         /* believable positions: from here */
     float max_m;         /* to here */
-    uint32_t resync_ticks; /* agreeing samples after which a new position is true */
+    uint32_t resync_ticks; /* agreeing_samples samples after which a new position is true */
 } soft_pad_guard_config;
 
 /* What soft_pad_init writes into a state: memory that it never saw does not hold this word. */
-#define SP_GUARD_BEGUN 0x5b9a3c1fu
+#define SP_STATE_MAGIC 0x5b9a3c1fu
 
 static inline int soft_pad_guard_plausible(const soft_pad_guard_config *config, float x)
 {
@@ -166,7 +167,7 @@ static inline int soft_pad_guard_plausible(const soft_pad_guard_config *config, 
 }
 
 /* The nearest believable position: for a way that was never measured. */
-static inline float soft_pad_guard_within(const soft_pad_guard_config *config, float x)
+static inline float soft_pad_guard_clamp(const soft_pad_guard_config *config, float x)
 {
     const float below = x < config->max_m ? x : config->max_m;
     return below > config->min_m ? below : config->min_m;
@@ -174,52 +175,53 @@ static inline float soft_pad_guard_within(const soft_pad_guard_config *config, f
 
 /* ticks: since the last good sample. Returns the position to use, m; before the first believable
  * sample, 0. */
-static inline float soft_pad_guard_position(const soft_pad_guard_config *config, soft_pad_guard_state *state,
-                                        float ticks, float x, int *notes)
+static inline float soft_pad_guard_accept(const soft_pad_guard_config *config, soft_pad_guard_state *state,
+                                      float ticks, float x, int *notes)
 {
-    x = soft_pad_flushed(x);
+    x = soft_pad_flush_denormal(x);
     if (!soft_pad_guard_plausible(config, x)) {
-        state->agreeing = 0;
+        state->agreeing_samples = 0;
         *notes |= SP_NOTE_HELD;
-        return state->good_m;
+        return state->last_good_m;
     }
     if (!state->started) {
         state->started = 1;
-        state->good_m = x;
+        state->last_good_m = x;
         *notes |= SP_NOTE_RESYNC;
         return x;
     }
-    if (soft_pad_abs(x - state->good_m) <= config->jump_m * ticks) {
-        state->agreeing = 0;
-        state->good_m = x;
+    if (soft_pad_abs(x - state->last_good_m) <= config->max_step_m * ticks) {
+        state->agreeing_samples = 0;
+        state->last_good_m = x;
         return x;
     }
-    const int agrees = state->agreeing && soft_pad_abs(x - state->suspect_m) <= config->jump_m;
-    state->agreeing = agrees ? state->agreeing + 1 : 1;
-    state->suspect_m = x;
-    if (state->agreeing < config->resync_ticks) {
+    const int agrees =
+        state->agreeing_samples && soft_pad_abs(x - state->candidate_m) <= config->max_step_m;
+    state->agreeing_samples = agrees ? state->agreeing_samples + 1 : 1;
+    state->candidate_m = x;
+    if (state->agreeing_samples < config->resync_ticks) {
         *notes |= SP_NOTE_HELD;
-        return state->good_m;
+        return state->last_good_m;
     }
-    state->agreeing = 0;
-    state->good_m = x;
+    state->agreeing_samples = 0;
+    state->last_good_m = x;
     *notes |= SP_NOTE_RESYNC;
     return x;
 }
 
 /* While a sample is not taken, the last force is held; this is the share of it that acts. A sample
  * that may be true, and is less deep than the last good one, gets less; above the surface, none. */
-static inline float soft_pad_guard_share(const soft_pad_guard_config *config, const soft_pad_guard_state *state,
-                                     float x)
+static inline float soft_pad_guard_held_fraction(const soft_pad_guard_config *config,
+                                             const soft_pad_guard_state *state, float x)
 {
-    x = soft_pad_flushed(x);
+    x = soft_pad_flush_denormal(x);
     if (!soft_pad_guard_plausible(config, x)) {
         return (float)1;
     }
     if (!(x > (float)0)) {
         return (float)0;
     }
-    const float share = x < state->good_m ? x / state->good_m : (float)1;
+    const float share = x < state->last_good_m ? x / state->last_good_m : (float)1;
     return share < (float)1 ? share : (float)1;
 }
 
@@ -254,32 +256,33 @@ static inline float soft_pad_range_clip(const soft_pad_range_config *config, flo
  * one. With slopes >= 0 it never falls. */
 
 typedef struct {
-    uint32_t piece;
-    float way; /* from the start of the piece, 1 at its end; beyond 1 in the last piece */
-} soft_pad_curve_place;
+    uint32_t interval;
+    float
+        fraction; /* from the start of the interval, 1 at its end; beyond 1 in the last interval */
+} soft_pad_curve_position;
 
-/* Curves do not move below u = 0. n_pieces: those between nodes, and the one beyond. */
-static inline soft_pad_curve_place soft_pad_curve_at(float u, uint32_t n_pieces)
+/* Curves do not move below u = 0. n_intervals: those between nodes, and the one beyond. */
+static inline soft_pad_curve_position soft_pad_curve_locate(float u, uint32_t n_intervals)
 {
-    const float per_piece = (float)(n_pieces > 1u ? n_pieces - 1u : 1u);
-    const float last = (float)(n_pieces - 1u);
-    const float passed = u > (float)0 ? u * per_piece : (float)0;
-    const uint32_t piece = passed < last ? (uint32_t)passed : n_pieces - 1u;
-    const soft_pad_curve_place place = {piece, passed - (float)piece};
+    const float n_per_u = (float)(n_intervals > 1u ? n_intervals - 1u : 1u);
+    const float last = (float)(n_intervals - 1u);
+    const float passed = u > (float)0 ? u * n_per_u : (float)0;
+    const uint32_t interval = passed < last ? (uint32_t)passed : n_intervals - 1u;
+    const soft_pad_curve_position place = {interval, passed - (float)interval};
     return place;
 }
 
-/* nodes: [n_pieces + 1][2][n_curves], values and slopes a piece at each node; the last slope goes
- * on. values: [n_curves]. */
-static inline void soft_pad_curve(const float *nodes, uint32_t n_curves, soft_pad_curve_place place,
+/* nodes: [n_intervals + 1][2][n_curves], values and slopes a interval at each node; the last slope
+ * goes on. values: [n_curves]. */
+static inline void soft_pad_curve(const float *nodes, uint32_t n_curves, soft_pad_curve_position place,
                             float *values)
 {
-    const float *value = nodes + place.piece * 2 * n_curves;
+    const float *value = nodes + place.interval * 2 * n_curves;
     const float *slope = value + n_curves;
     const float *next = slope + 2 * n_curves;
-    const float half = (float)0.5 * place.way;
+    const float half = (float)0.5 * place.fraction;
     for (uint32_t i = 0; i < n_curves; i++) {
-        values[i] = value[i] + place.way * (slope[i] + half * (next[i] - slope[i]));
+        values[i] = value[i] + place.fraction * (slope[i] + half * (next[i] - slope[i]));
     }
 }
 
@@ -308,13 +311,13 @@ static inline float soft_pad_stops_play(float play, float u, float radius)
  * is part of the spring's curve. A tick moves the branches (sp_poles.h, sp_depth.h) between reading
  * their curves at u and summing up here. */
 
-enum { SP_HAMMERSTEIN_SUMS = 4 /* where there are vectors, branches are padded to whole ones */ };
+enum { SP_HAMMERSTEIN_LANES = 4 /* where there are vectors, branches are padded to whole ones */ };
 
 typedef struct {
     float origin_m;
-    float per_span; /* 1/m */
+    float u_per_m; /* 1/m */
     float bias_n;
-    uint32_t n_pieces;
+    uint32_t n_intervals;
     uint32_t n_branches;
     uint32_t n_stops;
 } soft_pad_hammerstein_config;
@@ -328,9 +331,9 @@ typedef struct {
 } soft_pad_hammerstein_tables;
 
 /* u of a depth of x, m. */
-static inline float soft_pad_hammerstein_share(const soft_pad_hammerstein_config *config, float x)
+static inline float soft_pad_hammerstein_u(const soft_pad_hammerstein_config *config, float x)
 {
-    return (x - config->origin_m) * config->per_span;
+    return (x - config->origin_m) * config->u_per_m;
 }
 
 /* u has been here for ever: every branch has relaxed. before, held: [n_branches]; play: [n_stops].
@@ -339,7 +342,7 @@ static inline void soft_pad_hammerstein_rest(const soft_pad_hammerstein_config *
                                        const soft_pad_hammerstein_tables *tables, float u,
                                        float *before, float *held, float *play)
 {
-    soft_pad_curve(tables->branches, config->n_branches, soft_pad_curve_at(u, config->n_pieces), before);
+    soft_pad_curve(tables->branches, config->n_branches, soft_pad_curve_locate(u, config->n_intervals), before);
     for (uint32_t i = 0; i < config->n_branches; i++) {
         held[i] = (float)0;
     }
@@ -349,31 +352,31 @@ static inline void soft_pad_hammerstein_rest(const soft_pad_hammerstein_config *
 }
 
 /* What the spring, the stops and the bias give at u; moves the plays. */
-static inline float soft_pad_hammerstein_still(const soft_pad_hammerstein_config *config,
-                                           const soft_pad_hammerstein_tables *tables, float u,
-                                           soft_pad_curve_place place, float *play)
+static inline float soft_pad_hammerstein_static_force(const soft_pad_hammerstein_config *config,
+                                                  const soft_pad_hammerstein_tables *tables, float u,
+                                                  soft_pad_curve_position place, float *play)
 {
     float still_n;
     soft_pad_curve(tables->spring, 1, place, &still_n);
     still_n += config->bias_n;
     for (uint32_t k = 0; k < config->n_stops; k++) {
-        const float *stop = tables->stops + k * (config->n_pieces + 1) * 2;
+        const float *stop = tables->stops + k * (config->n_intervals + 1) * 2;
         float stop_n;
         play[k] = soft_pad_stops_play(play[k], u, tables->radius[k]);
-        soft_pad_curve(stop, 1, soft_pad_curve_at(play[k], config->n_pieces), &stop_n);
+        soft_pad_curve(stop, 1, soft_pad_curve_locate(play[k], config->n_intervals), &stop_n);
         still_n -= stop_n;
     }
     return still_n;
 }
 
 /* Four partial sums in one fixed order. */
-static inline float soft_pad_hammerstein_held(const float *held, uint32_t n_branches)
+static inline float soft_pad_hammerstein_branch_sum(const float *held, uint32_t n_branches)
 {
-    float sum[SP_HAMMERSTEIN_SUMS] = {0};
-    const uint32_t whole = n_branches - n_branches % SP_HAMMERSTEIN_SUMS;
-    for (uint32_t i = 0; i < whole; i += SP_HAMMERSTEIN_SUMS) {
+    float sum[SP_HAMMERSTEIN_LANES] = {0};
+    const uint32_t whole = n_branches - n_branches % SP_HAMMERSTEIN_LANES;
+    for (uint32_t i = 0; i < whole; i += SP_HAMMERSTEIN_LANES) {
 #pragma GCC unroll 4
-        for (uint32_t k = 0; k < SP_HAMMERSTEIN_SUMS; k++) {
+        for (uint32_t k = 0; k < SP_HAMMERSTEIN_LANES; k++) {
             sum[k] += held[i + k];
         }
     }
@@ -387,10 +390,11 @@ static inline float soft_pad_hammerstein_held(const float *held, uint32_t n_bran
 /* What the branches hold now (`held`), the spring, the stops and the bias at u: N. */
 static inline float soft_pad_hammerstein_force(const soft_pad_hammerstein_config *config,
                                            const soft_pad_hammerstein_tables *tables, float u,
-                                           soft_pad_curve_place place, const float *held, float *play)
+                                           soft_pad_curve_position place, const float *held,
+                                           float *play)
 {
-    const float still_n = soft_pad_hammerstein_still(config, tables, u, place, play);
-    return still_n + soft_pad_hammerstein_held(held, config->n_branches);
+    const float still_n = soft_pad_hammerstein_static_force(config, tables, u, place, play);
+    return still_n + soft_pad_hammerstein_branch_sum(held, config->n_branches);
 }
 
 /* ----------------------------------------------------------------------------------- sp_poles.h */
@@ -402,17 +406,17 @@ static inline float soft_pad_hammerstein_force(const soft_pad_hammerstein_config
  * loss = 1 - exp(-dt/tau); the gain, tau/dt (1 - exp(-dt/tau)), is folded into what is read off h
  * or put into g. At rest h is 0, so that a start in equilibrium needs no history. */
 
-static inline float soft_pad_poles_next(float h, float loss, float rise)
+static inline float soft_pad_poles_step(float h, float loss, float rise)
 {
-    return soft_pad_flushed(h + (rise - loss * h));
+    return soft_pad_flush_denormal(h + (rise - loss * h));
 }
 
 /* Each pole has an input of its own: g now, `before` at the last tick. */
-static inline void soft_pad_poles_apart(const float *loss, uint32_t n_poles, const float *g,
-                                  float *before, float *h)
+static inline void soft_pad_poles_separate(const float *loss, uint32_t n_poles, const float *g,
+                                     float *before, float *h)
 {
     for (uint32_t i = 0; i < n_poles; i++) {
-        h[i] = soft_pad_poles_next(h[i], loss[i], g[i] - before[i]);
+        h[i] = soft_pad_poles_step(h[i], loss[i], g[i] - before[i]);
         before[i] = g[i];
     }
 }
@@ -427,17 +431,17 @@ static inline void soft_pad_poles_apart(const float *loss, uint32_t n_poles, con
  * dissipates for every r(u) > 0 (loss 0 to 1): what it holds relaxes towards g as it was halfway.
  * The loss is straight between the nodes of the curves (sp_curve.h). */
 
-/* loss: [n_pieces + 1][n_poles], at the nodes; the last row repeats. Each pole has an input of its
- * own: g now, `before` at the last tick. */
-static inline void soft_pad_depth_poles(const float *loss, uint32_t n_poles, soft_pad_curve_place place,
-                                  const float *g, float *before, float *h)
+/* loss: [n_intervals + 1][n_poles], at the nodes; the last row repeats. Each pole has an input of
+ * its own: g now, `before` at the last tick. */
+static inline void soft_pad_poles_by_depth(const float *loss, uint32_t n_poles, soft_pad_curve_position place,
+                                     const float *g, float *before, float *h)
 {
-    const float *at = loss + place.piece * n_poles;
+    const float *at = loss + place.interval * n_poles;
     for (uint32_t i = 0; i < n_poles; i++) {
-        const float lost = at[i] + place.way * (at[n_poles + i] - at[i]);
+        const float loss_here = at[i] + place.fraction * (at[n_poles + i] - at[i]);
         const float rise = g[i] - before[i];
-        const float held = soft_pad_bounded(h[i]);
-        h[i] = soft_pad_flushed(held + (rise - lost * (held + (float)0.5 * rise)));
+        const float branch_n = soft_pad_clamp_state(h[i]);
+        h[i] = soft_pad_flush_denormal(branch_n + (rise - loss_here * (branch_n + (float)0.5 * rise)));
         before[i] = g[i];
     }
 }
@@ -446,38 +450,40 @@ static inline void soft_pad_depth_poles(const float *loss, uint32_t n_poles, sof
 
 /* The surface of an object that lets go: it recovers more slowly than a tool can leave.
  *
- * A model that is pressed along the tool's way would pull. An object does not: from where its force
- * is 0 on, the tool has left it, and its surface comes back by itself. So the model is moved to
+ * A model that is pressed along the tool's fraction would pull. An object does not: from where its
+ * force is 0 on, the tool has left it, and its surface comes back by itself. So the model is moved
+ * to
  *
  *     u = max(tool, surface),   surface = where its force is 0
  *
  * and gives no force while the tool is above. From tick to tick the surface comes back as far as
- * the force of the last tick allows at the stiffest that each piece of the depth can be: the model
- * does not pull on the way, and what is left of the force moves it in the next tick. No work is
- * done, and stored energy falls (docs/explanation/model.md). */
+ * the force of the last tick allows at the stiffest that each interval of the depth can be: the
+ * model does not pull on the fraction, and what is left of the force moves it in the next tick. No
+ * work is done, and stored energy falls (docs/explanation/model.md). */
 
-/* Where the surface comes back to from `from` under force_n. stiffest: [n_pieces], N a piece. */
-static inline float soft_pad_surface_back(const float *stiffest, uint32_t n_pieces, float from,
-                                      float force_n)
+/* Where the surface comes back to from `from` under force_n. stiffest: [n_intervals], N a interval.
+ */
+static inline float soft_pad_surface_recovered_u(const float *stiffest, uint32_t n_intervals,
+                                             float from, float force_n)
 {
-    soft_pad_curve_place place = soft_pad_curve_at(from, n_pieces);
-    float left_n = force_n;
-    float takes_n = stiffest[place.piece] * place.way;
-    while (place.piece > 0 && left_n > takes_n) {
-        left_n -= takes_n;
-        place.piece--;
-        place.way = (float)1;
-        takes_n = stiffest[place.piece];
+    soft_pad_curve_position place = soft_pad_curve_locate(from, n_intervals);
+    float remaining_n = force_n;
+    float unload_n = stiffest[place.interval] * place.fraction;
+    while (place.interval > 0 && remaining_n > unload_n) {
+        remaining_n -= unload_n;
+        place.interval--;
+        place.fraction = (float)1;
+        unload_n = stiffest[place.interval];
     }
-    const float way = place.way - left_n / stiffest[place.piece];
-    const float end = (float)place.piece + (way > (float)0 ? way : (float)0);
-    const float per_piece = (float)(n_pieces > 1u ? n_pieces - 1u : 1u);
-    return end / per_piece;
+    const float fraction = place.fraction - remaining_n / stiffest[place.interval];
+    const float end = (float)place.interval + (fraction > (float)0 ? fraction : (float)0);
+    const float n_per_u = (float)(n_intervals > 1u ? n_intervals - 1u : 1u);
+    return end / n_per_u;
 }
 
 /* Where the model is while the tool is at u; NaN passes. */
-static inline float soft_pad_surface_at(const float *stiffest, uint32_t n_pieces,
-                                    const soft_pad_surface_state *state, float u)
+static inline float soft_pad_surface_model_u(const float *stiffest, uint32_t n_intervals,
+                                         const soft_pad_surface_state *state, float u)
 {
     if (!(u < state->u)) {
         return u;
@@ -485,8 +491,10 @@ static inline float soft_pad_surface_at(const float *stiffest, uint32_t n_pieces
     if (!(state->force_n > (float)0)) {
         return state->u;
     }
-    const float found = soft_pad_surface_back(stiffest, n_pieces, state->u, state->force_n);
-    const float surface = found < state->u ? found : state->u; /* but for rounding, found */
+    const float recovered_u =
+        soft_pad_surface_recovered_u(stiffest, n_intervals, state->u, state->force_n);
+    const float surface =
+        recovered_u < state->u ? recovered_u : state->u; /* but for rounding, recovered_u */
     return u > surface ? u : surface;
 }
 
@@ -495,13 +503,13 @@ static inline float soft_pad_surface_at(const float *stiffest, uint32_t n_pieces
 /* Contact and onset: no force at or above the surface, and a force that rises from 0 over the
  * first `onset_m` of depth (a forest is not 0 at 0). */
 
-static inline float soft_pad_contact_onset(float per_onset, float x, float force_n)
+static inline float soft_pad_contact_onset(float onset_per_m, float x, float force_n)
 {
-    const float share = x * per_onset;
-    if (!(share > (float)0)) {
+    const float fraction = x * onset_per_m;
+    if (!(fraction > (float)0)) {
         return (float)0;
     }
-    return share < (float)1 ? force_n * share : force_n;
+    return fraction < (float)1 ? force_n * fraction : force_n;
 }
 
 /* ---------------------------------------------------------------------------------- sp_output.h */
@@ -524,20 +532,20 @@ typedef struct {
 } soft_pad_output_config;
 
 /* A position was taken as true without a history: the force rises from zero. */
-static inline void soft_pad_output_restart(const soft_pad_output_config *config, soft_pad_output_state *state)
+static inline void soft_pad_output_begin_ramp(const soft_pad_output_config *config, soft_pad_output_state *state)
 {
     state->share = (float)0;
     state->rise = config->rise;
 }
 
 /* No contact: whatever comes next starts from zero by itself. */
-static inline void soft_pad_output_free(soft_pad_output_state *state)
+static inline void soft_pad_output_end_ramp(soft_pad_output_state *state)
 {
     state->share = (float)1;
 }
 
 /* What is not within the scene's limits; a NaN compares with nothing: it becomes 0. */
-SP_RARE float soft_pad_output_cut(const soft_pad_output_config *config, float force_n, int *notes)
+SP_COLD float soft_pad_output_clamp_cold(const soft_pad_output_config *config, float force_n, int *notes)
 {
     *notes |= SP_NOTE_CLAMPED;
     return force_n > config->max_n   ? config->max_n
@@ -551,39 +559,39 @@ static inline float soft_pad_output_clamp(const soft_pad_output_config *config, 
     if (force_n >= config->min_n && force_n <= config->max_n) {
         return force_n;
     }
-    return soft_pad_output_cut(config, force_n, notes);
+    return soft_pad_output_clamp_cold(config, force_n, notes);
 }
 
-/* Latched, for so many ticks; from within the limits, whatever a stray write made of given_n. */
-SP_RARE float soft_pad_output_fall(const soft_pad_output_config *config, soft_pad_output_state *state,
-                               float ticks, int *notes)
+/* Latched, for so many ticks; from within the limits, whatever a stray write made of last_n. */
+SP_COLD float soft_pad_output_fall_latched(const soft_pad_output_config *config, soft_pad_output_state *state,
+                                       float ticks, int *notes)
 {
-    const float given_n = soft_pad_output_clamp(config, state->given_n, notes);
+    const float last_n = soft_pad_output_clamp(config, state->last_n, notes);
     const float step = config->fall_n * ticks;
-    const float down_n = given_n - step;
-    const float up_n = given_n + step;
-    state->given_n = down_n > (float)0 ? down_n : up_n < (float)0 ? up_n : (float)0;
+    const float down_n = last_n - step;
+    const float up_n = last_n + step;
+    state->last_n = down_n > (float)0 ? down_n : up_n < (float)0 ? up_n : (float)0;
     *notes |= SP_NOTE_LATCHED;
-    return state->given_n;
+    return state->last_n;
 }
 
 /* The force given before, as far as it has the direction of `force_n`. */
-static inline float soft_pad_output_before(const soft_pad_output_state *state, float force_n)
+static inline float soft_pad_output_last_along(const soft_pad_output_state *state, float force_n)
 {
     const float zero = (float)0;
-    const float given_n = state->given_n;
+    const float last_n = state->last_n;
     if (force_n > zero) {
-        return given_n > zero ? given_n : zero;
+        return last_n > zero ? last_n : zero;
     }
-    return given_n < zero ? given_n : zero;
+    return last_n < zero ? last_n : zero;
 }
 
 /* First good sample after a silence, behind a coupling, which overshoots: the share rises from what
  * was given. A ramp that was under way goes on as slowly. Bare, a slow return gives energy back. */
-SP_RARE void soft_pad_output_resume(const soft_pad_output_config *config, soft_pad_output_state *state,
-                              float force_n)
+SP_COLD void soft_pad_output_ramp_after_silence(const soft_pad_output_config *config, soft_pad_output_state *state,
+                                          float force_n)
 {
-    const float before_n = soft_pad_abs(soft_pad_output_before(state, force_n));
+    const float before_n = soft_pad_abs(soft_pad_output_last_along(state, force_n));
     const float now_n = soft_pad_abs(force_n);
     const float share = before_n < now_n ? before_n / now_n : (float)1;
     if (share < (float)1 && share < state->share) {
@@ -594,11 +602,11 @@ SP_RARE void soft_pad_output_resume(const soft_pad_output_config *config, soft_p
 
 /* The model's force of a good sample; returns what leaves, N. back: it comes after a silence,
  * behind a coupling. ticks: of this call, at most 1. */
-static inline float soft_pad_output_force(const soft_pad_output_config *config, soft_pad_output_state *state,
+static inline float soft_pad_output_limit(const soft_pad_output_config *config, soft_pad_output_state *state,
                                       int back, float ticks, float force_n, int *notes)
 {
     if (back) {
-        soft_pad_output_resume(config, state, force_n);
+        soft_pad_output_ramp_after_silence(config, state, force_n);
     }
     if (state->share < (float)1) {
         force_n *= state->share;
@@ -607,7 +615,7 @@ static inline float soft_pad_output_force(const soft_pad_output_config *config, 
     }
     force_n = soft_pad_output_clamp(config, force_n, notes);
     const float slew_n = config->slew_n * ticks;
-    const float before_n = soft_pad_output_before(state, force_n);
+    const float before_n = soft_pad_output_last_along(state, force_n);
     const float upper_n = before_n + slew_n;
     const float lower_n = before_n - slew_n;
     if (force_n > (float)0) {
@@ -619,7 +627,7 @@ static inline float soft_pad_output_force(const soft_pad_output_config *config, 
         *notes |= SP_NOTE_LIMITED;
         force_n = lower_n;
     }
-    state->given_n = force_n;
+    state->last_n = force_n;
     return force_n;
 }
 
@@ -627,11 +635,11 @@ static inline float soft_pad_output_force(const soft_pad_output_config *config, 
 
 static const soft_pad_silence_config silence = {
     0.001f,  /* dt_s */
-    1000.0f, /* per_dt */
+    1000.0f, /* rate_hz */
     0.0205f, /* watchdog_s */
 };
 static const soft_pad_guard_config guard = {
-    0.0027968f, /* jump_m */
+    0.0027968f, /* max_step_m */
     -10.0f,     /* min_m */
     0.144908f,  /* max_m */
     5,          /* resync_ticks */
@@ -719,9 +727,9 @@ static const float stop_radius[3] = {
 };
 static const soft_pad_hammerstein_config passive = {
     0.0f,     /* origin_m */
-    69.0093f, /* per_span */
+    69.0093f, /* u_per_m */
     0.0f,     /* bias_n */
-    9,        /* n_pieces */
+    9,        /* n_intervals */
     12,       /* n_branches */
     3,        /* n_stops */
 };
@@ -738,28 +746,28 @@ static const soft_pad_hammerstein_tables passive_tables = {
 static void restart(soft_pad_state *state, float position)
 {
     const float penetration = position > (float)0 ? position : (float)0;
-    const float penetration_u = soft_pad_hammerstein_share(&passive, penetration);
+    const float penetration_u = soft_pad_hammerstein_u(&passive, penetration);
     soft_pad_hammerstein_rest(&passive, &passive_tables, penetration_u,
                         state->penetration_before, state->penetration_held, state->penetration_play);
     state->penetration_surface.u = penetration_u;
     state->penetration_surface.force_n = (float)0;
-    soft_pad_output_restart(&output, &state->output);
+    soft_pad_output_begin_ramp(&output, &state->output);
 }
 
 /* One tick with the tool at `position`; returns the model's force, N. */
-SP_APART float tick(soft_pad_state *state, float position, int *notes)
+SP_NOINLINE float tick(soft_pad_state *state, float position, int *notes)
 {
     const float penetration = position > (float)0 ? position : (float)0;
     (void)soft_pad_range_clip(&range, penetration, notes);
-    const float penetration_tool = soft_pad_hammerstein_share(&passive, penetration);
+    const float penetration_tool = soft_pad_hammerstein_u(&passive, penetration);
     const float penetration_u =
-        soft_pad_surface_at(stiffest, passive.n_pieces, &state->penetration_surface, penetration_tool);
-    const soft_pad_curve_place penetration_place = soft_pad_curve_at(penetration_u, passive.n_pieces);
+        soft_pad_surface_model_u(stiffest, passive.n_intervals, &state->penetration_surface, penetration_tool);
+    const soft_pad_curve_position penetration_place = soft_pad_curve_locate(penetration_u, passive.n_intervals);
     float penetration_branch[12];
     soft_pad_curve(branches, 12, penetration_place, penetration_branch);
-    soft_pad_poles_apart(branch_loss, 8,
+    soft_pad_poles_separate(branch_loss, 8,
         penetration_branch, state->penetration_before, state->penetration_held);
-    soft_pad_depth_poles(depth_branch_loss, 4, penetration_place,
+    soft_pad_poles_by_depth(depth_branch_loss, 4, penetration_place,
         penetration_branch + 8, state->penetration_before + 8, state->penetration_held + 8);
     const float penetration_held_n =
         soft_pad_hammerstein_force(&passive, &passive_tables, penetration_u, penetration_place,
@@ -773,7 +781,7 @@ SP_APART float tick(soft_pad_state *state, float position, int *notes)
         force = penetration_passive_n;
         force = soft_pad_contact_onset(per_onset, position, force);
     } else {
-        soft_pad_output_free(&state->output);
+        soft_pad_output_end_ramp(&state->output);
     }
     return force;
 }
@@ -782,23 +790,23 @@ SP_APART float tick(soft_pad_state *state, float position, int *notes)
 static int hold(soft_pad_state *state, float dt_s, float share, float *force_n)
 {
     int notes = SP_NOTE_HELD;
-    const float latched = soft_pad_silence_passed(&silence, &state->silence, dt_s);
-    float given_n = share * soft_pad_output_clamp(&output, state->output.given_n, &notes);
-    state->output.given_n = given_n;
+    const float latched = soft_pad_silence_no_sample(&silence, &state->silence, dt_s);
+    float last_n = share * soft_pad_output_clamp(&output, state->output.last_n, &notes);
+    state->output.last_n = last_n;
     if (state->silence.latched) {
         notes = 0;
-        given_n = soft_pad_output_fall(&output, &state->output, latched, &notes);
+        last_n = soft_pad_output_fall_latched(&output, &state->output, latched, &notes);
     }
-    *force_n = given_n;
+    *force_n = last_n;
     return notes;
 }
 
 /* The `left` ticks without a sample before this one, a step each. */
-SP_RARE void make_up(soft_pad_state *state, float position, float step,
+SP_COLD void make_up(soft_pad_state *state, float position, float step,
                      uint32_t left)
 {
     for (; left > 0; left--) {
-        const float at = soft_pad_guard_within(&guard, position - (float)left * step);
+        const float at = soft_pad_guard_clamp(&guard, position - (float)left * step);
         int ignored = 0;
         (void)tick(state, at, &ignored);
     }
@@ -809,24 +817,24 @@ int soft_pad_step(soft_pad_state *state, float position_m, float velocity_mps, f
     if (state == NULL || force_n == NULL) {
         return SP_ERROR_NULL;
     }
-    if (state->begun != SP_GUARD_BEGUN) {
+    if (state->begun != SP_STATE_MAGIC) {
         return SP_ERROR_STATE;
     }
     uint32_t left = 0;
     float ticks = (float)1;
     if (state->silence.silent_s > (float)0) {
-        left = soft_pad_silence_missed(&silence, &state->silence, silence.dt_s);
+        left = soft_pad_silence_missed_ticks(&silence, &state->silence, silence.dt_s);
         ticks = (float)(left + 1);
     }
     (void)velocity_mps;
     int notes = 0;
-    const float before = state->guard.good_m;
+    const float before = state->guard.last_good_m;
     const float position =
-        soft_pad_guard_position(&guard, &state->guard, ticks, position_m, &notes);
+        soft_pad_guard_accept(&guard, &state->guard, ticks, position_m, &notes);
     if (notes & SP_NOTE_HELD) {
-        return hold(state, silence.dt_s, soft_pad_guard_share(&guard, &state->guard, position_m), force_n);
+        return hold(state, silence.dt_s, soft_pad_guard_held_fraction(&guard, &state->guard, position_m), force_n);
     }
-    soft_pad_silence_heard(&state->silence, silence.dt_s);
+    soft_pad_silence_good_sample(&state->silence, silence.dt_s);
     float way = position - before;
     if (notes & SP_NOTE_RESYNC) {
         restart(state, position);
@@ -839,11 +847,11 @@ int soft_pad_step(soft_pad_state *state, float position_m, float velocity_mps, f
     }
     const float force = tick(state, position, &notes);
     if (state->silence.latched) {
-        (void)soft_pad_output_fall(&output, &state->output, (float)1, &notes);
+        (void)soft_pad_output_fall_latched(&output, &state->output, (float)1, &notes);
     } else {
-        (void)soft_pad_output_force(&output, &state->output, 0, (float)1, force, &notes);
+        (void)soft_pad_output_limit(&output, &state->output, 0, (float)1, force, &notes);
     }
-    *force_n = state->output.given_n;
+    *force_n = state->output.last_n;
     return notes;
 }
 
@@ -866,10 +874,10 @@ int soft_pad_idle(soft_pad_state *state, float dt_s, float *force_n)
     if (state == NULL || force_n == NULL) {
         return SP_ERROR_NULL;
     }
-    if (state->begun != SP_GUARD_BEGUN) {
+    if (state->begun != SP_STATE_MAGIC) {
         return SP_ERROR_STATE;
     }
-    if (!soft_pad_is_time(dt_s)) {
+    if (!soft_pad_is_valid_dt(dt_s)) {
         return SP_ERROR_TIME_STEP;
     }
     return hold(state, dt_s, (float)1, force_n);
@@ -879,7 +887,7 @@ void soft_pad_init(soft_pad_state *state)
 {
     if (state != NULL) {
         (void)memset(state, 0, sizeof *state);
-        state->begun = SP_GUARD_BEGUN;
+        state->begun = SP_STATE_MAGIC;
     }
 }
 
@@ -900,7 +908,7 @@ uint32_t soft_pad_state_size(void)
 
 const char *soft_pad_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"56baaa85fe73c27df31e930dd9ede129ed471cbf0cb3de1596713df1c5ab7bf6\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"a5f9e9bc60de1ef6b2c3000f8e8c7205c89e63dbb7e99b0cfd50b11db5e385a8\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 56baaa85fe73c27df31e930dd9ede129ed471cbf0cb3de1596713df1c5ab7bf6 */
+/* springpot 0.1.0 a5f9e9bc60de1ef6b2c3000f8e8c7205c89e63dbb7e99b0cfd50b11db5e385a8 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SOFT_PAD_RATE_HZ:
@@ -112,14 +112,14 @@ int soft_pad_selftest(void);
  * written, but by the functions above. */
 typedef struct {
     float silent_s; /* since the last good sample; 0 once it is latched */
-    float lost_s;   /* silence that good samples have not yet made up for */
+    float debt_s;   /* silence that good samples have not yet made up for */
     uint32_t latched;
 } soft_pad_silence_state;
 
 typedef struct {
-    float good_m;
-    float suspect_m;
-    uint32_t agreeing;
+    float last_good_m;
+    float candidate_m;
+    uint32_t agreeing_samples;
     uint32_t started;
 } soft_pad_guard_state;
 
@@ -129,9 +129,9 @@ typedef struct {
 } soft_pad_surface_state;
 
 typedef struct {
-    float given_n; /* by the last call: from here the force grows */
-    float share;   /* 0 .. 1, of the model's force that is given */
-    float rise;    /* of the share in a tick */
+    float last_n; /* by the last call: from here the force grows */
+    float share;  /* 0 .. 1, of the model's force that is given */
+    float rise;   /* of the share in a tick */
 } soft_pad_output_state;
 
 struct soft_pad_state {
@@ -161,7 +161,7 @@ static inline int soft_pad_advance(soft_pad_state *state, float seconds, float p
         return SP_ERROR_TIME_STEP;
     }
     const uint32_t ticks = (uint32_t)(seconds / SOFT_PAD_DT_S + (float)0.5);
-    const float from_m = state->guard.started ? state->guard.good_m : position_m;
+    const float from_m = state->guard.started ? state->guard.last_good_m : position_m;
     for (uint32_t tick = 1; tick <= ticks; tick++) {
         const float share = (float)tick / (float)ticks;
         const int its_notes = soft_pad_step(state, from_m + share * (position_m - from_m),

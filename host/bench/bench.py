@@ -23,7 +23,7 @@ from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.files import write_file
 from springpot.codegen.scene import Target
 from springpot.codegen.types import JsonObject
-from springpot.host.bench.front import ALONE, measure_alone, pareto
+from springpot.host.bench.front import ALONE, measure_alone, pareto_front
 from springpot.host.bench.measure import (
     BenchRecordings,
     Candidate,
@@ -61,7 +61,7 @@ def run_bench(bench: Bench, folder: Path, command: str) -> JsonObject:
     """
     begin = time.perf_counter()
     memory = Memory(folder / "measured", verbose=0)
-    key = key_of(
+    key = cache_key(
         [code_hash(), machine_metadata(), target_compiler(bench.target)],
         [[item.name, item.content_hash] for item in bench.training],
         [[item.name, item.content_hash] for item in bench.validation],
@@ -82,13 +82,13 @@ def run_bench(bench: Bench, folder: Path, command: str) -> JsonObject:
         raise DataError(f"no model can be made of these recordings: {refused[0]['error']}")
     alone = memory.cache(measure_alone, ignore=["model_file", "recording"])
     longest = max(bench.validation, key=lambda item: len(item.position_m))
-    front = pareto(points)
+    front = pareto_front(points)
     for number, (point, on_front) in enumerate(zip(points, front, strict=True)):
         point.update(dict.fromkeys(ALONE), pareto=on_front)
         if on_front:
             progress_console.print(f"alone on the machine: {sum(front[: number + 1])} "
                                    f"of {sum(front)} on the front")  # fmt: skip
-            its = key_of(key, point["hash"])
+            its = cache_key(key, point["hash"])
             file = folder / str(point["file"])
             point.update(alone(file, point["number"], bench.target, its, longest))
     metadata = machine_metadata()
@@ -182,7 +182,7 @@ def _backend(dask: str | None) -> Iterator[None]:
         yield
 
 
-def key_of(*values: object) -> str:
+def cache_key(*values: object) -> str:
     """Return a hash of JSON values: the name of their entry in the cache."""
     return hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()[:24]
 
@@ -205,7 +205,7 @@ def holdout(recordings: Sequence[Recording], seed: int) -> tuple[list[Recording]
     """
     if len(recordings) == 1:
         cut = 1.0 - 1.0 / _HOLDOUT
-        return [part_of(recordings[0], 0.0, cut)], [part_of(recordings[0], cut, 1.0)]
+        return [cut_recording(recordings[0], 0.0, cut)], [cut_recording(recordings[0], cut, 1.0)]
     strongest = int(np.argmax([recording.force_n.max() for recording in recordings]))
     others = [i for i in range(len(recordings)) if i != strongest]
     count = max(1, len(recordings) // _HOLDOUT)
@@ -214,7 +214,7 @@ def holdout(recordings: Sequence[Recording], seed: int) -> tuple[list[Recording]
     return training, [recording for i, recording in enumerate(recordings) if i in chosen]
 
 
-def part_of(recording: Recording, begin: float, end: float) -> Recording:
+def cut_recording(recording: Recording, begin: float, end: float) -> Recording:
     """Return the samples between two shares of a recording's length."""
     n = len(recording.force_n)
     rows = slice(round(begin * n), round(end * n))

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from springpot import Model, Recording, Scene, SpringpotError, read_model
-from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.emit.golden import differentiate
 from springpot.codegen.errors import UnsafeError
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.notes import RESYNC
@@ -14,7 +14,7 @@ from springpot.host.bench.measure import Point, bench_scene
 from springpot.host.emission.boards import Board, default_board, missing, run_batch, steps
 from springpot.host.emission.emission import write_emission
 from springpot.host.native.replay import Replay, TickTimes
-from springpot.host.native.scene_library import built
+from springpot.host.native.scene_library import build_and_load
 from springpot.host.stability.check import stability
 from springpot.host.stability.linear import require_stable
 
@@ -27,13 +27,13 @@ ALONE = ("tick_ns_p50", "tick_ns_p99", "tick_ns_p999", "tick_ns_max", "bounded",
          "spectral_radius", "verdict", "instructions", "instructions_why")  # fmt: skip
 
 
-def pareto(points: Iterable[Point]) -> list[bool]:
+def pareto_front(points: Iterable[Point]) -> list[bool]:
     """Return of each point if no other is better in one of error, time and flash, and no worse."""
     rows = [[point[axis] for axis in _AXES] for point in points]
-    return [not any(_beats(other, row) for other in rows) for row in rows]
+    return [not any(_dominates(other, row) for other in rows) for row in rows]
 
 
-def _beats(one: Sequence[object], other: Sequence[object]) -> bool:
+def _dominates(one: Sequence[object], other: Sequence[object]) -> bool:
     """Return if one is better and nowhere worse, in what is known of both."""
     known = [
         (a, b)
@@ -71,7 +71,7 @@ def measure_alone(
 def _paced_ticks(model: Model, number: Number, recording: Recording) -> Point:
     """Time ticks at the recordings' rate with cold caches, ns; the calmest of up to three runs."""
     plan = make_plan(model, bench_scene(number), accept_unsafe=True)
-    library = built(plan)
+    library = build_and_load(plan)
     tries: list[TickTimes] = []
     while not tries or (len(tries) < _PACED_TRIES and tries[-1].p99 > _DISTURBED * tries[-1].p50):
         tries.append(Replay(library).tick_times(recording.position_m, PACED_S))
@@ -104,7 +104,7 @@ def _counted(model: Model, number: Number, recording: Recording, board: Board) -
     with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
         folder = Path(scratch) / "c"
         write_emission(plan, scene, model, folder)
-        calls = steps(position, backward_velocity(position, plan.dt_s))
+        calls = steps(position, differentiate(position, plan.dt_s))
         batch = run_batch(folder, board, calls)
     # A restart fills its filters once, and is no tick of a loop.
     return int(batch.instructions[(batch.notes & RESYNC) == 0].max())

@@ -14,8 +14,8 @@ from springpot.codegen.scene import Coupling, Number, Runtime, Target
 from springpot.codegen.types import JsonObject
 from springpot.host.metrics import accuracy, slope_errors, slope_keys
 from springpot.host.native.compiler import CompilerError, compiler_version
-from springpot.host.native.replay import Replay, replayed
-from springpot.host.native.scene_library import SceneLibrary, built, written
+from springpot.host.native.replay import Replay, replay_forces
+from springpot.host.native.scene_library import SceneLibrary, build_and_load, emitted_folder_of
 from springpot.host.native.toolchain import measure_footprint, toolchain
 from springpot.host.stability.small_signal import small_signal_map
 from springpot.trainer.kinds import KINDS
@@ -113,7 +113,7 @@ def measure_point(
     try:
         model, fitted = _fitted(candidate, data)
         plan = make_plan(model, bench_scene(candidate.number), accept_unsafe=True)
-        library = built(plan)
+        library = build_and_load(plan)
         found = {
             **prediction_errors(plan, library, data.validation),
             "tick_ns_hot": hot_ns(library, data.validation),
@@ -147,9 +147,9 @@ def _fitted(candidate: Candidate, data: BenchRecordings) -> tuple[Model, Point]:
 @lru_cache(maxsize=1)
 def _prepared(data: BenchRecordings, smooth_s: float | None) -> "TrainingSet":
     """Prepare the training recordings once: all fits of a process share them."""
-    from springpot.trainer.models.training_set import training_set
+    from springpot.trainer.models.training_set import build_training_set
 
-    return training_set(data.training, smooth_s)
+    return build_training_set(data.training, smooth_s)
 
 
 def bench_scene(number: Number, target: Target = "host") -> Scene:
@@ -165,7 +165,7 @@ def bench_scene(number: Number, target: Target = "host") -> Scene:
 
 def prediction_errors(plan: Plan, library: SceneLibrary, recordings: Sequence[Recording]) -> Point:
     """Return error of the C on recordings."""
-    forces_n, ramps = replayed(plan, Replay(library), recordings)
+    forces_n, ramps = replay_forces(plan, Replay(library), recordings)
     found = accuracy([recording.force_n for recording in recordings], forces_n, ramps)
     named = ("rmse_n", "rmse_percent_of_peak", "mean_recording_rmse_n", "max_abs_error_n",
              "ape_below_jnd", "error_per_jnd")  # fmt: skip
@@ -195,7 +195,7 @@ def _sizes(model: Model, number: Number, target: Target) -> Point:
     """Return bytes of flash and stack of a model's C on its target; null ones with `why`."""
     plan = make_plan(model, bench_scene(number, target), accept_unsafe=True)
     try:
-        with written(plan) as folder:
+        with emitted_folder_of(plan) as folder:
             size = measure_footprint(folder, target)
     except CompilerError as error:
         return {"flash_bytes": None, "stack_bytes": None, "why": str(error)}

@@ -8,7 +8,7 @@ import click
 
 from springpot.codegen.scene import Target
 from springpot.host.options import PATH, SEED, recordings_given, recordings_option
-from springpot.host.output import json_option, print_json, print_table, say
+from springpot.host.output import json_option, print_json, print_line, print_table
 
 
 @click.command()
@@ -44,27 +44,27 @@ def bench(
     """Train kinds and sizes of model on REC, and measure error, run time and bytes; the front."""
     from springpot import read_recordings
     from springpot.host.bench.bench import Bench, holdout, run_bench
-    from springpot.host.pages.reports import label, write_bench_page
+    from springpot.host.pages.reports import point_label, write_bench_page
     from springpot.host.quality import report_quality
-    from springpot.host.validation.seen import seen_line
+    from springpot.host.validation.seen import training_overlap_sentence
 
     training = report_quality(recordings).checked
     if validation:
         testing = read_recordings(*validation)
     else:
         training, testing = holdout(training, seed)
-        say(f"kept for validation: {', '.join(item.name for item in testing)}")
+        print_line(f"kept for validation: {', '.join(item.name for item in testing)}")
     asked = Bench(tuple(training), tuple(testing), target, seed, models, dask)
     result = run_bench(asked, out, shlex.join(["springpot", *sys.argv[1:]]))
     page = write_bench_page(out)
     if as_json:
         print_json(result)
         return
-    if seen := seen_line(result["seen"], len(testing)):
-        say(seen)
+    if seen := training_overlap_sentence(result["seen"], len(testing)):
+        print_line(seen)
     columns = ("model", "RMSE, N", "% of peak", "tick, ns", "flash", "RAM", "fit, s", "front")
     rows = [
-        (label(p), f"{p['rmse_n']:.3g}", f"{p['rmse_percent_of_peak']:.2g}",
+        (point_label(p), f"{p['rmse_n']:.3g}", f"{p['rmse_percent_of_peak']:.2g}",
          f"{p['tick_ns_hot']:.0f}", _known(p["flash_bytes"]), str(p["ram_bytes"]),
          _known(p["fit_s"]),
          "" if not p["pareto"] else "yes" if p["bounded"] else "not bounded in every hand")
@@ -72,8 +72,8 @@ def bench(
     ]  # fmt: skip
     print_table(columns, rows, numbers=True)
     for refused in result["refused"]:
-        say(f"refused: {label(refused)}: {refused['error']}")
-    say(f"written: {page}; the models are in {out / 'models'}")
+        print_line(f"refused: {point_label(refused)}: {refused['error']}")
+    print_line(f"written: {page}; the models are in {out / 'models'}")
 
 
 def _known(value: float | None) -> str:

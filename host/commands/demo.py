@@ -28,7 +28,7 @@ def demo(out: Path, object_name: str, as_json: bool) -> None:
     from springpot.host.commands.emit import emission_rows
     from springpot.host.pages.reports import write_report
     from springpot.host.validation.store import store_validation, validation_rows
-    from springpot.host.validation.validation import fail_on_mismatch
+    from springpot.host.validation.validation import raise_on_mismatch
 
     _prepare(out)
     seconds: dict[str, float] = {}
@@ -64,7 +64,7 @@ def demo(out: Path, object_name: str, as_json: bool) -> None:
         "report": page,
     }
     print_result(result, as_json, rows)
-    fail_on_mismatch(folder, validation)
+    raise_on_mismatch(folder, validation)
 
 
 def _prepare(out: Path) -> None:

@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from springpot.host.emission.boards import BOARDS, board_of
+from springpot.host.emission.boards import BOARDS, find_board
 from springpot.host.options import PATH, recordings_option, scene_options, scene_or_folder_option
-from springpot.host.output import json_option, print_result, progress_bar, say
+from springpot.host.output import json_option, print_line, print_result, progress_bar
 
 if TYPE_CHECKING:
     from springpot.codegen.model.model import Model
@@ -46,18 +46,18 @@ def emit_(
     with progress_bar("emit"):
         emission = emit_fitting(scene, model, out, accept_unsafe, measured, fit)
     for notice in emission.notices:
-        say(notice)
+        print_line(notice)
     print_result(emission.as_dict(), as_json, emission_rows(emission))
 
 
 def _recordings(names: tuple[str, ...], model: Model) -> list[Recording]:
     """Read what smaller versions are measured on; say which of them the model has seen."""
-    from springpot.host.validation.seen import seen_by, seen_line
+    from springpot.host.validation.seen import count_training_recordings, training_overlap_sentence
     from springpot.trainer.recordings.recording_file import read_recordings
 
     found = read_recordings(map(Path, names))
-    if seen := seen_line(seen_by(model, found), len(found)):
-        say(seen)
+    if seen := training_overlap_sentence(count_training_recordings(model, found), len(found)):
+        print_line(seen)
     return found
 
 
@@ -122,9 +122,9 @@ def firmware(scene: Path, name: str, out: Path, as_json: bool) -> None:
     from springpot.host.emission.checksums import is_edited
     from springpot.host.emission.emission import emitted_folder
 
-    board = board_of(name)
+    board = find_board(name)
     if is_edited(out, TRANSDUCER):
-        say(f"{out / TRANSDUCER}: built as you changed it")
+        print_line(f"{out / TRANSDUCER}: built as you changed it")
     with progress_bar("firmware"), emitted_folder(scene) as folder:
         program = build_firmware(folder, board, out)
     print_result(

@@ -10,7 +10,7 @@ import click
 
 from springpot.codegen.errors import UsageError
 from springpot.host.options import NOT_NEGATIVE, PATH, FiniteRange, field_option
-from springpot.host.output import json_option, print_json, progress_bar, say
+from springpot.host.output import json_option, print_json, print_line, progress_bar
 from springpot.trainer.recordings.conditioning import Conditioning
 from springpot.trainer.recordings.formats.column_map import MAP_EXAMPLE, DecimalMark, parse_map
 
@@ -79,12 +79,12 @@ def import_(
     from springpot.trainer.recordings.formats.importing import (
         ImportOptions,
         import_set,
-        place_or_columns,
+        parse_place_option,
     )
 
     mapping = parse_map(map_text) if map_text else None
     options = ImportOptions(
-        decimal, Conditioning(**of_rig), place_m=place_or_columns(place) if place else None
+        decimal, Conditioning(**of_rig), place_m=parse_place_option(place) if place else None
     )
     if out.exists() and not out.is_dir():
         raise UsageError(f"--out {out}: is a file: give a folder to write recordings into")
@@ -92,7 +92,7 @@ def import_(
         recordings, guesses, notes = import_set(files, mapping, zero, resample_hz, options, rest_s)
     _say_guesses(guesses)
     for note in notes:
-        say(note)
+        print_line(note)
     report = report_quality(recordings)
     rows = _rows(write_in_folder(out, report.checked, overwrite=False), report)
     if not as_json:
@@ -115,19 +115,19 @@ def _say_guesses(guesses: Mapping[Path, str]) -> None:
     for file, guess in guesses.items():
         alike.setdefault(guess.removeprefix(f"{file}: "), []).append(file)
     for guess, (first, *others) in alike.items():
-        say(f"{first}{f' and {len(others)} more' if others else ''}: {guess}")
+        print_line(f"{first}{f' and {len(others)} more' if others else ''}: {guess}")
 
 
 def _rows(files: Sequence[Path], report: QualityReport) -> list[dict[str, Any]]:
     """Figures of each recording, with the file that it is in."""
-    from springpot.trainer.recordings.quality.units import glance
+    from springpot.trainer.recordings.quality.units import summarise_press
 
     pairs = zip(files, report.recordings, report.checked, strict=True)
     return [
         {
             "file": str(file),
             **{key: figures[key] for key in _OF_REPORT},
-            "glance": glance(recording).words,
+            "glance": summarise_press(recording).words,
         }
         for file, figures, recording in pairs
     ]

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING
 
 import click
 
-from springpot.codegen.messages import at_step, number_of
+from springpot.codegen.messages import counted_noun, log_progress
 from springpot.host.options import PATH, POSITIVE, device_option
-from springpot.host.output import json_option, print_json, print_table, progress_bar, say
+from springpot.host.output import json_option, print_json, print_line, print_table, progress_bar
 
 if TYPE_CHECKING:
     from springpot.host.recording.indentation import PressedDevice
@@ -77,7 +77,7 @@ def record(
 
     if find_surface:
         surface_mm = _touched_mm(url)
-        say(f"surface_mm = {surface_mm:g}: also for [device] of a scene")
+        print_line(f"surface_mm = {surface_mm:g}: also for [device] of a scene")
         url += f"{'&' if '?' in url else '?'}surface_mm={surface_mm:g}"
     limits = Limits(max_force_n, max_depth_mm / 1e3, max_speed_mps)
     profiles = load_protocol(protocol, seed)
@@ -116,12 +116,12 @@ def _progress(
     total_s, done_s = round(sum(len(profile.command_n) for profile in profiles) / 1000), 0.0
 
     def on_progress(now: SessionProgress) -> None:
-        at_step(progress_line(now, "q stop"), round(done_s), total_s)
+        log_progress(progress_line(now, "q stop"), round(done_s), total_s)
 
     def on_press(quality: PressQuality) -> None:
         nonlocal done_s
         done_s += quality.duration_s
-        at_step(quality.name, round(done_s), total_s)
+        log_progress(quality.name, round(done_s), total_s)
 
     with progress_bar("record"):
         yield on_progress, on_press
@@ -153,4 +153,4 @@ def _print(qualities: Sequence[PressQuality]) -> None:
         for quality in qualities
     )
     print_table(columns, rows, numbers=True, width=100)
-    click.echo(f"{number_of(len(qualities), 'recording')} in {qualities[0].file.parent}")
+    click.echo(f"{counted_noun(len(qualities), 'recording')} in {qualities[0].file.parent}")

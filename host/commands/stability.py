@@ -13,7 +13,7 @@ from springpot.host.output import json_option, print_result, progress_bar
 if TYPE_CHECKING:
     from springpot.host.stability.check import Stability
     from springpot.host.stability.closed_loop import Outcome
-    from springpot.host.stability.small_signal import Map
+    from springpot.host.stability.small_signal import SmallSignalMap
 
 
 @click.command(name="stability")
@@ -31,10 +31,10 @@ def stability_(scene_file: Path | None, model_file: Path | None, as_json: bool) 
 
 def stability_rows(found: Stability) -> dict[str, str]:
     """A person's view: the verdict, what is not good case by case, and the extremes of the rest."""
-    from springpot.host.stability.verdict import Grade, judged_cases
+    from springpot.host.stability.verdict import Grade, worst_by_case
 
     checked = found.check
-    judged = [item for item in judged_cases(found.outcomes) if item.grade != Grade.ENDS]
+    judged = [item for item in worst_by_case(found.outcomes) if item.grade != Grade.ENDS]
     doubtful = [item for item in judged if item.grade != Grade.GOOD]
     rows = {"verdict": found.recommendation}
     for item in doubtful:
@@ -56,7 +56,7 @@ def stability_rows(found: Stability) -> dict[str, str]:
     return rows
 
 
-def _cells(found: Map) -> str:
+def _cells(found: SmallSignalMap) -> str:
     inside, outside = found.active(False), found.active(True)
     return f"{inside[0]} of {inside[1]}, beyond the trained depth {outside[0]} of {outside[1]}"
 

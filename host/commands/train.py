@@ -8,16 +8,16 @@ from typing import Any
 import click
 
 from springpot.codegen.errors import UsageError
-from springpot.codegen.messages import number_of
+from springpot.codegen.messages import counted_noun
 from springpot.codegen.types import JsonObject
 from springpot.host.metrics import (
     Accuracy,
     accuracy,
-    error_ratios,
+    error_ratio_keys,
     ratio_rows,
     slope_errors,
     slope_keys,
-    slope_words,
+    slope_sentence,
 )
 from springpot.host.options import (
     NOT_NEGATIVE,
@@ -29,8 +29,8 @@ from springpot.host.options import (
     recordings_argument,
     recordings_option,
 )
-from springpot.host.output import json_option, print_result, progress_bar, say
-from springpot.host.validation.seen import seen_by, seen_line
+from springpot.host.output import json_option, print_line, print_result, progress_bar
+from springpot.host.validation.seen import count_training_recordings, training_overlap_sentence
 from springpot.trainer.kinds import fit_model, kind_names
 from springpot.trainer.models.fit import Fit, FitOptions
 from springpot.trainer.models.predict import require_compatible
@@ -94,31 +94,31 @@ def train(
     **of_fit: Any,  # options of the same names as fields of FitOptions
 ) -> None:
     """Fit a model on RECORDINGS (files or folders)."""
-    from springpot.codegen.files import require_place
+    from springpot.codegen.files import require_writable
     from springpot.codegen.model.model_file import MODEL_SUFFIX, write_model
     from springpot.host.quality import report_quality
-    from springpot.trainer.recordings.recording_file import given_recordings
+    from springpot.trainer.recordings.recording_file import resolve_recordings
 
     if out.suffix != MODEL_SUFFIX:
         raise UsageError(
             f"--out {out}: model files end in {MODEL_SUFFIX}: give a name like x{MODEL_SUFFIX}"
         )
-    require_place(out)  # before minutes of work
+    require_writable(out)  # before minutes of work
     options = FitOptions(**of_fit)
-    testing = given_recordings(validation)
+    testing = resolve_recordings(validation)
     report = report_quality(recordings)
     training = report.checked
-    with progress_bar(f"fitting {kind} on {number_of(len(training), 'recording')}"):
+    with progress_bar(f"fitting {kind} on {counted_noun(len(training), 'recording')}"):
         fit = fit_model(kind, out.stem.split(".")[0], training, options, testing)
     for line in fit.warnings:
-        say(f"warning: {line}")
+        print_line(f"warning: {line}")
     out.parent.mkdir(parents=True, exist_ok=True)
     result = training_result(fit) | {"out": str(out), "hash": write_model(out, fit.model)}
     compared_s = fit.model.provenance["smooth_s"] if smooth_validation else 0.0
     found, figures = errors(fit, training, testing, compared_s) if testing else (None, {})
     result |= figures
     if figures.get("seen"):
-        say(seen_line(figures["seen"], len(testing)))
+        print_line(training_overlap_sentence(figures["seen"], len(testing)))
     print_result(result, as_json, training_rows(fit, result, found, len(testing)))
 
 
@@ -143,7 +143,7 @@ def training_rows(
     """A person's view of a fit, of the keys of `--json`; found: error on `tested` recordings."""
     sizes = [f"{result[key]} {key[2:]}" for key in ("n_nodes", "n_centers", "n_parameters")
              if key in result]  # fmt: skip
-    seen = seen_line(result["seen"], tested) if found is not None else ""
+    seen = training_overlap_sentence(result["seen"], tested) if found is not None else ""
     rows = {
         **({"training data": seen} if seen else {}),
         "model": ", ".join([fit.model.kind, *sizes, result["out"]]),
@@ -176,7 +176,7 @@ def training_rows(
             f"{tested} validation recordings"
         )
         rows |= ratio_rows(result)
-        rows["slope error"] = slope_words(result)
+        rows["slope error"] = slope_sentence(result)
     return rows
 
 
@@ -216,20 +216,20 @@ def errors(
 
     Raises DataError for recordings of another rate or zero.
     """
-    from springpot.trainer.models.predict import limited_each_n
+    from springpot.trainer.models.predict import predict_limited_n
     from springpot.trainer.recordings.quality.repeats import find_noise_floor
-    from springpot.trainer.recordings.signals import smoothed
+    from springpot.trainer.recordings.signals import smooth
 
     for recording in testing:
         require_compatible(recording, fit.model)
-    known, new = ([smoothed(item, compared_s) for item in part] for part in (training, testing))
+    known, new = ([smooth(item, compared_s) for item in part] for part in (training, testing))
     # Those of one session come after the training ones, which the object remembers.
-    predicted_n = limited_each_n(fit.model, [*known, *new])[len(known) :]
+    predicted_n = predict_limited_n(fit.model, [*known, *new])[len(known) :]
     found = accuracy([recording.force_n for recording in new], predicted_n)
     shown = ("rmse_n", "rmse_percent_of_peak", "mean_recording_rmse_n")
     return found, {
-        "seen": seen_by(fit.model, testing),
+        "seen": count_training_recordings(fit.model, testing),
         **{name: getattr(found, name) for name in shown},
-        **error_ratios(found, find_noise_floor([*known, *new])),
+        **error_ratio_keys(found, find_noise_floor([*known, *new])),
         **slope_keys(slope_errors(new, predicted_n)),
     }

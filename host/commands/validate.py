@@ -4,7 +4,7 @@ from pathlib import Path
 
 import click
 
-from springpot.codegen.messages import number_of
+from springpot.codegen.messages import counted_noun
 from springpot.host.options import PATH, recordings_given
 from springpot.host.output import json_option, print_result, progress_bar
 
@@ -17,14 +17,14 @@ def validate_(folder: Path, recordings: tuple[str, ...], as_json: bool) -> None:
     """Replay recordings (files or folders) through the C of an emitted FOLDER."""
     from springpot.host.emission.emission import require_emission
     from springpot.host.validation.store import store_validation, validation_rows
-    from springpot.host.validation.validation import fail_on_mismatch, validate
+    from springpot.host.validation.validation import raise_on_mismatch, validate
     from springpot.trainer.recordings.recording_file import read_recordings
 
     require_emission(folder)  # first: where both are given the wrong way round, it says so
     found = read_recordings(map(Path, recordings))
-    with progress_bar(f"{number_of(len(found), 'recording')}"):
+    with progress_bar(f"{counted_noun(len(found), 'recording')}"):
         validation = validate(folder, found)
     if len(validation.felt) < len(found):  # a log says nothing of the object: the page needs that
         store_validation(folder, validation)
     print_result(validation.as_dict(), as_json, validation_rows(validation))
-    fail_on_mismatch(folder, validation)
+    raise_on_mismatch(folder, validation)

@@ -25,7 +25,7 @@ _ENOUGH = 0.9  # of the wanted samples: below it, they are no longer losses
 _PERIODS, _MIN_S, _MAX_S, _TIMES = 100, 0.1, 2.0, 3
 
 
-def at_most(value: float) -> str:
+def round_down(value: float) -> str:
     """Three digits of a limit, rounded towards zero: what they say is within it."""
     if not value > 0:
         return "0"
@@ -62,21 +62,21 @@ class DeviceRequirements:
     __repr__ = short_repr
 
 
-def requirements_of(keys: Device, **requirements: CData) -> DeviceRequirements:
+def requirements_from_keys(keys: Device, **requirements: CData) -> DeviceRequirements:
     """Join the keys of the scene's [device] with what the session asks besides."""
     known = DeviceRequirements.__dataclass_fields__
     stated = {name: value for name, value in vars(keys).items() if name in known}
     return DeviceRequirements(surface_m=1e-3 * keys.surface_mm, **stated, **requirements)
 
 
-def too_weak(
+def weakness_sentence(
     url: str, gives: str, required: DeviceRequirements, max_n: float, other: str = ""
 ) -> DeviceError:
     """Return the refusal of a device that gives less force, max_n, than is required.
 
     gives: that in words. other: what else would help.
     """
-    limit = at_most(max_n)
+    limit = round_down(max_n)
     return DeviceError(
         f"{url}: {gives} and the scene up to {required.max_n:g} N: set guard.max_force_n = "
         f"{limit}{other}"

@@ -9,7 +9,7 @@ from pkgutil import resolve_name
 from typing import TypeVar
 from urllib.parse import parse_qsl, unquote, urlsplit
 
-from springpot.codegen.entry_points import blaming, registered
+from springpot.codegen.entry_points import blame_package, load_entries
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.codegen.messages import short_repr
 from springpot.host.devices.device import DeviceRequirements, OpenedDevice
@@ -107,7 +107,7 @@ class Driver:
 @cache
 def drivers() -> dict[str, Driver]:
     """Return the driver of each scheme: entry points of the group springpot.devices."""
-    return registered("devices", Driver)
+    return load_entries("devices", Driver)
 
 
 # Registered in pyproject.toml; each module is loaded when a device of it is opened: a simulated
@@ -142,7 +142,7 @@ def parse_device(url: str) -> Address:
     return Address(url, parts.scheme, interface, unquote(place), settings)
 
 
-def driver_of(url: str) -> Driver:
+def find_driver(url: str) -> Driver:
     """Return the driver of a device's URL. Raises as `parse_device`."""
     return drivers()[parse_device(url).scheme]
 
@@ -152,7 +152,7 @@ def open_device(url: str, requirements: DeviceRequirements) -> OpenedDevice:
 
     Raises UsageError for a wrong URL, DeviceError with one line for whatever else is wrong.
     """
-    driver, address = driver_of(url), parse_device(url)
+    driver, address = find_driver(url), parse_device(url)
     if requirements.weight_n and not (driver.holds_weight or driver.virtual):
         able = ", ".join(f"{name}://" for name, one in drivers().items() if one.holds_weight)
         raise UsageError(
@@ -162,7 +162,7 @@ def open_device(url: str, requirements: DeviceRequirements) -> OpenedDevice:
         raise UsageError(
             f"{url}: its position and force have one frame: leave [device] force_sign out"
         )
-    with blaming(url, driver.opens, DeviceError):
+    with blame_package(url, driver.opens, DeviceError):
         opened = driver.function()(address, requirements)
         if OpenedDevice not in type(opened).__mro__:  # a Protocol refuses isinstance
             raise TypeError(f"{type(opened).__name__} is no OpenedDevice and no VirtualDevice")

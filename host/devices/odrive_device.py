@@ -12,9 +12,9 @@ from springpot.host.devices.device import (
     FORCE_ZERO,
     DeviceRequirements,
     OpenedDevice,
-    at_most,
     require_sample_rate,
-    too_weak,
+    round_down,
+    weakness_sentence,
 )
 from springpot.host.devices.drivers import Address
 from springpot.host.devices.odrive import ENCODER, Drive, DriveLimits, identifier
@@ -165,7 +165,7 @@ def _transmission(address: Address, requirements: DeviceRequirements) -> Transmi
         surface_m=address.number("surface_mm", 1e3 * requirements.surface_m, -1e5, 1e5) / 1e3,
     )
     if found.max_n < requirements.max_n * (1 - 1e-6):
-        gives = f"{found.max_torque_nm:g} Nm give {at_most(found.max_n)} N"
+        gives = f"{found.max_torque_nm:g} Nm give {round_down(found.max_n)} N"
         other = ", or device.max_torque_nm"
-        raise too_weak(address.url, gives, requirements, found.max_n, other)
+        raise weakness_sentence(address.url, gives, requirements, found.max_n, other)
     return found

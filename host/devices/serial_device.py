@@ -16,7 +16,7 @@ from springpot.host.devices.device import (
     OpenedDevice,
     proved_watchdog_s,
     require_sample_rate,
-    too_weak,
+    weakness_sentence,
 )
 from springpot.host.devices.drivers import Address
 from springpot.host.devices.serial_port import open_port, require_fast_adapter
@@ -218,4 +218,6 @@ class SerialDevice(OpenedDevice):
                 f"{layout():08x}): flash the firmware of this springpot"
             )
         if hello["max_n"] < required.max_n * (1 - 1e-6):
-            raise too_weak(url, f"gives at most {hello['max_n']:g} N", required, hello["max_n"])
+            raise weakness_sentence(
+                url, f"gives at most {hello['max_n']:g} N", required, hello["max_n"]
+            )

@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from springpot.codegen.coupling.loop_device import LoopDevice
-from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.emit.golden import differentiate
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.types import CData
 from springpot.host.devices.device import DeviceRequirements, VirtualDevice
@@ -116,9 +116,7 @@ class ReplayDevice(VirtualDevice):
                 f"{rate_hz:g} Hz: import it from its source with --resample-hz {rate_hz:g}"
             )
         self._position_m = np.ascontiguousarray(recording.position_m)
-        self._velocity_mps = np.ascontiguousarray(
-            backward_velocity(self._position_m, recording.dt_s)
-        )
+        self._velocity_mps = np.ascontiguousarray(differentiate(self._position_m, recording.dt_s))
         self._memory: CData = None
 
     def link(self, library: CLibrary) -> CData:

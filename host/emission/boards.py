@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from springpot import SpringpotError
 from springpot.codegen.arrays import Reals
 from springpot.codegen.errors import BudgetError, MismatchError, UsageError
-from springpot.codegen.files import folder_written_aside
+from springpot.codegen.files import write_folder_atomically
 from springpot.codegen.messages import short_repr
 from springpot.codegen.plan import Plan, state_bytes
 from springpot.codegen.scene import Target
@@ -79,14 +79,14 @@ def default_board(target: Target) -> Board | None:
     return next((board for board in BOARDS.values() if board.target == target), None)
 
 
-def board_of(name: str) -> Board:
+def find_board(name: str) -> Board:
     """Return the board of a name. Raises UsageError with all names."""
     if name not in BOARDS:
         raise UsageError(f"{name}: no such board: use {', '.join(BOARDS)}")
     return BOARDS[name]
 
 
-def compiler_of(board: Board) -> Toolchain:
+def find_board_compiler(board: Board) -> Toolchain:
     """Return the board's compiler. Raises UsageError with what to install."""
     tools = toolchain(board.target)
     if tools is None:
@@ -94,7 +94,7 @@ def compiler_of(board: Board) -> Toolchain:
     return tools
 
 
-def emulator_of(board: Board) -> str:
+def find_emulator(board: Board) -> str:
     """Return the path of the board's emulator. Raises UsageError with what to install."""
     found = shutil.which(board.emulator)
     if found is None:
@@ -105,7 +105,7 @@ def emulator_of(board: Board) -> str:
 
 def missing(board: Board) -> str:
     """What is missing to build for the board and to emulate it; nothing where all is there."""
-    for find in (compiler_of, emulator_of):
+    for find in (find_board_compiler, find_emulator):
         try:
             find(board)
         except UsageError as error:
@@ -122,7 +122,7 @@ def build_firmware(folder: Path, board: Board, out: Path, strict: bool = False) 
     """
     require_replaceable(out, yours=[TRANSDUCER])
     plan = read_emission(folder).plan
-    with folder_written_aside(out) as aside:
+    with write_folder_atomically(out) as aside:
         sources = _copied(folder, aside, plan, (*_COMMON, *board.sources))
         write_checksums(aside)
         if is_edited(out, TRANSDUCER):
@@ -152,7 +152,7 @@ def _copied(folder: Path, out: Path, plan: Plan, ports: tuple[str, ...]) -> tupl
 def _linked(
     board: Board, out: Path, sources: tuple[str, ...], selftest_bytes: int, strict: bool = False
 ) -> Path:
-    tools = compiler_of(board)
+    tools = find_board_compiler(board)
     arguments = [
         *flags("SP_CFLAGS"), *(flags("SP_STRICT") if strict else ()), *tools.flags,
         "-nostartfiles", f"-L{PORT_MCU}", f"-T{PORT_MCU / board.script}",
@@ -175,7 +175,7 @@ def _linked(
 CALL_IDLE, CALL_RESET = 1, 2  # CALL_IDLE, CALL_RESET of sp_batch.c
 _SHIFT = 8  # an instruction takes 2^8 ns of the emulated time: several counts of every counter
 _OVERFLOWED = 0xFFFFFFFF  # OVERFLOWED of sp_batch.c
-_LONGEST_S = 600.0
+_EMULATOR_TIMEOUT_S = 600.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -242,16 +242,23 @@ def emulate(board: Board, program: Path, place: Path) -> None:
     Raises UsageError without the emulator, SpringpotError where it fails.
     """
     command = [
-        emulator_of(board), "-M", board.name, *board.options, "-display", "none",
+        find_emulator(board), "-M", board.name, *board.options, "-display", "none",
         "-monitor", "none", "-serial", "null",
         "-semihosting-config", "enable=on,target=native", "-icount", f"shift={_SHIFT}",
         "-kernel", str(program),
     ]  # fmt: skip
     try:
         result = subprocess.run(
-            command, cwd=place, capture_output=True, text=True, check=False, timeout=_LONGEST_S
+            command,
+            cwd=place,
+            capture_output=True,
+            text=True,
+            check=False,
+            timeout=_EMULATOR_TIMEOUT_S,
         )
     except subprocess.TimeoutExpired:
-        raise SpringpotError(f"{board.name}: no end after {_LONGEST_S:g} s of emulation") from None
+        raise SpringpotError(
+            f"{board.name}: no end after {_EMULATOR_TIMEOUT_S:g} s of emulation"
+        ) from None
     if result.returncode != 0 or not (place / "returns.bin").exists():
         raise SpringpotError(f"{board.name}: the emulator failed: {result.stderr.strip()[:300]}")

@@ -14,17 +14,17 @@ from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.errors import BudgetError, SpringpotError, UsageError
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.features import FirBank
-from springpot.codegen.model.forest import fewer_trees, larger_leaves, quantised
+from springpot.codegen.model.forest import keep_trees, merge_leaves, quantise_thresholds
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.regressors import Forest
 from springpot.codegen.plan import state_bytes
 from springpot.codegen.scene import Budget, Scene
 from springpot.host.emission.emission import emit
 from springpot.host.emission.result import Emission
-from springpot.host.native.replay import Replay, replayed_accuracy
+from springpot.host.native.replay import Replay, replay_accuracy
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.native.toolchain import toolchain
-from springpot.host.output import say
+from springpot.host.output import print_line
 from springpot.trainer.recordings.recording import Recording
 
 _TREES = (1.0, 0.8, 0.6, 0.4, 0.3, 0.2, 0.1, 0.05)  # shares of the trees
@@ -56,19 +56,21 @@ def emit_fitting(
         if not fit:
             raise BudgetError(f"{error}; --fit --recording REC makes a forest smaller") from None
         refused = error
-    for smaller in _best_first(scene, model, recordings, accept_unsafe):
+    for smaller in _order_by_error(scene, model, recordings, accept_unsafe):
         try:
             emission = emit(scene, smaller, folder, accept_unsafe)
         except SpringpotError:
             continue
         replay = Replay(SceneLibrary(emission.folder))
-        found = replayed_accuracy(emission.plan, replay, recordings)
-        say(f"fitted: {', '.join(smaller.provenance['left_out'])}: RMSE {found.rmse_n:.4g} N")
+        found = replay_accuracy(emission.plan, replay, recordings)
+        print_line(
+            f"fitted: {', '.join(smaller.provenance['left_out'])}: RMSE {found.rmse_n:.4g} N"
+        )
         return emission
     raise BudgetError(f"{refused}; no smaller version of this model fits: use another kind")
 
 
-def _best_first(
+def _order_by_error(
     scene: Scene, model: Model, recordings: Sequence[Recording], accept_unsafe: bool
 ) -> Iterator[Model]:
     """Smaller models that may be within the budget, those of least error first."""
@@ -77,7 +79,7 @@ def _best_first(
     tick_s = make_plan(model, scene, accept_unsafe).dt_s
     for recording in recordings:
         require_compatible(recording, model, tick_s)
-    candidates = [one for one in _candidates(model) if not _surely_over(one, scene)]
+    candidates = [one for one in _candidates(model) if not _exceeds_lower_bound(one, scene)]
     if not candidates:
         return
     values, target_n = _evaluation(candidates[0], recordings)  # all have the same features
@@ -91,7 +93,7 @@ def _best_first(
 
 def _candidates(model: Model) -> Iterator[Model]:
     """Every smaller version of a model on trees; provenance: what was `left_out` of it."""
-    from springpot.trainer.features import fast_fir_bank
+    from springpot.trainer.features import fit_fast_fir_bank
     from springpot.trainer.models.rf_fd import MAX_TAPS
 
     features, whole = model.features, model.regressor
@@ -99,17 +101,20 @@ def _candidates(model: Model) -> Iterator[Model]:
         return
     free: tuple[str, ...] = ()
     if isinstance(features, FirBank) and len(features.taps) <= MAX_TAPS:
-        features, free = fast_fir_bank(features), ("the window by exponentials",)
+        features, free = fit_fast_fir_bank(features), ("the window by exponentials",)
     if whole.quantisation is None:
-        whole, free = quantised(whole, features.n_features), (*free, "thresholds in 16-bit steps")
+        whole, free = (
+            quantise_thresholds(whole, features.n_features),
+            (*free, "thresholds in 16-bit steps"),
+        )
     n_trees = len(whole.roots)
     for leaves in _LEAVES:
-        pruned = larger_leaves(whole, leaves)
+        pruned = merge_leaves(whole, leaves)
         larger = (f"leaves made one up to {leaves}",) if leaves > 1 else ()
         for count in sorted({max(1, round(share * n_trees)) for share in _TREES}):
             fewer = (f"{count} of {n_trees} trees",) if count < n_trees else ()
             if what := (*free, *larger, *fewer):
-                forest = fewer_trees(pruned, count)
+                forest = keep_trees(pruned, count)
                 provenance = {**model.provenance, "left_out": list(what)}
                 yield replace(model, features=features, regressor=forest, provenance=provenance)
 
@@ -117,14 +122,14 @@ def _candidates(model: Model) -> Iterator[Model]:
 def _evaluation(model: Model, recordings: Sequence[Recording]) -> tuple[Samples, Samples]:
     """Features of some samples, (n, features), and what the trees must give, (n,), N."""
     from springpot.trainer.features import depth_features
-    from springpot.trainer.models.depths import depth_m
+    from springpot.trainer.models.depths import compute_depth_m
     from springpot.trainer.models.predict import predict_each_n
 
     assert model.features is not None
     every = -(-sum(len(item.force_n) for item in recordings) // _EVALUATED)
     pieces = [(item, np.arange(0, len(item.force_n), every)) for item in recordings]
     values = [
-        depth_features(model.features, depth_m(item, model.contact), model.dt_s, rows)
+        depth_features(model.features, compute_depth_m(item, model.contact), model.dt_s, rows)
         for item, rows in pieces
     ]
     # What is not the trees': the passive part, which remembers through a session.
@@ -133,7 +138,7 @@ def _evaluation(model: Model, recordings: Sequence[Recording]) -> tuple[Samples,
     return np.concatenate(values), force_n - np.concatenate(others_n)
 
 
-def _surely_over(model: Model, scene: Scene) -> bool:
+def _exceeds_lower_bound(model: Model, scene: Scene) -> bool:
     """Whether what is known without a compiler is too much already."""
     plan = make_plan(model, replace(scene, budget=Budget()), accept_unsafe=True)
     tables_bytes = 0 if plan.regressor is None else plan.regressor.table_bytes

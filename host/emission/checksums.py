@@ -11,9 +11,9 @@ from springpot.codegen.files import read_bounded
 
 CHECKSUMS = "from/files.json"
 # What validation, report and a build by hand put beside it.
-_OWN_LATER = {"validation", "report.html", "example", "firmware.elf"}
+_WRITTEN_LATER = {"validation", "report.html", "example", "firmware.elf"}
 # For a build by hand, and its user's to change: springpot compiles neither these nor with these.
-_FOR_BY_HAND = {"main.c", "Makefile"}
+_MEANT_TO_EDIT = {"main.c", "Makefile"}
 # What a build reads. A header more would be taken in the place of a system's.
 _READ = ("*.h", "*.gch", "manifest.json", "from/*")
 _MAX_BYTES = 1 << 30
@@ -32,10 +32,14 @@ def require_replaceable(folder: Path, yours: Collection[str] = ()) -> None:
                 f"{folder}: holds files that springpot did not emit: give --out an empty or new "
                 "folder"
             )
-        known = _known(folder)
+        known = _read_checksums(folder)
         for file in sorted(folder.rglob("*")):
             name = str(file.relative_to(folder))
-            if file.is_dir() or name == CHECKSUMS or name.split("/", maxsplit=1)[0] in _OWN_LATER:
+            if (
+                file.is_dir()
+                or name == CHECKSUMS
+                or name.split("/", maxsplit=1)[0] in _WRITTEN_LATER
+            ):
                 continue
             if name not in yours and known.get(name) != _digest(file):
                 raise UsageError(
@@ -47,13 +51,13 @@ def require_replaceable(folder: Path, yours: Collection[str] = ()) -> None:
 
 def edited_files(folder: Path) -> tuple[str, ...]:
     """Return names of the files that a build takes and that are not as emitted, with a warning."""
-    known = _known(folder)
+    known = _read_checksums(folder)
     changed = {name for name, digest in known.items() if _digest(folder / name) != digest}
     read = {file for pattern in _READ for file in folder.rglob(pattern)}
     read |= {file.with_suffix(".c") for file in read if file.with_suffix(".c").exists()}
     read |= {file for file in folder.rglob("*") if file.is_symlink() and file.is_dir()}
     more = {str(file.relative_to(folder)) for file in read} - known.keys() - {CHECKSUMS}
-    edited = [name for name in changed | more if name.split("/")[0] not in _FOR_BY_HAND]
+    edited = [name for name in changed | more if name.split("/")[0] not in _MEANT_TO_EDIT]
     edited = sorted(edited) if known else [CHECKSUMS]
     if edited:
         others = f" (and {len(edited) - 1} more)" if len(edited) > 1 else ""
@@ -65,7 +69,7 @@ def edited_files(folder: Path) -> tuple[str, ...]:
 
 def is_edited(folder: Path, name: str) -> bool:
     """Whether a file is there, and not as springpot wrote it."""
-    return (folder / name).exists() and _known(folder).get(name) != _digest(folder / name)
+    return (folder / name).exists() and _read_checksums(folder).get(name) != _digest(folder / name)
 
 
 def edited_hash(emitted: str, folder: Path, edited: Sequence[str]) -> str:
@@ -86,7 +90,7 @@ def write_checksums(folder: Path) -> None:
     (folder / CHECKSUMS).write_text(json.dumps(checksums, indent=2, sort_keys=True) + "\n")
 
 
-def _known(folder: Path) -> dict[str, str]:
+def _read_checksums(folder: Path) -> dict[str, str]:
     """Name -> digest; nothing where the list is missing or no list."""
     try:
         known = json.loads(read_bounded(folder / CHECKSUMS, _MAX_BYTES, "list of checksums"))

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from springpot.codegen.emit.files import emit_files
 from springpot.codegen.errors import BudgetError, DataError, MismatchError, UsageError
-from springpot.codegen.files import folder_written_aside
+from springpot.codegen.files import write_folder_atomically
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.messages import short_repr
 from springpot.codegen.model.model import Model
@@ -22,7 +22,7 @@ from springpot.host.emission.checksums import (
     require_replaceable,
     write_checksums,
 )
-from springpot.host.emission.result import Emission, felt_notices, over_budget, rate_notices
+from springpot.host.emission.result import Emission, coupling_notices, over_budget, rate_notices
 from springpot.host.emission.scene_file import (
     model_path,
     read_scene,
@@ -32,10 +32,10 @@ from springpot.host.emission.scene_file import (
 from springpot.host.native.compiler import NoCompilerError
 from springpot.host.native.scene_library import SceneLibrary, read_manifest
 from springpot.host.native.toolchain import SOFT_DOUBLES, measure_footprint
-from springpot.host.output import say
+from springpot.host.output import print_line
 from springpot.host.stability.check import Check, check
 from springpot.host.stability.linear import require_stable
-from springpot.host.stability.verdict import vibrates
+from springpot.host.stability.verdict import vibrates_when_held
 
 # What the C was made from, beside it: whoever holds the folder can check it, and emit it again.
 MODEL_COPY = "from/model.spm"
@@ -55,7 +55,7 @@ def emit(scene: Scene, model: Model | Path, folder: Path, accept_unsafe: bool = 
     plan = make_plan(model, scene, accept_unsafe)
     if not accept_unsafe:
         require_stable(plan)
-    with folder_written_aside(folder) as aside:
+    with write_folder_atomically(folder) as aside:
         begin = time.perf_counter()
         write_emission(plan, plan.scene, model, aside)
         write_s = time.perf_counter() - begin
@@ -113,7 +113,7 @@ def write_emission(plan: Plan, scene: Scene, model: Model, folder: Path) -> None
 
 
 def _built(plan: Plan, aside: Path, folder: Path, write_s: float) -> Emission:
-    notices = [*rate_notices(plan), *felt_notices(plan), *_unchecked(plan)]
+    notices = [*rate_notices(plan), *coupling_notices(plan), *_unchecked(plan)]
     footprint = compile_s = checked = None
     unmeasured = ""
     try:
@@ -133,7 +133,11 @@ def _built(plan: Plan, aside: Path, folder: Path, write_s: float) -> Emission:
             notices.append(f"flash and stack could not be measured: {error}")
         checked = check(plan, library)
         notices += _activity(checked)
-        if plan.scene.coupling.mode == "auto" and plan.at_proxy and vibrates(plan, library):
+        if (
+            plan.scene.coupling.mode == "auto"
+            and plan.at_proxy
+            and vibrates_when_held(plan, library)
+        ):
             notices.append("warning: what auto chose vibrates on a hold: see `springpot stability`")
     except NoCompilerError as error:
         unmeasured = str(error)
@@ -196,5 +200,5 @@ def emitted_folder(scene: Path) -> Iterator[Path]:
     with tempfile.TemporaryDirectory(prefix="springpot-run-") as scratch:
         folder = Path(scratch) / "c"
         for found in emit(described, model_path(described, scene), folder).notices:
-            say(found)
+            print_line(found)
         yield folder

@@ -4,14 +4,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from springpot.codegen.errors import BudgetError
-from springpot.codegen.make_plan import FELT_SHARE
-from springpot.codegen.messages import number_of
+from springpot.codegen.make_plan import MIN_FELT_FRACTION
+from springpot.codegen.messages import counted_noun
 from springpot.codegen.plan import Plan
 from springpot.codegen.scene import Budget
 from springpot.codegen.types import JsonObject
 from springpot.host.native.toolchain import Footprint
 from springpot.host.stability.check import Check
-from springpot.host.stability.linear import at_higher_rates
+from springpot.host.stability.linear import plans_at_higher_rates
 
 # Keys of `emit --json` that the manifest has too.
 _OF_MANIFEST = ("units", "left_out", "orders", "coupling", "outside", "accept_unsafe")
@@ -92,7 +92,7 @@ def over_budget(emission: Emission, budget: Budget) -> str:
     return "; ".join(over)
 
 
-def felt_notices(plan: Plan) -> list[str]:
+def coupling_notices(plan: Plan) -> list[str]:
     """Warn if a hand feels less than 80 % of the stiffness, or if not every hand holds the loop."""
     felt_npm, object_npm = plan.coupling.felt_npm, plan.stiffness_npm
     notices = []
@@ -101,12 +101,12 @@ def felt_notices(plan: Plan) -> list[str]:
             f"warning: no coupling at {1.0 / plan.dt_s:g} Hz is stable with every hand: let no "
             "hand hold it before `springpot stability` says so, or take a faster loop"
         )
-    if felt_npm >= FELT_SHARE * object_npm:
+    if felt_npm >= MIN_FELT_FRACTION * object_npm:
         return notices
     why = "the scene states that coupling"
     if plan.scene.coupling.mode == "auto":
         late = plan.loop_device.delay_samples
-        behind = f", {number_of(late, 'sample')} late," if late else ""
+        behind = f", {counted_noun(late, 'sample')} late," if late else ""
         why = f"a loop at {1.0 / plan.dt_s:g} Hz{behind} holds no stiffer one"
     return [
         *notices,
@@ -121,8 +121,9 @@ def rate_notices(plan: Plan) -> list[str]:
         return []
     return [
         f"warning: the scene ticks at {1.0 / plan.dt_s:g} Hz, for at the recordings' "
-        f"{1.0 / plan.model.dt_s:g} Hz a hand would feel less than {100 * FELT_SHARE:g} % of the "
-        "object's stiffness: if the device is served at another rate, state [runtime] rate_hz"
+        f"{1.0 / plan.model.dt_s:g} Hz a hand would feel less than "
+        f"{100 * MIN_FELT_FRACTION:g} % of the object's stiffness: if the device "
+        "is served at another rate, state [runtime] rate_hz"
     ]
 
 
@@ -133,8 +134,10 @@ def _remedy(plan: Plan) -> str:
         return (
             "record at a higher rate, or take a kind of model that holds at any rate (hammerstein)"
         )
-    faster = list(at_higher_rates(plan))
-    enough = [each for each in faster if each.coupling.felt_npm >= FELT_SHARE * plan.stiffness_npm]
+    faster = list(plans_at_higher_rates(plan))
+    enough = [
+        each for each in faster if each.coupling.felt_npm >= MIN_FELT_FRACTION * plan.stiffness_npm
+    ]
     found = next(iter(enough or faster), plan)
     if found.coupling.felt_npm <= plan.coupling.felt_npm:
         return "a device of less delay and more damping is needed, or [device] states yours"

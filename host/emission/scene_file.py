@@ -12,7 +12,7 @@ import numpy as np
 from pydantic import TypeAdapter, ValidationError
 
 from springpot.codegen.errors import DataError, UsageError
-from springpot.codegen.files import given_path, read_bounded, write_file
+from springpot.codegen.files import parse_path, read_bounded, write_file
 from springpot.codegen.scene import Scene
 from springpot.trainer.recordings.recording_file import File
 
@@ -79,7 +79,7 @@ def read_scene(path: File) -> Scene:
     >>> read_scene("scene.toml").name
     'pad'
     """
-    return scene_from_json(toml_as_json(given_path(path), _MAX_BYTES, "scene file"), str(path))
+    return scene_from_json(toml_as_json(parse_path(path), _MAX_BYTES, "scene file"), str(path))
 
 
 def scene_to_json(scene: Scene) -> str:
@@ -119,7 +119,7 @@ def write_scene(path: File, scene: Scene) -> None:
             f"{key} = {json.dumps(value, ensure_ascii=False)}" for key, value in section.items()
         ]
     text = "".join(f"{line}\n" for line in lines)
-    write_file(given_path(path), text.replace("\x7f", "\\u007f").encode())
+    write_file(parse_path(path), text.replace("\x7f", "\\u007f").encode())
 
 
 def model_path(scene: Scene, scene_file: Path) -> Path:

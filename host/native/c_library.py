@@ -10,7 +10,7 @@ import cffi
 import numpy as np
 
 from springpot.codegen.arrays import Reals, Samples
-from springpot.codegen.entry_points import registered
+from springpot.codegen.entry_points import load_entries
 from springpot.codegen.types import CData
 from springpot.host.native.compiler import CompilerError, shared_library
 from springpot.runtime_c.paths import INCLUDE, PORT_POSIX, PORT_WIRE, SIM
@@ -118,7 +118,7 @@ def loop_library(real: str) -> CLibrary:
     lines "springpot declarations begin" and "end", as those of sp_link_*.c do. Raises
     CompilerError that names the links of other packages where they cannot be built.
     """
-    others = [Path(link) for driver in registered("devices", object).values()
+    others = [Path(link) for driver in load_entries("devices", object).values()
               for link in getattr(driver, "links", ())]  # fmt: skip
     try:
         library = _built(real, others)

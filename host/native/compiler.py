@@ -15,7 +15,7 @@ from importlib.metadata import version
 from pathlib import Path
 
 from springpot.codegen.errors import SpringpotError
-from springpot.codegen.files import written_aside
+from springpot.codegen.files import atomic_write
 from springpot.runtime_c.paths import flags
 
 
@@ -125,7 +125,7 @@ def shared_library(
             f"{library.parent}: {error.strerror}: set XDG_CACHE_HOME to a folder that you can write"
         ) from None
     folders = [f"-I{folder}" for folder in include]
-    with written_aside(library, durable=True) as built:  # a part of one would crash the process
+    with atomic_write(library, durable=True) as built:  # a part of one would crash the process
         run_compiler([*build_flags, *folders, *map(str, sources), "-o", str(built), "-lm"])
         if not built.exists():
             raise CompilerError(

@@ -8,14 +8,14 @@ from functools import cache
 import numpy as np
 
 from springpot.codegen.arrays import Reals, Samples
-from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.emit.golden import differentiate
 from springpot.codegen.errors import SpringpotError
 from springpot.codegen.plan import Plan
 from springpot.host.metrics import Accuracy, accuracy, start_up_ramp
 from springpot.host.native.c_library import INPUT, CLibrary, load_c
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.runtime_c.paths import PORT_TESTBENCH
-from springpot.trainer.models.depths import DepthMotion, in_ticks, motions
+from springpot.trainer.models.depths import DepthMotion, join_motions, pauses_to_ticks
 from springpot.trainer.recordings.recording import Recording
 
 COLD_BYTES = 8 << 20
@@ -115,7 +115,7 @@ class Replay:
         tick_ns = np.empty(ticks)
         state = self._library.new_state()
         array = self._port.array
-        error = self._port.c.sp_pace(
+        error = self._port.c.sp_replay_time_ticks(
             self._step, self._port.pointer(state.address), ticks, array(position),
             array(velocity), min(dt_s, paced_s / ticks), array(cold), COLD_BYTES, array(tick_ns),
         )  # fmt: skip
@@ -124,7 +124,7 @@ class Replay:
         return tick_ns
 
     def _velocity(self, position: Reals) -> Reals:
-        return backward_velocity(position, self._library.manifest["dt_s"])
+        return differentiate(position, self._library.manifest["dt_s"])
 
     def _converted(self, values: Reals) -> Reals:
         return np.ascontiguousarray(values, dtype=self._library.dtype)
@@ -136,19 +136,22 @@ def load_port(real: str) -> CLibrary:
     return load_c([PORT_TESTBENCH / "sp_replay.h"], [PORT_TESTBENCH / "sp_replay.c"], real)
 
 
-def motions_of(plan: Plan, recordings: Sequence[Recording]) -> list[DepthMotion]:
+def replay_motions(plan: Plan, recordings: Sequence[Recording]) -> list[DepthMotion]:
     """What the C is given: each recording from a fresh state, or those of one session in a row."""
     positions = [recording.position_m for recording in recordings]
-    return [in_ticks(each, plan.dt_s) for each in motions(recordings, positions, plan.contact)]
+    return [
+        pauses_to_ticks(each, plan.dt_s)
+        for each in join_motions(recordings, positions, plan.contact)
+    ]
 
 
-def replayed(
+def replay_forces(
     plan: Plan, replay: Replay, recordings: Sequence[Recording]
 ) -> tuple[list[Samples], list[int]]:
     """Forces of the C along recordings, (n,), N, and the samples of each in the start-up ramp."""
     forces = [np.zeros(0)] * len(recordings)
     ramps = [0] * len(recordings)
-    for motion in motions_of(plan, recordings):
+    for motion in replay_motions(plan, recordings):
         place_m = recordings[motion.recordings[0]].place_m if plan.has_places else None
         force_n, notes = replay.run(motion.depth_m, place_m=place_m)
         ramps[motion.recordings[0]] = start_up_ramp(notes[motion.starts[0] :])
@@ -158,7 +161,7 @@ def replayed(
     return forces, ramps
 
 
-def replayed_accuracy(plan: Plan, replay: Replay, recordings: Sequence[Recording]) -> Accuracy:
+def replay_accuracy(plan: Plan, replay: Replay, recordings: Sequence[Recording]) -> Accuracy:
     """Error of the C on recordings, behind the start-up ramp."""
-    forces, ramps = replayed(plan, replay, recordings)
+    forces, ramps = replay_forces(plan, replay, recordings)
     return accuracy([recording.force_n for recording in recordings], forces, ramps)

@@ -11,11 +11,11 @@ import numpy as np
 
 from springpot.codegen.arrays import Reals
 from springpot.codegen.emit.files import emit_files
-from springpot.codegen.emit.header import prefixed
+from springpot.codegen.emit.header import prefix_public_names
 from springpot.codegen.emit.source import ABI_VERSION
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.make_plan import make_plan
-from springpot.codegen.messages import number_of
+from springpot.codegen.messages import counted_noun
 from springpot.codegen.plan import Plan
 from springpot.codegen.types import CData, JsonObject, RealType
 from springpot.host.native.c_library import CLibrary, declarations
@@ -48,7 +48,7 @@ def write_port(folder: Path, real: str, files: Iterable[Path], out: Path) -> Non
     prefix = scene_prefix(folder)
     for file in files:
         text = file.read_text().replace('"sp_scene.h"', f'"{prefix}_scene.h"')
-        (out / file.name).write_text(prefixed(text, prefix))
+        (out / file.name).write_text(prefix_public_names(text, prefix))
     (out / f"{prefix}_scene.h").write_text(
         f'#include "{prefix}.h"\n#include "sp_real.h"\n\n'
         f"#define SP_PERIOD_S {prefix.upper()}_DT_S\n"
@@ -150,7 +150,7 @@ class SceneState:
         position = np.ascontiguousarray(position_m, dtype=self._library.dtype)
         if velocity_mps is not None and len(velocity_mps) != len(position):
             raise UsageError(
-                f"velocity_mps: {len(velocity_mps)} for {number_of(len(position), 'position')}: "
+                f"velocity_mps: {len(velocity_mps)} for {counted_noun(len(position), 'position')}: "
                 "give one for each"
             )
         force = np.empty_like(position)
@@ -167,14 +167,14 @@ class SceneState:
         return force, notes
 
 
-def built(plan: Plan) -> SceneLibrary:
+def build_and_load(plan: Plan) -> SceneLibrary:
     """The plan's C without its self-test, built and loaded."""
-    with written(plan) as folder:
+    with emitted_folder_of(plan) as folder:
         return SceneLibrary(folder)
 
 
 @contextmanager
-def written(plan: Plan) -> Iterator[Path]:
+def emitted_folder_of(plan: Plan) -> Iterator[Path]:
     """The folder of the plan's C, without its self-test."""
     with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
         for name, text in emit_files(plan, selftest=False).items():
@@ -182,7 +182,7 @@ def written(plan: Plan) -> Iterator[Path]:
         yield Path(scratch)
 
 
-def uncoupled(plan: Plan) -> Plan:
+def without_coupling(plan: Plan) -> Plan:
     """The model by itself: coupling and smoothing off, all else as in the scene."""
     if plan.couple is None and plan.smooth_alpha is None:
         return plan

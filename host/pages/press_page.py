@@ -12,7 +12,7 @@ from markupsafe import Markup
 from springpot.codegen.coupling.linear_loop import DESIGN_HAND, Hand
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.files import write_file
-from springpot.codegen.messages import counted
+from springpot.codegen.messages import with_progress
 from springpot.codegen.plan import Plan
 from springpot.codegen.types import JsonObject
 from springpot.host.emission.emission import Emitted, read_emission
@@ -20,7 +20,7 @@ from springpot.host.pages.page import page_text, plain
 from springpot.host.pages.wasm_module import node_force_hash, page_module
 from springpot.host.session.outcome import NOTE_WORDS
 from springpot.host.simulation.scenarios import Workspace
-from springpot.host.stability.linear import is_stable, loop_words, scene_loop
+from springpot.host.stability.linear import is_stable, linear_loop_sentence, scene_loop
 from springpot.host.validation.store import read_validation
 
 STIFFNESS_NPM = (100.0, 200.0, 300.0, 400.0, 600.0, 1000.0, 1500.0)  # of the hand
@@ -35,7 +35,7 @@ def write_press_page(folders: Sequence[Path], out: Path) -> JsonObject:
     WebAssembly, MismatchError where node computes other forces than this machine.
     """
     entries, scenes = [], []
-    for folder in counted(folders, "building"):
+    for folder in with_progress(folders, "building"):
         emitted = read_emission(folder)
         if emitted.plan.has_places:
             raise UsageError(
@@ -90,7 +90,9 @@ def _verdict(plan: Plan, stiffness_npm: float, more_delay: int) -> str:
     """Return what the stability check says of a hand, in words."""
     hand = Hand(DESIGN_HAND.name, DESIGN_HAND.mass_kg, stiffness_npm, DESIGN_HAND.damping_nspm)
     loop = scene_loop(plan, hand, more_delay)
-    return loop_words(is_stable(plan, loop), float(loop.spectral_radius(plan.stiffness_npm)[0]))
+    return linear_loop_sentence(
+        is_stable(plan, loop), float(loop.spectral_radius(plan.stiffness_npm)[0])
+    )
 
 
 def _recording(folder: Path) -> list[str] | None:

@@ -23,7 +23,7 @@ from springpot.host.native.toolchain import measure_footprint
 from springpot.host.output import RESULT
 from springpot.host.pages.page import page_text
 from springpot.host.validation.store import Validated, read_validation
-from springpot.host.validation.validation import draw_forces, median_error
+from springpot.host.validation.validation import draw_forces, median_error_recording
 from springpot.trainer.kinds import KINDS, Kind
 from springpot.trainer.recordings.recording import Recording
 
@@ -81,7 +81,7 @@ def error_figure(pairs: Sequence[Validated]) -> str:
     """Draw the error of every recording against depth."""
     figure = Figure(figsize=_SIZE_INCHES, layout="constrained")
     axes = figure.subplots()
-    every = _every(sum(len(predicted_n) for _, predicted_n in pairs), _TOTAL_POINTS)
+    every = _stride(sum(len(predicted_n) for _, predicted_n in pairs), _TOTAL_POINTS)
     for recording, predicted_n in pairs:
         depth_mm = 1e3 * recording.position_m[::every]
         error_n = (predicted_n - recording.force_n)[::every]
@@ -91,16 +91,16 @@ def error_figure(pairs: Sequence[Validated]) -> str:
     return svg_text(figure)
 
 
-def _thinned(recording: Recording, predicted_n: Samples) -> Validated:
+def _downsampled(recording: Recording, predicted_n: Samples) -> Validated:
     """Samples enough for a curve."""
-    every = _every(len(predicted_n), _CURVE_POINTS)
+    every = _stride(len(predicted_n), _CURVE_POINTS)
     position_m, force_n = recording.position_m[::every], recording.force_n[::every]
     dt_s = every * recording.dt_s
     thin = replace(recording, position_m=position_m, force_n=force_n, dt_s=dt_s)
     return thin, predicted_n[::every]
 
 
-def _every(samples: int, points: int) -> int:
+def _stride(samples: int, points: int) -> int:
     """Every how many samples one is drawn."""
     return max(1, -(-samples // points))
 
@@ -115,7 +115,7 @@ def write_report(folder: Path) -> Path:
     if read_emission(folder).hash != metadata["result"]["hash"]:
         raise DataError(f"{folder}: changed since it was validated: `springpot validate` again")
     manifest = read_manifest(folder)
-    median = _thinned(*median_error(pairs))
+    median = _downsampled(*median_error_recording(pairs))
     context = {
         "manifest": manifest,
         **{key: metadata[key] for key in ("result", "machine", "recordings", "rows")},
@@ -152,12 +152,12 @@ def write_bench_page(folder: Path) -> Path:
         ) from None
     page = folder / "bench.html"
     context = {"result": result, "points": result["points"], "figure": _figure(result["points"])}
-    text = page_text("bench.html", context, label=label)
+    text = page_text("bench.html", context, label=point_label)
     write_file(page, text.encode())
     return page
 
 
-def label(point: JsonMapping) -> str:
+def point_label(point: JsonMapping) -> str:
     """Return a model's kind, or file, and the options that are not the default's."""
     options = ", ".join(f"{name} {value}" for name, value in point["options"].items())
     return f"{point['model']} ({options})" if options else str(point["model"])

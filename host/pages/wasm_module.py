@@ -9,7 +9,7 @@ from importlib.resources import as_file, files
 from pathlib import Path
 
 from springpot import SpringpotError
-from springpot.codegen.emit.golden import backward_velocity, golden_positions
+from springpot.codegen.emit.golden import differentiate, golden_positions
 from springpot.codegen.errors import MismatchError, UsageError
 from springpot.codegen.plan import Plan
 from springpot.host.native.compiler import packaged_compiler, run_compiler
@@ -55,7 +55,7 @@ def node_force_hash(folder: Path, plan: Plan, module: bytes) -> str | None:
     if node is None:
         return None
     position = golden_positions(plan).astype(plan.dtype)
-    velocity = backward_velocity(position, plan.dt_s).astype(plan.dtype)
+    velocity = differentiate(position, plan.dt_s).astype(plan.dtype)
     script = files("springpot.host.pages") / "templates" / "check.mjs"
     with tempfile.NamedTemporaryFile(suffix=".wasm") as file, as_file(script) as program:
         Path(file.name).write_bytes(module)

@@ -13,7 +13,7 @@ from springpot.codegen.errors import DeviceError, SpringpotError
 from springpot.codegen.notes import LATCHED
 from springpot.codegen.types import CData, JsonObject
 from springpot.host.devices.device import DeviceRequirements
-from springpot.host.devices.drivers import driver_of
+from springpot.host.devices.drivers import find_driver
 from springpot.host.native.c_library import COLUMN, NONE, LoopRows, empty_rows, loop_library
 from springpot.host.recording.protocols import RATE_HZ
 from springpot.host.session.c_loop import StepFunctions
@@ -154,7 +154,7 @@ class PressedDevice:
     def gains(self) -> Mapping[str, float]:
         """Of the force control."""
         # A drive's torque is its own command: fed back, it would only chase itself.
-        return OPEN_LOOP if driver_of(self.url).echoes else _GAINS
+        return OPEN_LOOP if find_driver(self.url).echoes else _GAINS
 
     def attach(self, runner: SessionRunner) -> None:
         """A press begins with this loop."""

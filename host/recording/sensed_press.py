@@ -28,7 +28,7 @@ from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.drivers import parse_device
 from springpot.host.devices.serial_device import SerialDevice
 from springpot.host.devices.wire import constant
-from springpot.host.output import say
+from springpot.host.output import print_line
 from springpot.host.recording.indentation import (
     OPEN_LOOP,
     PressedDevice,
@@ -231,7 +231,7 @@ class SensedPressDevice(PressedDevice):
         rows, sensor = self._pressed(command_n, OPEN_LOOP, _ROOM)
         motion = rows["time_s"], rows["position_m"], -rows["sent_n"]
         self._delay = find_delay(motion, sensor, self._sensor.url)
-        say(f"{self._sensor.url}: {1e3 * self._delay.value_s:.2f} ms late")
+        print_line(f"{self._sensor.url}: {1e3 * self._delay.value_s:.2f} ms late")
         rest(_RECOVERY_S)
         return {"force_sensor": {"url": self._sensor.url, **asdict(self._delay)}}
 

@@ -10,7 +10,7 @@ import numpy as np
 from springpot.codegen.arrays import rms
 from springpot.codegen.errors import SpringpotError, UsageError
 from springpot.host.devices.device import DeviceRequirements
-from springpot.host.devices.drivers import driver_of, parse_device
+from springpot.host.devices.drivers import find_driver, parse_device
 from springpot.host.devices.virtual import parse_url
 from springpot.host.native.c_library import COLUMN, IDLE, LoopRows
 from springpot.host.recording.indentation import (
@@ -24,7 +24,7 @@ from springpot.host.recording.protocols import RATE_HZ, Profile
 from springpot.host.session.outcome import LoopSettings
 from springpot.host.session.runner import Progress, SessionRunner
 from springpot.host.simulation.bench import SimulatedBench
-from springpot.trainer.recordings.journal import JournalWriter, journal_of, require_no_journal
+from springpot.trainer.recordings.journal import JournalWriter, journal_path, require_no_journal
 from springpot.trainer.recordings.recording import (
     RECORDING_SUFFIX,
     Recording,
@@ -99,7 +99,7 @@ def record_session(
     for file in files:
         if file.exists():
             raise UsageError(f"{file}: exists and is not overwritten: give another --out")
-        require_no_journal(journal_of(file))
+        require_no_journal(journal_path(file))
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -143,7 +143,7 @@ def find_surface(url: str, touched: Callable[[int], None]) -> float:
     device gives no force. Raises UsageError for a device or a URL that has its surface already,
     SpringpotError where the device fails, the tool moves, or the touches differ.
     """
-    if driver_of(url).virtual:
+    if find_driver(url).virtual:
         raise UsageError(f"{url}: its surface is at 0: leave --find-surface out")
     if "surface_mm" in parse_device(url).settings:
         raise UsageError(f"{url}: leave surface_mm out of the URL, or --find-surface")

@@ -3,7 +3,7 @@
 import os
 from dataclasses import asdict, dataclass, field
 
-from springpot.codegen.entry_points import blaming
+from springpot.codegen.entry_points import blame_package
 from springpot.codegen.errors import DeviceError
 from springpot.codegen.messages import short_repr
 from springpot.codegen.notes import LATCHED
@@ -99,11 +99,11 @@ class CLoop:
     def ask_stop(self) -> None:
         """End with zero force."""
         if self._ticking:
-            self._c.sp_loop_ask_stop(self._loop)
+            self._c.sp_loop_request_stop(self._loop)
 
     def sense(self, measured_n: float) -> None:
         """A sensor beside the device measured this, just now; from any thread."""
-        self._c.sp_loop_sense(self._loop, measured_n)
+        self._c.sp_loop_set_measured_force(self._loop, measured_n)
 
     def pause(self, paused: bool) -> None:
         """Zero force, and no calls until it is resumed; then the scene is reset."""
@@ -163,7 +163,7 @@ class CLoop:
         return self._ffi.from_buffer("sp_row[]", table)
 
     def _adopt(self, device: OpenedDevice) -> CData:
-        with blaming(f"{type(device).__name__}.link", type(device), DeviceError):
+        with blame_package(f"{type(device).__name__}.link", type(device), DeviceError):
             link = device.link(self._library)
             if not (link and link.read and link.write and link.reset):
                 raise TypeError("returns no sp_link that has read, write and reset")

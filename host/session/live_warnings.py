@@ -9,8 +9,8 @@ from springpot.codegen.notes import CLAMPED, HELD, LATCHED, LIMITED, OUTSIDE
 from springpot.codegen.plan import Plan
 from springpot.codegen.types import JsonObject
 from springpot.host.native.c_library import COLUMN, NONE, LoopRows, empty_rows
-from springpot.host.session.outcome import LOWER, NOTE_WORDS, UPPER, clamped_low
-from springpot.trainer.models.predict import FASTER, SPEED_S
+from springpot.host.session.outcome import LOWER, NOTE_WORDS, UPPER, clamped_at_lower_limit
+from springpot.trainer.models.predict import SPEED_WINDOW_S, WARN_SPEED_RATIO
 
 WINDOW_S = 0.05  # rows are looked at together
 CALM_S = 0.5  # without the condition: it is over
@@ -31,10 +31,10 @@ class LiveWarnings:
         """plan: of the scene that is rendered."""
         self._alarm, self._dt_s, self._contact = alarm, plan.dt_s, plan.contact
         self._min_n, self._max_m = float(plan.output.min_n), float(plan.range.max_m)
-        self._fast_mps = FASTER * plan.model.trained.max_mps
+        self._fast_mps = WARN_SPEED_RATIO * plan.model.trained.max_mps
         self._ticks = max(1, round(WINDOW_S / plan.dt_s))
         self._last_n = np.zeros(1)
-        self._recent_m = np.full(max(1, round(SPEED_S / plan.dt_s)), np.nan)
+        self._recent_m = np.full(max(1, round(SPEED_WINDOW_S / plan.dt_s)), np.nan)
         self._waiting = empty_rows(0)
         self._events: dict[str, list[JsonObject]] = {}
         self._last_s: dict[str, float] = {}
@@ -66,7 +66,7 @@ class LiveWarnings:
         inside = position_m > 0.0 if self._contact else np.isfinite(position_m)
         fast = called & inside & (speed_mps > self._fast_mps) & (self._fast_mps > 0.0)
         joined = np.concatenate((self._last_n, force_n))
-        low = clamped_low(np.append(0, notes), joined, self._min_n)[1:]
+        low = clamped_at_lower_limit(np.append(0, notes), joined, self._min_n)[1:]
         self._last_n = force_n[-1:]
         outside, latched = (notes & OUTSIDE) > 0, (notes & LATCHED) > 0
         held = ((notes & HELD) > 0) & ~latched

@@ -87,7 +87,7 @@ def expected_ticks(state: LoopState, settings: LoopSettings) -> int:
     return int(state.elapsed_s / settings.period_s) + (state.elapsed_s > 0.0)
 
 
-def steal_ms() -> float:
+def hypervisor_steal_ms() -> float:
     """Time that the hypervisor took from this machine since it started, ms of all processors."""
     try:
         fields = Path("/proc/stat").read_text().split("\n", 1)[0].split()
@@ -96,14 +96,14 @@ def steal_ms() -> float:
         return 0.0
 
 
-def spread_us(seconds: Any) -> dict[str, float]:
+def percentiles_us(seconds: Any) -> dict[str, float]:
     """Percentiles and the maximum of seconds (n,), us."""
     seconds = seconds if len(seconds) else np.zeros(1)
     shares = {"p50": 50, "p99": 99, "p999": 99.9, "max": 100}
     return {name: round(1e6 * float(np.percentile(seconds, q)), 3) for name, q in shares.items()}
 
 
-def clamped_low(
+def clamped_at_lower_limit(
     notes: NDArray[np.integer[Any]], force_n: NDArray[np.floating[Any]], min_n: float
 ) -> Flags:
     """Whether each tick was clamped at the lower limit of a scene, not at the upper one, (n,).
@@ -117,7 +117,7 @@ def clamped_low(
     return found
 
 
-def notes_in_words(counts: Mapping[str, int], low: int = 0, min_n: float = 0.0) -> str:
+def note_sentence(counts: Mapping[str, int], low: int = 0, min_n: float = 0.0) -> str:
     """What the C noted; counts: of the ticks with each note, by its name.
 
     low: of those clamped, how many at the lower limit, min_n, N.

@@ -9,15 +9,21 @@ from typing import Any, Self
 
 import numpy as np
 
-from springpot.codegen.entry_points import blaming
+from springpot.codegen.entry_points import blame_package
 from springpot.codegen.errors import DeviceError, SpringpotError, UsageError
 from springpot.codegen.messages import short_repr
 from springpot.host.devices.device import RECONNECT_S, DeviceRequirements
 from springpot.host.devices.drivers import open_device
 from springpot.host.native.c_library import COLUMN, IDLE, NONE, LoopRows, Stop, empty_rows
-from springpot.host.output import say
+from springpot.host.output import print_line
 from springpot.host.session.c_loop import CLoop, StepFunctions
-from springpot.host.session.outcome import BY_USER, LinkCounts, LoopSettings, LoopState, spread_us
+from springpot.host.session.outcome import (
+    BY_USER,
+    LinkCounts,
+    LoopSettings,
+    LoopState,
+    percentiles_us,
+)
 from springpot.host.session.supervisor import DeviceSupervisor
 
 _DRAIN_S = 0.02
@@ -55,7 +61,7 @@ class SessionRunner:
         settings: LoopSettings,
         takers: Sequence[TakeRows] = (),
         reconnect_s: float = RECONNECT_S,
-        report: Callable[[str], None] = say,
+        report: Callable[[str], None] = print_line,
     ) -> None:
         self.url, self.settings = url, settings
         self._steps, self._requirements, self._reconnect_s = steps, requirements, reconnect_s
@@ -123,7 +129,7 @@ class SessionRunner:
             self._loop.join()
             self._drain_thread.join()
         device = self._supervisor.device
-        with blaming(f"{type(device).__name__}.stop", type(device), DeviceError):
+        with blame_package(f"{type(device).__name__}.stop", type(device), DeviceError):
             device.stop()
         self._stopped = True
 
@@ -135,7 +141,7 @@ class SessionRunner:
                     self.stop()
         finally:
             device = self._supervisor.device
-            with blaming(f"{type(device).__name__}.close", type(device), DeviceError):
+            with blame_package(f"{type(device).__name__}.close", type(device), DeviceError):
                 device.close()
 
     @property
@@ -222,7 +228,7 @@ class SessionRunner:
     def spreads_us(self) -> dict[str, dict[str, float]]:
         """Percentiles and maximum: how late ticks began, and how long the calls took, us."""
         times_s = {"lateness_us": self._lateness_s, "tick_us": self._ticks_s}
-        return {name: spread_us(np.concatenate(parts)) for name, parts in times_s.items()}
+        return {name: percentiles_us(np.concatenate(parts)) for name, parts in times_s.items()}
 
     def scheduler(self) -> str:
         """Who keeps the time, and what the system granted for it."""

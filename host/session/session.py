@@ -13,10 +13,10 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DeviceError
-from springpot.codegen.files import given_path
+from springpot.codegen.files import parse_path
 from springpot.codegen.messages import caution, notice
 from springpot.codegen.types import JsonObject
-from springpot.host.devices.device import RECONNECT_S, requirements_of
+from springpot.host.devices.device import RECONNECT_S, requirements_from_keys
 from springpot.host.emission.emission import read_emission
 from springpot.host.native.c_library import COLUMN, COLUMNS, INPUT, LoopRows, Stop
 from springpot.host.native.scene_library import SceneLibrary
@@ -27,7 +27,7 @@ from springpot.host.session.outcome import (
     LoopSettings,
     LoopState,
     expected_ticks,
-    steal_ms,
+    hypervisor_steal_ms,
 )
 from springpot.host.session.runner import SessionRunner, TakeRows
 from springpot.trainer.recordings.journal import MIN_SAMPLES, JournalWriter
@@ -99,9 +99,9 @@ class Session(SessionRunner):
         viewers: Sequence[TakeRows] = (),
         alarm: Alarm = lambda _line: None,
     ) -> None:
-        emitted = read_emission(given_path(folder))
+        emitted = read_emission(parse_path(folder))
         plan, self._hash, self._edited = emitted.plan, emitted.hash, list(emitted.edited)
-        self._scene = SceneLibrary(given_path(folder))
+        self._scene = SceneLibrary(parse_path(folder))
         settings = LoopSettings(
             period_s=plan.dt_s,
             seconds=seconds,
@@ -110,14 +110,14 @@ class Session(SessionRunner):
             reversed=plan.scene.device.force_sign == -1,
         )
         self._ended = report or notice
-        requirements = requirements_of(
+        requirements = requirements_from_keys(
             plan.scene.device,
             rate_hz=1 / plan.dt_s,
             watchdog_s=plan.watchdog_s,
             max_n=min(plan.max_force_n, settings.max_force_n),
         )
         self._zero: Zero = "none" if plan.contact else "first"
-        self._file = None if log is None else given_path(log)
+        self._file = None if log is None else parse_path(log)
         self._log: SessionLog | None = None
         self._warnings = LiveWarnings(plan, alarm)
         self._warned: list[JsonObject] = []
@@ -126,7 +126,7 @@ class Session(SessionRunner):
             scene_step_functions(self._scene, place_m), url, requirements, settings,
             [self._warnings.append, *viewers], reconnect_s, report or caution,
         )  # fmt: skip
-        self._steal_ms = steal_ms()
+        self._steal_ms = hypervisor_steal_ms()
         self.line = ""
 
     def __enter__(self) -> Self:
@@ -168,7 +168,7 @@ class Session(SessionRunner):
             **{name: getattr(counts, name) for name in _OF_LINKS},
             "expected_ticks": expected_ticks(state, self.settings),
             **self.spreads_us(),
-            "steal_ms": steal_ms() - self._steal_ms,
+            "steal_ms": hypervisor_steal_ms() - self._steal_ms,
             "stale_samples": state.stale,
             "unused_samples": state.unused,
             "latched": bool(state.latched or state.tripped),

@@ -13,7 +13,7 @@ from rich.live import Live
 from rich.text import Text
 
 from springpot.codegen.errors import UsageError
-from springpot.host.output import progress_console, say
+from springpot.host.output import print_line, progress_console
 from springpot.host.session.runner import Progress, SessionRunner
 
 _KEYS = "q stop, p pause, r reset"
@@ -28,11 +28,11 @@ def watch(runner: SessionRunner) -> None:
     with reading_keys() as pressed, Live(console=progress_console, transient=True) as live:
         for progress in runner.watch():
             for key in pressed():
-                obey(runner, key)
+                handle_key(runner, key)
             live.update(Text(progress_line(progress)))
 
 
-def obey(runner: SessionRunner, key: str) -> None:
+def handle_key(runner: SessionRunner, key: str) -> None:
     """Do what a key means: q, escape or space stop, p pauses and goes on, r resets."""
     if key in "q \x1b":
         runner.stop()
@@ -117,7 +117,7 @@ def reading_keys() -> Iterator[Callable[[], str]]:
 
 def wait_for_enter(line: str) -> None:
     """Ask for something that a person does, until Enter. Raises UsageError if nobody answers."""
-    say(line)
+    print_line(line)
     if not sys.stdin.readline():
         raise UsageError("nobody presses Enter: run it in a terminal")
 

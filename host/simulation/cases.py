@@ -16,18 +16,20 @@ from springpot.host.simulation.scenarios import (
     Force,
     Motion,
     Workspace,
-    holding,
-    pressing,
-    pushing,
-    still_ticks,
-    striking,
-    tapping,
+    hold_motion,
+    press_scenario,
+    push_scenario,
+    settled_hold_ticks,
+    strike_motion,
+    tap_motion,
 )
 
 TAKEN, LOST, LATE = 0, 1, 2  # sp_closed_loop_scenario.dropped
 SPEEDS = {"": 1.0, "-fast": 4.0}  # times the trained speed
-GOOD_PER_LOST = 7  # samples that come for one that does not; 6.4 make up for it (sp_silence.h)
-APART_S = 0.03  # between losses, at least: a force may be wrong for 10 ms after each
+GOOD_TICKS_PER_LOST = (
+    7  # samples that come for one that does not; 6.4 make up for it (sp_silence.h)
+)
+MIN_LOSS_SPACING_S = 0.03  # between losses, at least: a force may be wrong for 10 ms after each
 _SECONDS, _CYCLES = 2.0, 1.5  # of a session, at least
 _LONGEST_CYCLE_S = 20.0  # of pressing and letting go: an object recorded slower is pressed faster
 _SHARE = 0.8  # of the trained depth
@@ -43,16 +45,18 @@ GLITCH_M = 0.005
 JITTER, DROPPED = 0.3, 0.1
 
 
-def losing_cases(plan: Plan, force: Force, hand: Hand) -> list[tuple[Case, Case]]:
+def sample_loss_cases(plan: Plan, force: Force, hand: Hand) -> list[tuple[Case, Case]]:
     """Each case, and the same without a loss. force: the scene's on a motion."""
     found: list[tuple[Case, Case]] = []
     for suffix, speed in SPEEDS.items():
-        clean, *losing = _of_speed(plan, force, hand, suffix, speed)
+        clean, *losing = _loss_cases_at_speed(plan, force, hand, suffix, speed)
         found += [(lossy, clean) for lossy in losing]
     return found
 
 
-def _of_speed(plan: Plan, force: Force, hand: Hand, suffix: str, speed: float) -> list[Case]:
+def _loss_cases_at_speed(
+    plan: Plan, force: Force, hand: Hand, suffix: str, speed: float
+) -> list[Case]:
     """The case without a loss, then those that lose samples of the same strokes."""
     space = Workspace.of(plan)
     longest = max(1, round(plan.watchdog_s / plan.dt_s) - 1)
@@ -70,7 +74,7 @@ def _of_speed(plan: Plan, force: Force, hand: Hand, suffix: str, speed: float) -
     found: list[Case] = []
 
     def case(name: str, ends: bool = False) -> Scenario:
-        scenario = pressing(space, motion, force, hand, seconds)
+        scenario = press_scenario(space, motion, force, hand, seconds)
         found.append(Case(name + suffix, scenario, ends=ends, beyond=beyond))
         return scenario
 
@@ -90,15 +94,15 @@ def loss_ticks(n: int, cycle_ticks: float, ticks: int, dt_s: float) -> NDArray[n
     Less than a seventh of the ticks are lost, so that a session goes on. Of the shortest spacings
     that allow it, the one with phases in the cycle of strokes that leave the smallest gap.
     """
-    least = ticks + max(GOOD_PER_LOST * ticks, round(APART_S / dt_s))
+    least = ticks + max(GOOD_TICKS_PER_LOST * ticks, round(MIN_LOSS_SPACING_S / dt_s))
     first = int(0.5 * cycle_ticks)
     tried = np.unique(np.linspace(least, 1.5 * least, _SPACINGS).astype(np.int64))
     begins = [np.arange(first, n - least, spacing) for spacing in tried]
-    best = min(begins, key=lambda at: phase_gap(at, cycle_ticks))
+    best = min(begins, key=lambda at: largest_phase_gap(at, cycle_ticks))
     return np.asarray((best[:, None] + np.arange(ticks)).ravel())
 
 
-def phase_gap(begins: NDArray[np.int64], cycle_ticks: float) -> float:
+def largest_phase_gap(begins: NDArray[np.int64], cycle_ticks: float) -> float:
     """Largest part of the cycle in which no loss begins."""
     phases = np.sort(begins / cycle_ticks % 1.0)
     return float(np.diff(phases, append=phases[0] + 1.0).max())
@@ -107,20 +111,20 @@ def phase_gap(begins: NDArray[np.int64], cycle_ticks: float) -> float:
 def stiff_case(plan: Plan, force: Force, hand: Hand) -> Case:
     """Hold at three depths of an object made stiffer."""
     space = Workspace.of(plan)
-    motion, seconds = holding(space, STIFF_HOLDS, STIFF_HOLD_S)
-    still = still_ticks(space, len(STIFF_HOLDS), STIFF_HOLD_S)
-    scenario = pressing(space, motion, force, hand, seconds)
+    motion, seconds = hold_motion(space, STIFF_HOLDS, STIFF_HOLD_S)
+    still = settled_hold_ticks(space, len(STIFF_HOLDS), STIFF_HOLD_S)
+    scenario = press_scenario(space, motion, force, hand, seconds)
     return Case("stiff", scenario, still, quiet=True, stiffer=True)
 
 
-def held_case(space: Workspace, force: Force, hand: Hand) -> Case:
+def hold_case(space: Workspace, force: Force, hand: Hand) -> Case:
     """Hold at eleven depths, and nudge the tool as each one begins."""
-    motion, seconds = holding(space, HOLDS, HOLD_S)
-    scenario = pressing(space, motion, force, hand, seconds)
+    motion, seconds = hold_motion(space, HOLDS, HOLD_S)
+    scenario = press_scenario(space, motion, force, hand, seconds)
     time_s = np.cumsum(scenario.dt_s) % (RISE_S + HOLD_S)
     nudged = (time_s > RISE_S) & (time_s <= RISE_S + NUDGE_S)
     scenario.intended_m[nudged] += NUDGE_N / hand.stiffness_npm
-    return Case("hold", scenario, still_ticks(space, len(HOLDS), HOLD_S), quiet=True)
+    return Case("hold", scenario, settled_hold_ticks(space, len(HOLDS), HOLD_S), quiet=True)
 
 
 def cases(plan: Plan, force: Force, hand: Hand) -> list[Case]:
@@ -128,11 +132,11 @@ def cases(plan: Plan, force: Force, hand: Hand) -> list[Case]:
     space = Workspace.of(plan)
 
     def press(motion: Motion, seconds: float, jitter: float = 0.0) -> Scenario:
-        return pressing(space, motion, force, hand, seconds, jitter)
+        return press_scenario(space, motion, force, hand, seconds, jitter)
 
-    tap = tapping(space, 4.0, 0.6)
-    single, seconds = holding(space, (0.5,), 2.6)
-    longer, minute = holding(space, (0.6,), 60.0)
+    tap = tap_motion(space, 4.0, 0.6)
+    single, seconds = hold_motion(space, (0.5,), 2.6)
+    longer, minute = hold_motion(space, (0.6,), 60.0)
     glitches = press(single, seconds)
     at = np.arange(round(1.0 / space.dt_s), len(glitches.dt_s), max(1, round(0.25 / space.dt_s)))
     glitches.error_m[at] = GLITCH_M * np.where(np.arange(len(at)) % 2, -1.0, 1.0)
@@ -145,14 +149,14 @@ def cases(plan: Plan, force: Force, hand: Hand) -> list[Case]:
     drops = press(tap, 3.0)
     drops.dropped[:] = np.random.default_rng(2).uniform(size=len(drops.dropped)) < DROPPED
     return [
-        held_case(space, force, hand),
+        hold_case(space, force, hand),
         Case("tap-4hz", press(tap, 3.0)),
-        Case("tap-8hz", press(tapping(space, 8.0, 0.4), 3.0)),
-        Case("fast", press(striking(space), 3.0)),
-        Case("deep", pushing(space)),
+        Case("tap-8hz", press(tap_motion(space, 8.0, 0.4), 3.0)),
+        Case("fast", press(strike_motion(space), 3.0)),
+        Case("deep", push_scenario(space)),
         Case("jitter", press(tap, 3.0, JITTER)),
         Case("drops", drops),
-        Case("long-hold", press(longer, minute), still_ticks(space, 1, 60.0), quiet=True),
-        Case("glitch", glitches, still_ticks(space, 1, 2.6)),
-        Case("nan", lost, still_ticks(space, 1, 2.6)),
+        Case("long-hold", press(longer, minute), settled_hold_ticks(space, 1, 60.0), quiet=True),
+        Case("glitch", glitches, settled_hold_ticks(space, 1, 2.6)),
+        Case("nan", lost, settled_hold_ticks(space, 1, 2.6)),
     ]

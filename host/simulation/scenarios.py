@@ -16,7 +16,7 @@ _FREE_M = 0.002  # start in free air, this far from the surface
 RISE_S, SETTLE_S = 0.4, 0.5
 PUSH_OF_CLAMP = 11.5 / 12.0
 _STICKING_MPS = 1e-3  # slower, a hand does not push against all of the friction
-_FASTER = 4.0  # than the maximum trained speed
+_STRIKE_SPEED_FACTOR = 4.0  # than the maximum trained speed
 
 Motion = Callable[[Samples], Samples]
 Force = Callable[[Samples], Samples]
@@ -68,21 +68,21 @@ class Workspace:
         return self.base_m + share * self.span_m
 
 
-def holding(space: Workspace, shares: tuple[float, ...], hold_s: float) -> tuple[Motion, float]:
+def hold_motion(space: Workspace, shares: tuple[float, ...], hold_s: float) -> tuple[Motion, float]:
     """Rise to each depth and hold it; and how long that takes, s."""
     stations = [space.free_m, *(space.at(share) for share in shares)]
     period_s = RISE_S + hold_s
 
     def motion(t: Samples) -> Samples:
         step = np.minimum((t / period_s).astype(int), len(shares) - 1)
-        rise = smooth((t - step * period_s) / RISE_S)
+        rise = minimum_jerk_rise((t - step * period_s) / RISE_S)
         levels = np.array(stations)
         return np.asarray(levels[step] + (levels[step + 1] - levels[step]) * rise)
 
     return motion, period_s * len(shares)
 
 
-def still_ticks(space: Workspace, shares: int, hold_s: float) -> tuple[slice, ...]:
+def settled_hold_ticks(space: Workspace, shares: int, hold_s: float) -> tuple[slice, ...]:
     """Ticks of each hold, once it has settled."""
     period_s = RISE_S + hold_s
     edges = [
@@ -92,7 +92,7 @@ def still_ticks(space: Workspace, shares: int, hold_s: float) -> tuple[slice, ..
     return tuple(slice(round(a / space.dt_s), round(b / space.dt_s)) for a, b in edges)
 
 
-def tapping(space: Workspace, frequency_hz: float, share: float) -> Motion:
+def tap_motion(space: Workspace, frequency_hz: float, share: float) -> Motion:
     """In and out, from free air."""
     top_m = space.at(share)
     return lambda t: (
@@ -100,28 +100,29 @@ def tapping(space: Workspace, frequency_hz: float, share: float) -> Motion:
     )
 
 
-def striking(space: Workspace) -> Motion:
+def strike_motion(space: Workspace) -> Motion:
     """Strokes to 80 % at four times the trained speed, each held and left again."""
     height_m = space.at(0.8) - space.free_m
-    stroke_s = 1.875 * height_m / (_FASTER * space.max_mps)
+    stroke_s = 1.875 * height_m / (_STRIKE_SPEED_FACTOR * space.max_mps)
     stroke_s = max(stroke_s, 4.0 * space.dt_s)
 
     def motion(t: Samples) -> Samples:
         phase = t % 1.0
         return space.free_m + height_m * (
-            smooth((phase - 0.2) / stroke_s) - smooth((phase - 0.6) / stroke_s)
+            minimum_jerk_rise((phase - 0.2) / stroke_s)
+            - minimum_jerk_rise((phase - 0.6) / stroke_s)
         )
 
     return motion
 
 
-def smooth(share: Reals) -> Samples:
+def minimum_jerk_rise(share: Reals) -> Samples:
     """Minimum-jerk rise from 0 to 1."""
     u = np.clip(share, 0.0, 1.0)
     return np.asarray(u**3 * (10.0 - 15.0 * u + 6.0 * u * u))
 
 
-def pressing(
+def press_scenario(
     space: Workspace, motion: Motion, force: Force, hand: Hand, seconds: float, jitter: float = 0.0
 ) -> Scenario:
     """A hand that knows object and device: its intention carries the tool along `motion`.
@@ -141,17 +142,17 @@ def pressing(
     needed_n = force(x) + damping_nspm * v + mass_kg * a
     if space.device.coulomb_n > 0.0:
         needed_n += space.device.coulomb_n * np.tanh(v / _STICKING_MPS)
-    return _undisturbed(dt_s, x + needed_n / hand.stiffness_npm, np.full(n, np.nan))
+    return _scenario_without_faults(dt_s, x + needed_n / hand.stiffness_npm, np.full(n, np.nan))
 
 
-def pushing(space: Workspace) -> Scenario:
+def push_scenario(space: Workspace) -> Scenario:
     """A push that rises in half a second and stays for two, in place of the hand's spring."""
     n = round(2.5 / space.dt_s)
     t = np.arange(1, n + 1) * space.dt_s
-    push_n = PUSH_OF_CLAMP * space.max_n * smooth(t / 0.5)
-    return _undisturbed(np.full(n, space.dt_s), np.zeros(n), push_n)
+    push_n = PUSH_OF_CLAMP * space.max_n * minimum_jerk_rise(t / 0.5)
+    return _scenario_without_faults(np.full(n, space.dt_s), np.zeros(n), push_n)
 
 
-def _undisturbed(dt_s: Samples, intended_m: Samples, push_n: Samples) -> Scenario:
+def _scenario_without_faults(dt_s: Samples, intended_m: Samples, push_n: Samples) -> Scenario:
     n = len(dt_s)
     return Scenario(dt_s, intended_m, push_n, np.zeros(n), np.zeros(n, dtype=np.uint8))

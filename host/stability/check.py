@@ -8,24 +8,29 @@ from springpot.codegen.errors import UnsafeError
 from springpot.codegen.messages import short_repr
 from springpot.codegen.plan import Plan
 from springpot.codegen.types import JsonObject
-from springpot.host.native.scene_library import SceneLibrary, built
+from springpot.host.native.scene_library import SceneLibrary, build_and_load
 from springpot.host.stability.closed_loop import (
+    BuiltScene,
     Outcome,
-    Rendered,
+    closed_loop_outcomes,
     rendered,
-    run_closed_loop,
     stiff_plan,
 )
 from springpot.host.stability.linear import (
     is_stable,
-    limits,
-    loop_words,
+    linear_loop_sentence,
     require_stable,
     scene_loop,
     spectral_radius,
+    stiffness_limits,
 )
-from springpot.host.stability.small_signal import Map, small_signal_map
-from springpot.host.stability.verdict import device_words, map_words, outcome_words, why_unbounded
+from springpot.host.stability.small_signal import SmallSignalMap, small_signal_map
+from springpot.host.stability.verdict import (
+    closed_loop_sentences,
+    device_sentences,
+    passivity_sentences,
+    refusal_reason,
+)
 from springpot.trainer.recordings.recording import axes_for_plot
 
 if TYPE_CHECKING:
@@ -38,8 +43,8 @@ class Check:
 
     plan: Plan
     spectral_radius: float
-    model_map: Map
-    scene_map: Map
+    model_map: SmallSignalMap
+    scene_map: SmallSignalMap
     __repr__ = short_repr
 
     @property
@@ -53,7 +58,7 @@ class Check:
             "spectral_radius": self.spectral_radius,
             "stable": self.stable,
             "device": self.plan.loop_device.as_dict(self.plan.dt_s),
-            "limit": limits(self.plan),
+            "limit": stiffness_limits(self.plan),
             **self.model_map.as_dict(),
             "scene_map": self.scene_map.as_dict(),
         }
@@ -72,7 +77,7 @@ class Stability:
     outcomes: tuple[Outcome, ...]
 
     def __repr__(self) -> str:
-        loop = loop_words(self.check.stable, self.check.spectral_radius)
+        loop = linear_loop_sentence(self.check.stable, self.check.spectral_radius)
         return f"Stability({loop} {len(self.outcomes)} cases of the closed loop)"
 
     def as_dict(self) -> JsonObject:
@@ -104,17 +109,17 @@ class Stability:
         """The verdict in words."""
         checked, plan = self.check, self.check.plan
         sentences = [
-            loop_words(checked.stable, checked.spectral_radius),
-            *outcome_words(self.outcomes, checked.stable),
-            *map_words(checked.model_map),
-            *device_words(plan),
+            linear_loop_sentence(checked.stable, checked.spectral_radius),
+            *closed_loop_sentences(self.outcomes, checked.stable),
+            *passivity_sentences(checked.model_map),
+            *device_sentences(plan),
         ]
         return " ".join(sentences)
 
     def require_bounded(self) -> None:
         """Raise UnsafeError where the linear loop is not stable or the closed loop not bounded."""
         require_stable(self.check.plan)
-        why = why_unbounded(self.check.plan.scene.name, self.outcomes)
+        why = refusal_reason(self.check.plan.scene.name, self.outcomes)
         if why:
             raise UnsafeError(why)
 
@@ -127,11 +132,11 @@ def check(plan: Plan, library: SceneLibrary) -> Check:
 def stability(plan: Plan) -> Stability:
     """Everything, through the C that would be emitted."""
     stiff = stiff_plan(plan)
-    scene, hard = (rendered(item, built(item)) for item in (plan, stiff))
-    return Stability(_checked(scene), stiff, tuple(run_closed_loop(scene, hard)))
+    scene, hard = (rendered(item, build_and_load(item)) for item in (plan, stiff))
+    return Stability(_checked(scene), stiff, tuple(closed_loop_outcomes(scene, hard)))
 
 
-def _checked(scene: Rendered) -> Check:
+def _checked(scene: BuiltScene) -> Check:
     plan, delay = scene.plan, scene.plan.loop_device.delay_samples
     model_map = small_signal_map(plan, scene.model, 0)
     same = scene.model is scene.library and delay == 0

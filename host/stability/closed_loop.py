@@ -6,26 +6,26 @@ from dataclasses import asdict, dataclass, field, replace
 import numpy as np
 
 from springpot.codegen.arrays import Samples, rms
-from springpot.codegen.coupling.linear_loop import CHECKED, Hand
+from springpot.codegen.coupling.linear_loop import CHECKED_HANDS, Hand
 from springpot.codegen.make_plan import make_plan
-from springpot.codegen.messages import at_step, short_repr
+from springpot.codegen.messages import log_progress, short_repr
 from springpot.codegen.plan import Plan
-from springpot.host.native.scene_library import SceneLibrary, built, uncoupled
-from springpot.host.simulation.cases import cases, losing_cases, stiff_case
+from springpot.host.native.scene_library import SceneLibrary, build_and_load, without_coupling
+from springpot.host.simulation.cases import cases, sample_loss_cases, stiff_case
 from springpot.host.simulation.hand_loop import HandLoop, Operator, Trace
 from springpot.host.simulation.scenarios import Case, Workspace
 from springpot.host.stability.losses import (
-    Losses,
+    SampleLossEffects,
+    compare_with_lossless,
     ended,
     latched_s,
     longest_silence_ticks,
-    losses_of,
 )
 
 HIGH_PASS_HZ, LOW_HZ = 15.0, 0.5
-LONG_S = 6.0  # a hold that long shows vibrations from LOW_HZ on, in each third of it
-FELT_MPS = 2.5e-4  # growth of less is that of noise and of steps of the encoder
-GROWS = 2.0
+MIN_LONG_HOLD_S = 6.0  # a hold that long shows vibrations from LOW_HZ on, in each third of it
+MIN_GROWTH_SPEED_MPS = 2.5e-4  # growth of less is that of noise and of steps of the encoder
+MAX_GROWTH_RATIO = 2.0
 
 
 @dataclass(frozen=True)
@@ -43,12 +43,14 @@ class Vibration:
     @property
     def grows(self) -> bool:
         """Whether some hold vibrates more and more."""
-        return self.growth_ratio is not None and self.growth_ratio > GROWS
+        return self.growth_ratio is not None and self.growth_ratio > MAX_GROWTH_RATIO
 
 
-def vibration_of(holds: Sequence[Samples], dt_s: float) -> Vibration:
+def measure_vibration(holds: Sequence[Samples], dt_s: float) -> Vibration:
     """holds: the tool's speed in each, (n,), m/s."""
-    found = [_hold(speed_mps, dt_s) for speed_mps in holds if len(speed_mps) * dt_s >= LONG_S]
+    found = [
+        _hold(speed_mps, dt_s) for speed_mps in holds if len(speed_mps) * dt_s >= MIN_LONG_HOLD_S
+    ]
     if not found:
         return Vibration()
     return Vibration(max(low for low, _ in found), max(growth for _, growth in found))
@@ -57,7 +59,9 @@ def vibration_of(holds: Sequence[Samples], dt_s: float) -> Vibration:
 def _hold(speed_mps: Samples, dt_s: float) -> tuple[float, float]:
     n = len(speed_mps) // 3
     thirds = [speed_mps[i * n : (i + 1) * n] for i in range(3)]
-    first, second, last = (max(band_rms(part, dt_s, LOW_HZ), FELT_MPS) for part in thirds)
+    first, second, last = (
+        max(band_rms(part, dt_s, LOW_HZ), MIN_GROWTH_SPEED_MPS) for part in thirds
+    )
     low_mps = band_rms(thirds[-1], dt_s, LOW_HZ, HIGH_PASS_HZ)
     return low_mps, min(last / first, (last / second) ** 2)
 
@@ -74,7 +78,7 @@ def band_rms(signal: Samples, dt_s: float, above_hz: float, up_to_hz: float = np
 
 DEEPEST = 1.3  # of the trained depth, beside what a proxy's spring gives
 FARTHEST, _STEP = 3.0, 0.1  # of it too, for an object that bears a push no sooner
-STIFFER = 10.0
+STIFFNESS_FACTOR = 10.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,7 +100,7 @@ class Outcome:
     energy_out_j: float
     trace: Trace
     model_only_n: Samples
-    losses: Losses | None = None
+    losses: SampleLossEffects | None = None
     late: bool = False
     vibration: Vibration = field(default_factory=Vibration)
     latched_s: float | None = None
@@ -119,7 +123,7 @@ class Outcome:
 
 
 @dataclass(frozen=True, eq=False)
-class Rendered:
+class BuiltScene:
     """A scene, the model alone, and both built."""
 
     plan: Plan
@@ -141,31 +145,35 @@ class Rendered:
         return library.new_state().run(position_m, velocity_mps)[0].astype(np.float64)
 
 
-def rendered(plan: Plan, library: SceneLibrary, loop: type[HandLoop] = HandLoop) -> Rendered:
+def rendered(plan: Plan, library: SceneLibrary, loop: type[HandLoop] = HandLoop) -> BuiltScene:
     """A scene that is built, and the model alone, built here where it is another."""
-    model = uncoupled(plan)
-    return Rendered(plan, loop(library), library, library if model is plan else built(model))
+    model = without_coupling(plan)
+    return BuiltScene(
+        plan, loop(library), library, library if model is plan else build_and_load(model)
+    )
 
 
-def run_closed_loop(scene: Rendered, stiff: Rendered) -> Iterator[Outcome]:
+def closed_loop_outcomes(scene: BuiltScene, stiff: BuiltScene) -> Iterator[Outcome]:
     """Every case with every hand and delay. stiff: the object ten times stiffer."""
-    for number, (hand, more_delay) in enumerate(CHECKED):
-        at_step(f"closed loop, {hand.name} hand", number, len(CHECKED))
+    for number, (hand, more_delay) in enumerate(CHECKED_HANDS):
+        log_progress(f"closed loop, {hand.name} hand", number, len(CHECKED_HANDS))
         for case in cases(scene.plan, scene.felt, hand):
             yield case_outcome(scene, case, hand, more_delay)
         yield case_outcome(stiff, stiff_case(stiff.plan, stiff.felt, hand), hand, more_delay)
-        yield from lossy_outcomes(scene, hand, more_delay)
+        yield from sample_loss_outcomes(scene, hand, more_delay)
 
 
-def lossy_outcomes(scene: Rendered, hand: Hand, more_delay: int) -> Iterator[Outcome]:
+def sample_loss_outcomes(scene: BuiltScene, hand: Hand, more_delay: int) -> Iterator[Outcome]:
     """The cases that lose samples, beside the same without a loss."""
     found: dict[str, Outcome] = {}
-    for case, clean in losing_cases(scene.plan, scene.felt, hand):
+    for case, clean in sample_loss_cases(scene.plan, scene.felt, hand):
         if clean.name not in found:
             found[clean.name] = case_outcome(scene, clean, hand, more_delay)
         outcome = case_outcome(scene, case, hand, more_delay)
         without = found[clean.name].trace
-        losses = losses_of(scene.plan, scene.library, case.scenario, outcome.trace, without)
+        losses = compare_with_lossless(
+            scene.plan, scene.library, case.scenario, outcome.trace, without
+        )
         yield replace(outcome, losses=losses)
 
 
@@ -173,10 +181,10 @@ def stiff_plan(plan: Plan) -> Plan:
     """The same model ten times stiffer, with the coupling that auto picks for it; of one axis."""
     coupling = replace(plan.scene.coupling, mode="auto")
     scene = replace(plan.scene, coupling=coupling)
-    return make_plan(plan.model.stiffened(STIFFER), scene)
+    return make_plan(plan.model.stiffened(STIFFNESS_FACTOR), scene)
 
 
-def _deepest_m(rendered: Rendered, space: Workspace, case: Case) -> float:
+def _deepest_m(rendered: BuiltScene, space: Workspace, case: Case) -> float:
     """How deep a tool may come, m: of a push, also where the object itself bears it.
 
     An object that relaxes, or is not stiffer when deep, bears a push only far below the trained
@@ -194,10 +202,10 @@ def _deepest_m(rendered: Rendered, space: Workspace, case: Case) -> float:
     return deepest_m
 
 
-def case_outcome(rendered: Rendered, case: Case, hand: Hand, more_delay: int) -> Outcome:
+def case_outcome(rendered: BuiltScene, case: Case, hand: Hand, more_delay: int) -> Outcome:
     """One case with one hand; more_delay: samples beyond the delay of the scene's device."""
     plan, space = rendered.plan, Workspace.of(rendered.plan)
-    operator = Operator(hand.name, plan.loop_device.later(more_delay))
+    operator = Operator(hand.name, plan.loop_device.with_delay(more_delay))
     trace = rendered.loop.run(case.scenario, operator, space.free_m)
     model_only_n = rendered.force(trace.position_m)
     min_n, max_n = float(plan.output.min_n), float(plan.output.max_n)
@@ -224,7 +232,7 @@ def case_outcome(rendered: Rendered, case: Case, hand: Hand, more_delay: int) ->
         energy_out_j=-float(np.sum(trace.felt_n[:-1] * np.diff(trace.position_m))),
         trace=trace,
         model_only_n=model_only_n,
-        vibration=vibration_of(still if case.quiet else (), plan.dt_s),
+        vibration=measure_vibration(still if case.quiet else (), plan.dt_s),
         latched_s=latched_s(plan, trace),
         ended=ended(plan, trace),
     )

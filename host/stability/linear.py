@@ -4,7 +4,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
 
-from springpot.codegen.coupling.auto import choose_coupling
+from springpot.codegen.coupling.auto import select_coupling
 from springpot.codegen.coupling.gains import (
     is_unit_error,
     max_published_damping_nspm,
@@ -14,7 +14,7 @@ from springpot.codegen.coupling.gains import (
 from springpot.codegen.coupling.linear_loop import DESIGN_HAND, HAND_MODELS, Hand, LinearLoop
 from springpot.codegen.errors import SpringpotError, UnsafeError
 from springpot.codegen.make_plan import SERVED_HZ, make_plan
-from springpot.codegen.messages import number_of
+from springpot.codegen.messages import counted_noun
 from springpot.codegen.plan import Plan
 from springpot.codegen.types import JsonObject
 
@@ -22,7 +22,7 @@ from springpot.codegen.types import JsonObject
 def scene_loop(plan: Plan, hand: Hand, more_delay: int = 0) -> LinearLoop:
     """The linear loop of a plan with a hand."""
     smoothing = 1.0 if plan.smooth_alpha is None else float(plan.smooth_alpha)
-    device = plan.loop_device.later(more_delay)
+    device = plan.loop_device.with_delay(more_delay)
     return LinearLoop(plan.dt_s, plan.coupling.coupling, hand, device, smoothing)
 
 
@@ -35,14 +35,14 @@ def is_stable(plan: Plan, loop: LinearLoop) -> bool:
     )
 
 
-def loop_words(stable: bool, radius: float) -> str:
+def linear_loop_sentence(stable: bool, radius: float) -> str:
     """What the linear loop means for a hand, in a sentence."""
     if not stable:
         return "Unstable: do not hold the device with this scene."
     return f"The linear loop is stable (radius {radius:.4f})."
 
 
-def at_higher_rates(plan: Plan) -> Iterator[Plan]:
+def plans_at_higher_rates(plan: Plan) -> Iterator[Plan]:
     """The plan at each higher rate that devices are served at, the lowest first."""
     for rate_hz in SERVED_HZ:
         if rate_hz * plan.dt_s > 1.001:
@@ -51,7 +51,7 @@ def at_higher_rates(plan: Plan) -> Iterator[Plan]:
                 yield make_plan(plan.model, scene, accept_unsafe=True)
 
 
-def limits(plan: Plan) -> JsonObject:
+def stiffness_limits(plan: Plan) -> JsonObject:
     """What would be allowed: the object's stiffness by hand and delay; damping of Algorithm 1."""
     coupling = plan.coupling.coupling
     return {
@@ -95,12 +95,12 @@ def require_stable(plan: Plan) -> None:
 def _what_is_stable(plan: Plan) -> str:
     """Gains that would do without smoothing, or that none do at this rate and delay."""
     device = plan.loop_device
-    choice = choose_coupling(plan.stiffness_npm, plan.dt_s, device, 1.0, plan.coupling.coupling)
+    choice = select_coupling(plan.stiffness_npm, plan.dt_s, device, 1.0, plan.coupling.coupling)
     found, loop = choice.coupling, LinearLoop(plan.dt_s, choice.coupling, DESIGN_HAND, device)
     if not is_stable(plan, loop):
         return (
             f"no coupling is stable at {1 / plan.dt_s:g} Hz with "
-            f"{number_of(device.delay_samples, 'sample')} of delay: {_what_holds_it(plan)}"
+            f"{counted_noun(device.delay_samples, 'sample')} of delay: {_what_holds_it(plan)}"
         )
     return (
         f'this would be stable: coupling.mode = "{found.mode}", stiffness_npm = '
@@ -116,7 +116,7 @@ def _what_holds_it(plan: Plan) -> str:
     if not plan.model.exact_at_any_rate:
         way = "record at a higher rate, or take a kind of model that holds at any (hammerstein)"
         return way + either
-    for faster in at_higher_rates(plan):
+    for faster in plans_at_higher_rates(plan):
         if is_stable(faster, scene_loop(faster, DESIGN_HAND)):
             return f"raise runtime.rate_hz to {1.0 / faster.dt_s:g}{either}"
     return (

@@ -14,18 +14,18 @@ from springpot.host.simulation.cases import LATE, TAKEN
 from springpot.host.simulation.hand_loop import Scenario, Trace
 from springpot.host.simulation.scenarios import Workspace
 
-RIGHT_S, NOT_ABOVE_S = 0.010, 0.005  # after samples are back: within the error; never above it
+RECOVERY_S, OVERSHOOT_S = 0.010, 0.005  # after samples are back: within the error; never above it
 ERROR_N, ERROR_OF_PEAK = 0.5, 0.05
 # A force that is held while the hand turns gives energy: 4 % of a press for a silence of 19 ms at
 # the worst phase. The hand's own damping takes that.
 RETURNED_OF_STORED = 0.05
-ENDS_WITHIN = 5.0  # times the watchdog's, where too few samples come from the beginning
+MAX_WATCHDOG_TIMEOUTS = 5.0  # times the watchdog's, where too few samples come from the beginning
 _ROUNDING_N = 1e-4
 _TOUCH = 0.05  # of the trained depth: contact beyond doubt
 
 
 @dataclass(frozen=True)
-class Losses:
+class SampleLossEffects:
     """Beside the same strokes without a loss (clean_...).
 
     growth_n: of |force| in a tick, beyond the slew of each sample that came; above 0 it is a kick.
@@ -57,9 +57,9 @@ class Losses:
         return tuple(words for words, holds in found.items() if holds)
 
 
-def losses_of(
+def compare_with_lossless(
     plan: Plan, library: SceneLibrary, scenario: Scenario, trace: Trace, clean: Trace
-) -> Losses:
+) -> SampleLossEffects:
     """Compare strokes that lost samples as `scenario` says with those that lost none."""
     # The force of the same scene, with every sample of that motion.
     seen_m = np.where(np.isfinite(trace.seen_m), trace.seen_m, trace.position_m)
@@ -71,11 +71,11 @@ def losses_of(
     good = _accepted(scenario)
     at = np.arange(len(good))
     good_s = plan.dt_s * (at - np.maximum.accumulate(np.where(good, -len(good), at)))
-    late = good_s >= RIGHT_S - 0.5 * plan.dt_s
-    later = good_s >= NOT_ABOVE_S - 0.5 * plan.dt_s
+    late = good_s >= RECOVERY_S - 0.5 * plan.dt_s
+    later = good_s >= OVERSHOOT_S - 0.5 * plan.dt_s
     peak_n = float(np.abs(whole_n).max(initial=0.0))
     returned, clean_returned = (list(_presses_j(plan, item)) for item in (trace, clean))
-    return Losses(
+    return SampleLossEffects(
         growth_n=_growth_n(plan, scenario, trace),
         error_n=float(error_n[late].max(initial=0.0)),
         above_n=float(above_n[later].max(initial=0.0)),
@@ -95,9 +95,9 @@ def latched_s(plan: Plan, trace: Trace) -> float | None:
 def ended(plan: Plan, trace: Trace) -> bool:
     """Whether the scene latched in good time, and its force fell to zero and stayed there."""
     begin_s = latched_s(plan, trace)
-    if begin_s is None or begin_s > ENDS_WITHIN * plan.watchdog_s:
+    if begin_s is None or begin_s > MAX_WATCHDOG_TIMEOUTS * plan.watchdog_s:
         return False
-    fallen = round((begin_s + RIGHT_S) / plan.dt_s) + 1
+    fallen = round((begin_s + RECOVERY_S) / plan.dt_s) + 1
     return fallen < len(trace.force_n) and not trace.force_n[fallen:].any()
 
 

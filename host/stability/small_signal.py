@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from springpot.codegen.arrays import Samples
-from springpot.codegen.messages import counted, short_repr
+from springpot.codegen.messages import short_repr, with_progress
 from springpot.codegen.plan import Plan
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.trainer.selection.small_signal import (
-    ACTIVE,
-    DEPTH_SHARES,
+    DEPTH_FRACTIONS,
+    MIN_SIN_DELTA,
     SmallMotion,
-    map_frequencies_hz,
+    scale_frequencies_hz,
 )
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ OUTSIDE_SHARES = (1.05, 1.15, 1.3)
 
 
 @dataclass(frozen=True, eq=False)
-class Map:
+class SmallSignalMap:
     """sin(delta) of each cell, the lower one of the two amplitudes; shape (depths, frequencies).
 
     share: depths of the rows, of the trained one. frequency_hz: of the columns.
@@ -38,7 +38,7 @@ class Map:
         """Cells that give energy, and all cells, inside or outside the trained depth."""
         rows = (self.share > 1.0) == outside
         cells = self.sin_delta[rows]
-        return int(np.sum(cells < ACTIVE)), cells.size
+        return int(np.sum(cells < MIN_SIN_DELTA)), cells.size
 
     def draw(self, axes: "Axes") -> None:
         """Draw sin(delta) of every cell on matplotlib's axes; cells that give energy are bold."""
@@ -46,7 +46,7 @@ class Map:
         image = axes.imshow(self.sin_delta, cmap="RdBu", vmin=-most, vmax=most, aspect="auto")
         for (row, column), value in np.ndenumerate(self.sin_delta):
             axes.text(column, row, f"{value:.2f}", ha="center", va="center", fontsize=7,
-                      fontweight="bold" if value < ACTIVE else "normal",
+                      fontweight="bold" if value < MIN_SIN_DELTA else "normal",
                       color="white" if abs(value) > 0.6 * most else "black")  # fmt: skip
         axes.set_xticks(range(len(self.frequency_hz)), [f"{f:.3g}" for f in self.frequency_hz])
         axes.set_yticks(range(len(self.share)), [f"{100 * s:.0f} %" for s in self.share])
@@ -65,18 +65,18 @@ class Map:
         }
 
 
-def small_signal_map(plan: Plan, library: SceneLibrary, delay_samples: int) -> Map:
+def small_signal_map(plan: Plan, library: SceneLibrary, delay_samples: int) -> SmallSignalMap:
     """Map of a built scene in open loop; its force is taken delay_samples late."""
     trained, dt_s = plan.range, plan.dt_s
     base_m = 0.0 if plan.contact else float(trained.min_m)
     span_m = float(trained.max_m) - base_m
-    frequencies_hz = map_frequencies_hz(dt_s)
-    shares = np.array(DEPTH_SHARES + OUTSIDE_SHARES)
+    frequencies_hz = scale_frequencies_hz(dt_s)
+    shares = np.array(DEPTH_FRACTIONS + OUTSIDE_SHARES)
     found = np.empty((len(shares), len(frequencies_hz)))
-    for j, frequency_hz in enumerate(counted(frequencies_hz.tolist(), "small motions")):
+    for j, frequency_hz in enumerate(with_progress(frequencies_hz.tolist(), "small motions")):
         small = SmallMotion(frequency_hz, dt_s, delay_samples)
         for i, share in enumerate(shares):
-            found[i, j] = small.least_sin_delta(
+            found[i, j] = small.min_sin_delta(
                 lambda *motion: library.new_state().run(*motion)[0], base_m + share * span_m, span_m
             )
-    return Map(shares, frequencies_hz, found)
+    return SmallSignalMap(shares, frequencies_hz, found)

@@ -17,8 +17,8 @@ import numpy as np
 
 from springpot import emit
 from springpot.codegen.errors import DataError, UsageError
-from springpot.codegen.files import folder_written_aside, sync_path
-from springpot.codegen.messages import counted
+from springpot.codegen.files import sync_path, write_folder_atomically
+from springpot.codegen.messages import with_progress
 from springpot.host.emission.emission import read_emission
 from springpot.host.study.definition import RENDERED, Study, read_study
 
@@ -27,7 +27,7 @@ _DEFINITION, _ORDERS, _PLAN = "study.toml", "orders.csv", "plan.json"
 
 
 @contextmanager
-def growing_table(
+def append_only_table(
     file: Path, columns: Sequence[str]
 ) -> Iterator[tuple[list[Row], Callable[[Sequence[object]], None]]]:
     """Yield the rows of a table, and what appends one: it is on the disk when that returns.
@@ -135,13 +135,13 @@ def write_plan(file: Path, participants: int, out: Path) -> StudyPlan:
         raise UsageError(f"{out}: exists and is not overwritten: give a new --out")
     numbers = [f"{k:0{max(2, len(str(participants)))}d}" for k in range(1, participants + 1)]
     out.parent.mkdir(parents=True, exist_ok=True)
-    with folder_written_aside(out) as aside:
+    with write_folder_atomically(out) as aside:
         aside.mkdir()
         shutil.copyfile(file, aside / _DEFINITION)
         with (aside / _ORDERS).open("w", newline="", encoding="utf-8") as orders:
             rows = [Trial._fields, *make_orders(study, numbers)]
             csv.writer(orders, lineterminator="\n").writerows(rows)
-        for scene, place in counted(list(_scenes(study).values()), "emitting"):
+        for scene, place in with_progress(list(_scenes(study).values()), "emitting"):
             with warnings.catch_warnings(record=True) as doubts:
                 warnings.simplefilter("always")
                 emit(aside / place, scene=file.parent / scene)

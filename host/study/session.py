@@ -13,10 +13,10 @@ from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.types import JsonObject
 from springpot.host.emission.emission import read_emission
 from springpot.host.native.c_library import COLUMN, LoopRows
-from springpot.host.output import progress_console, say
+from springpot.host.output import print_line, progress_console
 from springpot.host.session.terminal import stopping_on_sigterm
 from springpot.host.study.definition import RENDERED
-from springpot.host.study.plan import Row, StudyPlan, Trial, growing_table
+from springpot.host.study.plan import Row, StudyPlan, Trial, append_only_table
 
 RESPONSES, ANSWERS = "responses.csv", "answers.csv"
 RESPONSE_COLUMNS = (*Trial._fields, "rating", "seconds", "warnings", "log")
@@ -50,7 +50,7 @@ class PressWatch:
         if len(warned_s):
             if warned_s[0] > self._last_s + _CALM_S:
                 self.warnings += 1
-                say("less deep, please" if deep.any() else "slower, please")
+                print_line("less deep, please" if deep.any() else "slower, please")
                 if progress_console.is_terminal:
                     progress_console.bell()
             self._last_s = float(warned_s[-1])
@@ -69,8 +69,8 @@ def run_session(plan: StudyPlan, participant: str, url: str) -> JsonObject:
     folder.mkdir(exist_ok=True)
     with (
         stopping_on_sigterm(),
-        growing_table(folder / RESPONSES, RESPONSE_COLUMNS) as (rated, respond),
-        growing_table(folder / ANSWERS, ANSWER_COLUMNS) as (answers, answer),
+        append_only_table(folder / RESPONSES, RESPONSE_COLUMNS) as (rated, respond),
+        append_only_table(folder / ANSWERS, ANSWER_COLUMNS) as (answers, answer),
     ):
         left = planned_trials(plan, participant, rated)[len(rated) :]
         session = left[0].session if left else str(plan.study.sessions)
@@ -84,7 +84,7 @@ def run_session(plan: StudyPlan, participant: str, url: str) -> JsonObject:
                     respond([*trial, *_rated_trial(plan, trial, url)])
                     done += 1
             for question in questions:
-                say(question)
+                print_line(question)
                 answer([participant, question, _typed()])
             stopped = "the session is over"
         except KeyboardInterrupt:
@@ -112,7 +112,9 @@ def _rated_trial(plan: StudyPlan, trial: Trial, url: str) -> tuple[object, ...]:
     watch = PressWatch(
         scene.dt_s, study.warn_depth * trained.max_m, study.warn_speed * trained.max_mps
     )
-    say(f"session {trial.session}, trial {trial.trial}: place the objects, lift the tool. {_KEYS}")
+    print_line(
+        f"session {trial.session}, trial {trial.trial}: place the objects, lift the tool. {_KEYS}"
+    )
     begin_s = time.monotonic()
     folder = plan.folder(trial.participant)
     stem = f"session-{trial.session}-trial-{trial.trial:0>2}"
@@ -121,7 +123,7 @@ def _rated_trial(plan: StudyPlan, trial: Trial, url: str) -> tuple[object, ...]:
     log = next(folder / f"{name}.h5" for name in names if not any(folder.glob(f"{name}.*")))
     session = Session(
         place, url, log, viewers=[watch.append],
-        report=lambda line: say(line) if line != session.line else None,
+        report=lambda line: print_line(line) if line != session.line else None,
     )  # fmt: skip
     with session:
         session.start()
@@ -146,13 +148,13 @@ def _ask(trial: Trial, session: Session) -> float | None:
         if word == "reset":
             session.reset()
         elif word in sides and (state.latched or state.tripped):
-            say("the force is off: type reset")
+            print_line("the force is off: type reset")
         elif word in sides:
             # The force is zero on a real object; on the rendered one it rises from zero.
             (session.resume if sides[word] == RENDERED else session.pause)()
             felt.add(word)
         elif rating is None or felt != set(sides):
-            say(_KEYS if rating is None else "feel both sides before you rate: l and r")
+            print_line(_KEYS if rating is None else "feel both sides before you rate: l and r")
         else:
             return rating
 

@@ -6,22 +6,22 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from springpot.codegen.arrays import Flags, Reals, Samples
-from springpot.codegen.emit.golden import backward_velocity
-from springpot.codegen.messages import caution, counted
+from springpot.codegen.emit.golden import differentiate
+from springpot.codegen.messages import caution, with_progress
 from springpot.codegen.plan import Plan, member_offset
 from springpot.codegen.reference import run_reference
 from springpot.host.metrics import accuracy, start_up_ramp
 from springpot.host.native.c_library import NONE, SILENT, UNSENT
-from springpot.host.native.replay import Replay, motions_of
+from springpot.host.native.replay import Replay, replay_motions
 from springpot.host.native.scene_library import SceneLibrary
-from springpot.host.session.outcome import NOTE_NAMES, clamped_low
+from springpot.host.session.outcome import NOTE_NAMES, clamped_at_lower_limit
 from springpot.trainer.models.folds import geometric_mean
-from springpot.trainer.recordings.recording import Recording, site_words, sites_of
+from springpot.trainer.recordings.recording import Recording, format_site, group_by_site
 
 _SAME_RATE = 1e-3  # apart, relatively: one rate, as `require_compatible` has it
 
 
-def at_ticks(recording: Recording, dt_s: float) -> Recording:
+def resample_to_ticks(recording: Recording, dt_s: float) -> Recording:
     """A recording at a scene's time step; itself, if that is its own."""
     if abs(recording.dt_s / dt_s - 1.0) <= _SAME_RATE:
         return recording
@@ -35,7 +35,7 @@ def at_ticks(recording: Recording, dt_s: float) -> Recording:
     )
 
 
-def at_samples(force_n: Samples, recording: Recording, dt_s: float) -> Samples:
+def resample_to_samples(force_n: Samples, recording: Recording, dt_s: float) -> Samples:
     """Forces of a scene's ticks, (ticks,), N, at the recording's samples, (samples,)."""
     if len(force_n) == len(recording.position_m):
         return force_n
@@ -44,7 +44,7 @@ def at_samples(force_n: Samples, recording: Recording, dt_s: float) -> Samples:
     return found_n
 
 
-def samples_of(ticks: int, recording: Recording, dt_s: float) -> int:
+def samples_at_ticks(ticks: int, recording: Recording, dt_s: float) -> int:
     """How many of the recording's samples lie in its first `ticks` ticks."""
     return -(-ticks * round(1e6 * dt_s) // round(1e6 * recording.dt_s))
 
@@ -66,7 +66,7 @@ class Compared:
     mismatches: int
 
 
-def compared_all(
+def compare_all(
     plan: Plan, library: SceneLibrary, recordings: Sequence[Recording], ticked: Sequence[Recording]
 ) -> Compared:
     """Run every recording from a fresh state, or those of a session in a row.
@@ -78,36 +78,38 @@ def compared_all(
     ramps = [0] * len(recordings)
     low = mismatches = 0
     counts = dict.fromkeys(NOTE_NAMES.values(), 0)
-    for motion in counted(motions_of(plan, ticked), "replaying"):
+    for motion in with_progress(replay_motions(plan, ticked), "replaying"):
         number, begin = motion.recordings[0], motion.starts[0]
         first = recordings[number]
         position = motion.depth_m.astype(plan.dtype)
-        velocity = backward_velocity(position, plan.dt_s)
+        velocity = differentiate(position, plan.dt_s)
         place_m = first.place_m if plan.has_places else None
         force, notes = replay.run(position, velocity, place_m=place_m)
         predicted_m = proxy_positions(plan, library, position, velocity, place_m)
         places = [] if place_m is None else [(0, place_m)]
         reference = run_reference(plan, position, velocity, predicted_m, places)
-        other = bits_differ(force, reference.force_n) | (notes != reference.notes)
+        other = count_different_bits(force, reference.force_n) | (notes != reference.notes)
         mismatches += int(np.sum(other))
         again = repeat_session(replay, first, scene_hash)
         if again is None:
             force, notes = force[begin:], notes[begin:]
-            ramps[number] = samples_of(start_up_ramp(notes), first, plan.dt_s)
+            ramps[number] = samples_at_ticks(start_up_ramp(notes), first, plan.dt_s)
         else:
             force, notes, others = again
             mismatches += others
-        low += int(clamped_low(notes, force, float(plan.output.min_n)).sum())
+        low += int(clamped_at_lower_limit(notes, force, float(plan.output.min_n)).sum())
         for bit, name in NOTE_NAMES.items():
             counts[name] += int(np.sum(notes & bit != 0))
         for k, start in zip(motion.recordings, motion.starts, strict=True):
             its = slice(start - begin, start - begin + len(ticked[k].force_n))
-            predicted[k] = at_samples(force[its].astype(np.float64), recordings[k], plan.dt_s)
+            predicted[k] = resample_to_samples(
+                force[its].astype(np.float64), recordings[k], plan.dt_s
+            )
     forces_n = tuple(predicted[k] for k in range(len(recordings)))
     return Compared(forces_n, tuple(ramps), counts, low, mismatches)
 
 
-def is_log_of(recording: Recording, scene_hash: str) -> bool:
+def is_session_log(recording: Recording, scene_hash: str) -> bool:
     """Return whether a recording is the log of a session of that scene."""
     session = recording.details.get("session")
     return bool(session and recording.channels and session["hash"] == scene_hash)
@@ -120,7 +122,7 @@ def repeat_session(
 
     None for what is no log of this scene.
     """
-    if not is_log_of(recording, scene_hash):
+    if not is_session_log(recording, scene_hash):
         if recording.channels and (session := recording.details.get("session")):
             caution(
                 f"{recording.name}: the log of another scene ({session['hash'][:12]}): its forces "
@@ -131,9 +133,9 @@ def repeat_session(
     force, notes = replay.repeat(channels, recording.place_m)
     other = notes != channels["notes"].astype(int)
     logged = channels["returned_n"].astype(force.dtype)
-    other |= bits_differ(force, logged)
+    other |= count_different_bits(force, logged)
     felt = recording.force_n.astype(force.dtype)
-    sent_otherwise = bits_differ(felt, logged) & ((call & (SILENT | UNSENT)) == 0)
+    sent_otherwise = count_different_bits(felt, logged) & ((call & (SILENT | UNSENT)) == 0)
     silenced = (call & (NONE | SILENT | UNSENT)) != 0
     mismatches = int(np.sum((other | sent_otherwise) & ((call & NONE) == 0)))
     return np.where(silenced, felt, force), notes, mismatches
@@ -158,7 +160,7 @@ def proxy_positions(
     return found
 
 
-def bits_differ(one: Reals, other: Reals) -> Flags:
+def count_different_bits(one: Reals, other: Reals) -> Flags:
     """Return where two arrays of one type have other bits."""
     bits = np.uint32 if one.dtype == np.float32 else np.uint64
     result: Flags = one.view(bits) != other.view(bits)
@@ -183,7 +185,7 @@ def place_errors(
     predicted_n: forces of the C along each, (n,), N; ramped: samples of each in the start-up ramp.
     """
     found = []
-    for place_m, numbers in sites_of(recordings).items():
+    for place_m, numbers in group_by_site(recordings).items():
         its = accuracy(
             [recordings[k].force_n for k in numbers],
             [predicted_n[k] for k in numbers],
@@ -193,7 +195,7 @@ def place_errors(
     return tuple(found)
 
 
-def place_line(errors: Sequence[PlaceError]) -> str:
+def site_sentence(errors: Sequence[PlaceError]) -> str:
     """Geometric mean and the worst place, for people; empty for fewer than two places."""
     if len(errors) < 2:
         return ""
@@ -201,5 +203,5 @@ def place_line(errors: Sequence[PlaceError]) -> str:
     worst = max(errors, key=lambda error: error.rmse_percent_of_peak)
     return (
         f"{len(errors)} places: {geometric_mean(percents):.3g} % of peak in geometric mean, worst "
-        f"{worst.rmse_percent_of_peak:.3g} % at {site_words(worst.place_m)}"
+        f"{worst.rmse_percent_of_peak:.3g} % at {format_site(worst.place_m)}"
     )

@@ -11,7 +11,7 @@ from springpot.codegen.types import JsonMapping
 from springpot.trainer.recordings.recording import Recording
 
 
-def seen_by(model: Model, recordings: Sequence[Recording]) -> int | None:
+def count_training_recordings(model: Model, recordings: Sequence[Recording]) -> int | None:
     """How many of them the model was trained on; None where it does not say on which."""
     hashes = model.provenance.get("recordings")
     if not isinstance(hashes, Mapping) or not hashes:
@@ -23,23 +23,23 @@ def known_among(
     hashes: Collection[str], recordings: Sequence[Recording], smooth_s: float = 0.0
 ) -> int:
     """How many recordings have one of these hashes, as they are or as a fit prepares them."""
-    from springpot.trainer.recordings.quality.spikes import hold_spikes
-    from springpot.trainer.recordings.signals import smoothed
+    from springpot.trainer.recordings.quality.spikes import replace_spikes
+    from springpot.trainer.recordings.signals import smooth
 
     return sum(
         recording.content_hash in hashes
-        or smoothed(hold_spikes(recording)[0], smooth_s).content_hash in hashes
+        or smooth(replace_spikes(recording)[0], smooth_s).content_hash in hashes
         for recording in recordings
     )
 
 
-def accepted_words(manifest: JsonMapping) -> str:
+def accepted_signs_sentence(manifest: JsonMapping) -> str:
     """Training recordings with signs that a person accepted on import; "" where there are none."""
     accepted = manifest.get("provenance", {}).get("accepted_signs", [])
     return f"accepted, against the data, of {', '.join(accepted)}" if accepted else ""
 
 
-def seen_line(seen: int | None, recordings: int) -> str:
+def training_overlap_sentence(seen: int | None, recordings: int) -> str:
     """The line before the figures; nothing where all recordings are new."""
     if seen is None:
         return "the model does not say which recordings it was trained on"

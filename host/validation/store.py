@@ -7,13 +7,13 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
-from springpot.codegen.files import write_file, written_aside
+from springpot.codegen.files import atomic_write, write_file
 from springpot.codegen.types import JsonObject
-from springpot.host.metrics import error_ratios, ratio_rows, slope_keys, slope_words
+from springpot.host.metrics import error_ratio_keys, ratio_rows, slope_keys, slope_sentence
 from springpot.host.native.compiler import machine_metadata
-from springpot.host.session.outcome import notes_in_words
-from springpot.host.validation.compared import place_line
-from springpot.host.validation.seen import accepted_words, seen_line
+from springpot.host.session.outcome import note_sentence
+from springpot.host.validation.compared import site_sentence
+from springpot.host.validation.seen import accepted_signs_sentence, training_overlap_sentence
 from springpot.host.validation.validation import Validation
 from springpot.trainer.recordings.recording import Recording
 
@@ -42,7 +42,7 @@ def store_validation(folder: Path, validation: Validation) -> None:
     for i, (recording, force_n) in enumerate(pairs):
         its = (recording.position_m, recording.force_n, force_n)
         arrays |= {f"{name}_{i}": values for name, values in zip(_ARRAYS, its, strict=True)}
-    with written_aside(target / _SERIES) as aside, aside.open("wb") as file:
+    with atomic_write(target / _SERIES) as aside, aside.open("wb") as file:
         np.savez_compressed(file, allow_pickle=False, **arrays)
     write_file(target / _METADATA, (json.dumps(metadata, indent=2) + "\n").encode())
 
@@ -90,7 +90,7 @@ def _parts(validation: Validation) -> str:
 def validation_rows(validation: Validation) -> dict[str, str]:
     """A person's view of a validation."""
     found, ticks, felt = validation.accuracy, validation.ticks, validation.felt
-    seen = seen_line(validation.seen, len(validation.predicted_n))
+    seen = training_overlap_sentence(validation.seen, len(validation.predicted_n))
     interval = found.interval_n
     spread = f", 95 % in {interval[0]:.4g} .. {interval[1]:.4g}" if interval else ""
     below = found.ape_below_jnd
@@ -98,7 +98,7 @@ def validation_rows(validation: Validation) -> dict[str, str]:
     rows = {
         "compared": f"{', '.join(felt)}: {again}not with a measured object" if felt else "",
         "training data": seen,
-        "signs": accepted_words(validation.manifest),
+        "signs": accepted_signs_sentence(validation.manifest),
         "edited C": ", ".join(validation.edited),
         "samples": str(found.samples)
         + (f", {found.ramped} of them in the start-up ramp: not counted" if found.ramped else ""),
@@ -111,9 +111,9 @@ def validation_rows(validation: Validation) -> dict[str, str]:
             "RMSE": f"{found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak",
             "RMSE, the model alone": _parts(validation),
             "RMSE, first presses": presses,
-            **ratio_rows(error_ratios(found, validation.floor)),
-            "slope error": slope_words(slope_keys(validation.slopes)),
-            "by place": place_line(validation.places),
+            **ratio_rows(error_ratio_keys(found, validation.floor)),
+            "slope error": slope_sentence(slope_keys(validation.slopes)),
+            "by place": site_sentence(validation.places),
             "RMSE, mean of recordings": f"{found.mean_recording_rmse_n:.4g} N{spread}",
             "mean error": f"{found.mean_error_n:+.4g} N (the C less the measured force)",
             "maximum error": f"{found.max_abs_error_n:.4g} N; 99 %: {found.p99_abs_error_n:.4g} N",
@@ -129,7 +129,7 @@ def validation_rows(validation: Validation) -> dict[str, str]:
             differ += (
                 f"; {100.0 * silent / found.samples:.0f} % of the ticks, latched, had no force"
             )
-    note_words = notes_in_words(validation.notes, validation.clamped_low, validation.min_n)
+    note_words = note_sentence(validation.notes, validation.clamped_low, validation.min_n)
     rows |= {
         "C against reference": differ,
         "ticks with notes": note_words,

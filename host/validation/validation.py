@@ -9,7 +9,7 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.errors import DataError, MismatchError
-from springpot.codegen.files import given_path
+from springpot.codegen.files import parse_path
 from springpot.codegen.messages import caution
 from springpot.codegen.types import JsonObject
 from springpot.host.emission.emission import Emitted, read_emission
@@ -18,7 +18,7 @@ from springpot.host.metrics import (
     Accuracy,
     SlopeErrors,
     accuracy,
-    error_ratios,
+    error_ratio_keys,
     press_errors_n,
     slope_errors,
     slope_keys,
@@ -29,16 +29,16 @@ from springpot.host.output import shown_fields
 from springpot.host.validation.compared import (
     Compared,
     PlaceError,
-    at_samples,
-    at_ticks,
-    compared_all,
-    is_log_of,
+    compare_all,
+    is_session_log,
     place_errors,
+    resample_to_samples,
+    resample_to_ticks,
 )
-from springpot.host.validation.seen import seen_by
+from springpot.host.validation.seen import count_training_recordings
 from springpot.trainer.models import predict
 from springpot.trainer.recordings.quality.repeats import NoiseFloor, find_noise_floor
-from springpot.trainer.recordings.quality.signs import sign_doubts
+from springpot.trainer.recordings.quality.signs import find_sign_refusals
 from springpot.trainer.recordings.recording import Recording, axes_for_plot
 from springpot.trainer.recordings.recording_file import Recordings
 
@@ -95,13 +95,15 @@ class Validation(Compared):
         """
         axes = axes_for_plot(ax)
         pairs = list(zip(self.recordings, self.predicted_n, strict=True))
-        draw_forces(axes, *median_error(pairs))
+        draw_forces(axes, *median_error_recording(pairs))
         return axes
 
     @property
     def felt(self) -> list[str]:
         """Names of the recordings that are logs of sessions of this scene."""
-        return [item.name for item in self.recordings if is_log_of(item, self.manifest["hash"])]
+        return [
+            item.name for item in self.recordings if is_session_log(item, self.manifest["hash"])
+        ]
 
     def as_dict(self) -> JsonObject:
         """Keys of `validate --json`."""
@@ -111,7 +113,7 @@ class Validation(Compared):
             "ramped_samples": errors.pop("ramped"),
             "mean_recording_rmse_interval_n": errors.pop("interval_n"),
             **errors,
-            **error_ratios(self.accuracy, self.floor),
+            **error_ratio_keys(self.accuracy, self.floor),
             **slope_keys(self.slopes),
             "first_press_rmse_n": first_n,
             "later_press_rmse_n": later_n,
@@ -133,7 +135,7 @@ def validate(folder: File, recordings: Recordings, paced_s: float = PACED_S) -> 
     >>> validate("c", recordings).mismatches  # C and its reference: the same bits
     0
     """
-    folder, recordings = given_path(folder), some_recordings(recordings)
+    folder, recordings = parse_path(folder), some_recordings(recordings)
     emitted = read_emission(folder)
     plan, model = emitted.plan, emitted.model
     for recording in recordings:
@@ -143,14 +145,14 @@ def validate(folder: File, recordings: Recordings, paced_s: float = PACED_S) -> 
                 f"{recording.name}: has no place, and this scene has a map of them: give it on "
                 "import, --place X,Y"
             )
-    judged = [item for item in recordings if not is_log_of(item, emitted.hash)]
-    beyond = (line for item in judged for line in predict.extrapolations(model, item))
-    for doubt in (*sign_doubts(judged), *beyond, *predict.beginnings(model, judged)):
+    judged = [item for item in recordings if not is_session_log(item, emitted.hash)]
+    beyond = (line for item in judged for line in predict.find_extrapolation(model, item))
+    for doubt in (*find_sign_refusals(judged), *beyond, *predict.find_moving_starts(model, judged)):
         caution(doubt)
     library = SceneLibrary(folder)
     library.manifest["hash"] = emitted.hash  # of the C that was built, edits and all
-    ticked = [at_ticks(recording, plan.dt_s) for recording in recordings]
-    found = compared_all(plan, library, recordings, ticked)
+    ticked = [resample_to_ticks(recording, plan.dt_s) for recording in recordings]
+    found = compare_all(plan, library, recordings, ticked)
     measured_n = [recording.force_n for recording in recordings]
     longest = max(ticked, key=lambda recording: len(recording.position_m))
     model_rmse_n, rendering_n = _parts(found, emitted, recordings, ticked)
@@ -167,7 +169,7 @@ def validate(folder: File, recordings: Recordings, paced_s: float = PACED_S) -> 
         model_rmse_n=model_rmse_n,
         rendering_n=rendering_n,
         edited=emitted.edited,
-        seen=seen_by(model, recordings),
+        seen=count_training_recordings(model, recordings),
         places=place_errors(*errors_of),
         min_n=float(plan.output.min_n),
     )
@@ -177,13 +179,13 @@ def _parts(
     found: Compared, emitted: Emitted, recordings: Sequence[Recording], ticked: Sequence[Recording]
 ) -> tuple[float | None, float | None]:
     """RMS of the model's own error, and of the rendering's, N; None where all are logs."""
-    objects = [k for k, item in enumerate(recordings) if not is_log_of(item, emitted.hash)]
+    objects = [k for k, item in enumerate(recordings) if not is_session_log(item, emitted.hash)]
     dt_s = emitted.plan.dt_s
     model = replace(emitted.model, dt_s=dt_s)  # of a scene with a rate of its own, as exact
-    alone = predict.limited_each_n(model, [ticked[k] for k in objects])
+    alone = predict.predict_limited_n(model, [ticked[k] for k in objects])
     errors, added = [], []
     for k, ticks_n in zip(objects, alone, strict=True):
-        alone_n, begin = at_samples(ticks_n, recordings[k], dt_s), found.ramped[k]
+        alone_n, begin = resample_to_samples(ticks_n, recordings[k], dt_s), found.ramped[k]
         errors.append((alone_n - recordings[k].force_n)[begin:])
         added.append((found.predicted_n[k] - alone_n)[begin:])
     if not sum(map(len, errors)):
@@ -191,7 +193,7 @@ def _parts(
     return rms(np.concatenate(errors)), rms(np.concatenate(added))
 
 
-def fail_on_mismatch(folder: Path, validation: Validation) -> None:
+def raise_on_mismatch(folder: Path, validation: Validation) -> None:
     """Raise MismatchError where C and reference differed in a tick."""
     if validation.mismatches:
         raise MismatchError(
@@ -210,7 +212,7 @@ def draw_forces(axes: "Axes", recording: Recording, predicted_n: Samples) -> Non
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), frameon=False, ncols=2)
 
 
-def median_error(pairs: Sequence[tuple[Recording, Samples]]) -> tuple[Recording, Samples]:
+def median_error_recording(pairs: Sequence[tuple[Recording, Samples]]) -> tuple[Recording, Samples]:
     """Return the recording that has the median RMSE, and the forces of the C along it."""
     errors_n = [rms(predicted_n - recording.force_n) for recording, predicted_n in pairs]
     return pairs[int(np.argsort(errors_n)[len(errors_n) // 2])]

@@ -23,7 +23,7 @@ struct sim_tool {
     uint32_t substeps;
     uint32_t noisy;
     sim_tool_device device;
-    sim_moved moved;
+    sim_hand_device moved;
     sim_noise noise;
 
     sim_motion motion;
@@ -71,7 +71,7 @@ int sim_tool_init(sim_tool *tool, uint32_t hand, const sim_tool_device *device, 
     tool->hand = hand;
     tool->substeps = substeps;
     tool->device = *device;
-    tool->moved = (sim_moved){device->mass_kg, device->viscous_nspm, device->coulomb_n};
+    tool->moved = (sim_hand_device){device->mass_kg, device->viscous_nspm, device->coulomb_n};
     tool->noisy = noisy;
     sim_noise_init(&tool->noise, seed);
     tool->motion.position_m = position_m;
@@ -145,9 +145,9 @@ int sim_tool_push(sim_tool *tool, double dt_s, double push_n, double force_n, do
     uint32_t substeps = sim_hand_substeps(hand, &tool->moved, dt_s, tool->substeps);
     double step_s = dt_s / substeps;
     for (uint32_t i = 0; i < substeps; i++) {
-        sim_hand_push(hand, &tool->moved, &tool->motion, 0.5 * step_s, push_n, acting_n);
+        sim_hand_apply_force(hand, &tool->moved, &tool->motion, 0.5 * step_s, push_n, acting_n);
         tool->motion.position_m += step_s * tool->motion.velocity_mps;
-        sim_hand_push(hand, &tool->moved, &tool->motion, 0.5 * step_s, push_n, acting_n);
+        sim_hand_apply_force(hand, &tool->moved, &tool->motion, 0.5 * step_s, push_n, acting_n);
     }
     tool->intended_m = tool->motion.position_m;
     read_sensors(tool, dt_s, position_m, velocity_mps);
@@ -172,11 +172,11 @@ int sim_tool_step(sim_tool *tool, double dt_s, double intended_m, double force_n
     uint32_t substeps = sim_hand_substeps(hand, &tool->moved, dt_s, tool->substeps);
     double step_s = dt_s / substeps;
     for (uint32_t i = 0; i < substeps; i++) {
-        sim_hand_pull(hand, &tool->moved, &tool->motion, 0.5 * step_s,
-                      intended_at(tool, (double)i / substeps, intended_m), acting_n);
+        sim_hand_apply_spring(hand, &tool->moved, &tool->motion, 0.5 * step_s,
+                              intended_at(tool, (double)i / substeps, intended_m), acting_n);
         tool->motion.position_m += step_s * tool->motion.velocity_mps;
-        sim_hand_pull(hand, &tool->moved, &tool->motion, 0.5 * step_s,
-                      intended_at(tool, (double)(i + 1) / substeps, intended_m), acting_n);
+        sim_hand_apply_spring(hand, &tool->moved, &tool->motion, 0.5 * step_s,
+                              intended_at(tool, (double)(i + 1) / substeps, intended_m), acting_n);
     }
     tool->intended_m = intended_m;
     read_sensors(tool, dt_s, position_m, velocity_mps);

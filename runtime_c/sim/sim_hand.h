@@ -21,7 +21,7 @@ typedef struct {
     double mass_kg;
     double viscous_nspm;
     double coulomb_n;
-} sim_moved;
+} sim_hand_device;
 
 typedef struct {
     double position_m;
@@ -30,8 +30,8 @@ typedef struct {
 
 /* Steps of leapfrog in a tick of dt_s, at least so many: more where friction or the hand's spring
  * is fast. */
-static inline uint32_t sim_hand_substeps(const sim_hand *hand, const sim_moved *moved, double dt_s,
-                                         uint32_t at_least)
+static inline uint32_t sim_hand_substeps(const sim_hand *hand, const sim_hand_device *moved,
+                                         double dt_s, uint32_t at_least)
 {
     const double mass_kg = hand->mass_kg + moved->mass_kg;
     const double braked = dt_s * (hand->damping_nspm + moved->viscous_nspm) / mass_kg;
@@ -45,7 +45,7 @@ static inline uint32_t sim_hand_substeps(const sim_hand *hand, const sim_moved *
 }
 
 /* Dry friction holds a speed that it can take away within the step at 0. */
-static inline double sim_hand_stuck(double velocity_mps, double taken_mps)
+static inline double sim_hand_after_friction(double velocity_mps, double taken_mps)
 {
     double left_mps = 0.0;
     if (velocity_mps > taken_mps) {
@@ -59,8 +59,9 @@ static inline double sim_hand_stuck(double velocity_mps, double taken_mps)
 }
 
 /* Half a step of leapfrog: what the hand's own force and the rendered one do to the speed. */
-static inline void sim_hand_push(const sim_hand *hand, const sim_moved *moved, sim_motion *motion,
-                                 double step_s, double hand_n, double force_n)
+static inline void sim_hand_apply_force(const sim_hand *hand, const sim_hand_device *moved,
+                                        sim_motion *motion, double step_s, double hand_n,
+                                        double force_n)
 {
     const double mass_kg = hand->mass_kg + moved->mass_kg;
     const double damping_nspm = hand->damping_nspm + moved->viscous_nspm;
@@ -68,15 +69,16 @@ static inline void sim_hand_push(const sim_hand *hand, const sim_moved *moved, s
     motion->velocity_mps += step_s * sum_n / mass_kg;
     if (moved->coulomb_n > 0.0) {
         const double taken_mps = step_s * moved->coulomb_n / mass_kg;
-        motion->velocity_mps = sim_hand_stuck(motion->velocity_mps, taken_mps);
+        motion->velocity_mps = sim_hand_after_friction(motion->velocity_mps, taken_mps);
     }
 }
 
-static inline void sim_hand_pull(const sim_hand *hand, const sim_moved *moved, sim_motion *motion,
-                                 double step_s, double intended_m, double force_n)
+static inline void sim_hand_apply_spring(const sim_hand *hand, const sim_hand_device *moved,
+                                         sim_motion *motion, double step_s, double intended_m,
+                                         double force_n)
 {
     const double spring_n = hand->stiffness_npm * (intended_m - motion->position_m);
-    sim_hand_push(hand, moved, motion, step_s, spring_n, force_n);
+    sim_hand_apply_force(hand, moved, motion, step_s, spring_n, force_n);
 }
 
 #endif

@@ -5,13 +5,13 @@
 
 #include "sp_real.h"
 
-static inline sp_real sp_contact_onset(sp_real per_onset, sp_real x, sp_real force_n)
+static inline sp_real sp_contact_onset(sp_real onset_per_m, sp_real x, sp_real force_n)
 {
-    const sp_real share = x * per_onset;
-    if (!(share > (sp_real)0)) {
+    const sp_real fraction = x * onset_per_m;
+    if (!(fraction > (sp_real)0)) {
         return (sp_real)0;
     }
-    return share < (sp_real)1 ? force_n * share : force_n;
+    return fraction < (sp_real)1 ? force_n * fraction : force_n;
 }
 
 #endif

@@ -4,8 +4,8 @@
  *     m a_p = -f_M - k (x_p - x) - b (v_p - v)      positions into the object, f_M >= 0 pushing out
  *     force = k (x - x_p) + b (v - v_p)             positive outward
  *
- * The paper computes f_M at the tool. Computed at the proxy instead (sp_couple_place), what the
- * loop must render is the coupling in series with the object: never stiffer than k.
+ * The paper computes f_M at the tool. Computed at the proxy instead (sp_couple_proxy_position),
+ * what the loop must render is the coupling in series with the object: never stiffer than k.
  *
  * Stepped exactly instead of by Euler: with e = x_p - x and w = v_p - v, and the tool moving at v
  * within the step, (e + f_M/k, w) is multiplied by the matrix exponential `phi`. Stable for every
@@ -41,7 +41,7 @@ static inline void sp_couple_release(sp_couple_state *state)
 }
 
 /* The proxy exists from here on; returns where it is, m. */
-static inline sp_real sp_couple_place(sp_couple_state *state, sp_real x, sp_real v)
+static inline sp_real sp_couple_proxy_position(sp_couple_state *state, sp_real x, sp_real v)
 {
     if (!state->set) {
         /* At the tool's velocity: from rest there would be a kick of b v. */
@@ -53,8 +53,8 @@ static inline sp_real sp_couple_place(sp_couple_state *state, sp_real x, sp_real
 }
 
 /* Returns the force felt at the tool, N, from the proxy as it is; then moves the proxy. */
-static inline sp_real sp_couple_force(const sp_couple_config *config, sp_couple_state *state,
-                                      sp_real x, sp_real v, sp_real model_n)
+static inline sp_real sp_couple_step(const sp_couple_config *config, sp_couple_state *state,
+                                     sp_real x, sp_real v, sp_real model_n)
 {
     const sp_real e = state->proxy_m - x;
     const sp_real w = state->proxy_mps - v;
@@ -62,8 +62,9 @@ static inline sp_real sp_couple_force(const sp_couple_config *config, sp_couple_
     const sp_real rest = -(config->compliance_mpn * model_n);
     const sp_real from_rest = e - rest;
     const sp_real *phi = config->phi;
-    state->proxy_m = sp_bounded(x + config->dt_s * v + (rest + (phi[0] * from_rest + phi[1] * w)));
-    state->proxy_mps = sp_bounded(v + (phi[2] * from_rest + phi[3] * w));
+    state->proxy_m =
+        sp_clamp_state(x + config->dt_s * v + (rest + (phi[0] * from_rest + phi[1] * w)));
+    state->proxy_mps = sp_clamp_state(v + (phi[2] * from_rest + phi[3] * w));
     return force_n;
 }
 

@@ -21,7 +21,7 @@ static inline void sp_damage_rest(uint32_t n, sp_real u, sp_real *deepest)
 }
 
 /* (v/M) of one curve; deepest: its M. healed: the share of M - v that this tick takes off M. */
-static inline sp_real sp_damage_share(sp_real healed, sp_real v, sp_real *deepest)
+static inline sp_real sp_damage_ratio(sp_real healed, sp_real v, sp_real *deepest)
 {
     const sp_real left = *deepest - healed * (*deepest - v);
     if (!(left > v)) {
@@ -41,7 +41,7 @@ static inline sp_real sp_damage(const sp_real *healed, uint32_t n_linear, uint32
     const sp_real v = u > (sp_real)0 ? u : (sp_real)0;
     sp_real sum_n = (sp_real)0;
     for (uint32_t i = 0; i < n; i++) {
-        const sp_real share = sp_damage_share(healed[i], v, &deepest[i]);
+        const sp_real share = sp_damage_ratio(healed[i], v, &deepest[i]);
         sum_n += values[i] * (i < n_linear ? share : share * share * share);
     }
     return sum_n;

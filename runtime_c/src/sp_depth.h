@@ -13,31 +13,32 @@
 #include "sp_curve.h"
 #include "sp_number.h"
 
-/* loss: [n_pieces + 1][n_poles], at the nodes; the last row repeats. Each pole has an input of its
- * own: g now, `before` at the last tick. */
-static inline void sp_depth_poles(const sp_real *loss, uint32_t n_poles, sp_curve_place place,
-                                  const sp_real *g, sp_real *before, sp_real *h)
+/* loss: [n_intervals + 1][n_poles], at the nodes; the last row repeats. Each pole has an input of
+ * its own: g now, `before` at the last tick. */
+static inline void sp_poles_by_depth(const sp_real *loss, uint32_t n_poles, sp_curve_position place,
+                                     const sp_real *g, sp_real *before, sp_real *h)
 {
-    const sp_real *at = loss + place.piece * n_poles;
+    const sp_real *at = loss + place.interval * n_poles;
     for (uint32_t i = 0; i < n_poles; i++) {
-        const sp_real lost = at[i] + place.way * (at[n_poles + i] - at[i]);
+        const sp_real loss_here = at[i] + place.fraction * (at[n_poles + i] - at[i]);
         const sp_real rise = g[i] - before[i];
-        const sp_real held = sp_bounded(h[i]);
-        h[i] = sp_flushed(held + (rise - lost * (held + (sp_real)0.5 * rise)));
+        const sp_real branch_n = sp_clamp_state(h[i]);
+        h[i] = sp_flush_denormal(branch_n + (rise - loss_here * (branch_n + (sp_real)0.5 * rise)));
         before[i] = g[i];
     }
 }
 
 /* The same kept in double (sp_slow_poles.h); out: in the scene's type. */
-static inline void sp_depth_slow_poles(const sp_real *loss, uint32_t n_poles, sp_curve_place place,
-                                       const sp_real *g, sp_real *before, double *h, sp_real *out)
+static inline void sp_slow_poles_by_depth(const sp_real *loss, uint32_t n_poles,
+                                          sp_curve_position place, const sp_real *g,
+                                          sp_real *before, double *h, sp_real *out)
 {
-    const sp_real *at = loss + place.piece * n_poles;
+    const sp_real *at = loss + place.interval * n_poles;
     for (uint32_t i = 0; i < n_poles; i++) {
-        const double lost = (double)(at[i] + place.way * (at[n_poles + i] - at[i]));
+        const double loss_here = (double)(at[i] + place.fraction * (at[n_poles + i] - at[i]));
         const double rise = (double)(g[i] - before[i]);
-        const double held = sp_bounded_double(h[i]);
-        h[i] = sp_flushed_double(held + (rise - lost * (held + 0.5 * rise)));
+        const double branch_n = sp_clamp_state_double(h[i]);
+        h[i] = sp_flush_denormal_double(branch_n + (rise - loss_here * (branch_n + 0.5 * rise)));
         out[i] = (sp_real)h[i];
         before[i] = g[i];
     }

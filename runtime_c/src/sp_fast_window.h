@@ -28,7 +28,7 @@ static inline void sp_fast_window(const sp_real *keep, const sp_real *leave, uin
         terms[k] = window[k] - window[k + 1];
     }
     for (uint32_t i = 0; i < n_poles; i++) {
-        poles[i] = sp_flushed(keep[i] * poles[i] + (in - leave[i] * out));
+        poles[i] = sp_flush_denormal(keep[i] * poles[i] + (in - leave[i] * out));
         terms[n_direct + i] = poles[i];
     }
     terms[n_direct + n_poles] = window[n_window - 2];

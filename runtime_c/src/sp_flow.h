@@ -19,7 +19,7 @@
 enum { SP_FLOW_FUNCTIONS = 3 /* u, u^2, u^4 */ };
 
 /* values: b of each function at u. */
-static inline void sp_flow_functions(sp_real u, sp_real *values)
+static inline void sp_flow_inputs(sp_real u, sp_real *values)
 {
     const sp_real v = u > (sp_real)0 ? u : (sp_real)0;
     const sp_real inside = v < (sp_real)1 ? v : (sp_real)1;
@@ -33,17 +33,17 @@ static inline void sp_flow_functions(sp_real u, sp_real *values)
 /* It has rested at u for ever. */
 static inline void sp_flow_rest(sp_real u, uint32_t n, sp_real *before, sp_real *h)
 {
-    sp_flow_functions(u, before);
+    sp_flow_inputs(u, before);
     for (uint32_t i = 0; i < n; i++) {
         h[i] = (sp_real)0;
     }
 }
 
 /* Half the rise of each function since the last tick; before: their values then. */
-static inline void sp_flow_rises(sp_real u, sp_real *before, sp_real *rises)
+static inline void sp_flow_half_increments(sp_real u, sp_real *before, sp_real *rises)
 {
     sp_real now[SP_FLOW_FUNCTIONS];
-    sp_flow_functions(u, now);
+    sp_flow_inputs(u, now);
     for (uint32_t k = 0; k < SP_FLOW_FUNCTIONS; k++) {
         rises[k] = (sp_real)0.5 * (now[k] - before[k]);
         before[k] = now[k];
@@ -51,14 +51,14 @@ static inline void sp_flow_rises(sp_real u, sp_real *before, sp_real *rises)
 }
 
 /* h of one branch after a tick; loss: (p - 1) rate dt. */
-static inline sp_real sp_flow_next(sp_real h, sp_real half, sp_real loss, uint32_t cubic)
+static inline sp_real sp_flow_relax(sp_real h, sp_real half, sp_real loss, uint32_t cubic)
 {
-    const sp_real held = sp_bounded(h + half);
+    const sp_real held = sp_clamp_state(h + half);
     const sp_real size = sp_abs(held);
     const sp_real square = size * size;
     const sp_real grown = cubic ? sp_sqrt((sp_real)1 + loss * square)
                                 : sp_sqrt(sp_sqrt((sp_real)1 + loss * (square * square)));
-    return sp_flushed(held / grown + half);
+    return sp_flush_denormal(held / grown + half);
 }
 
 /* One tick. function: of each of n branches; the first n_cubic have p = 3, the others 5. before: of
@@ -67,10 +67,10 @@ static inline sp_real sp_flow(const sp_real *loss, const sp_real *force_n, const
                               uint32_t n_cubic, uint32_t n, sp_real u, sp_real *before, sp_real *h)
 {
     sp_real rises[SP_FLOW_FUNCTIONS];
-    sp_flow_rises(u, before, rises);
+    sp_flow_half_increments(u, before, rises);
     sp_real sum_n = (sp_real)0;
     for (uint32_t i = 0; i < n; i++) {
-        h[i] = sp_flow_next(h[i], rises[function[i]], loss[i], i < n_cubic);
+        h[i] = sp_flow_relax(h[i], rises[function[i]], loss[i], i < n_cubic);
         sum_n += force_n[i] * h[i];
     }
     return sum_n;

@@ -18,16 +18,16 @@ enum {
     SP_FOREST_SLOTS = 1 << SP_FOREST_SLOT_BITS,
     SP_FOREST_LEVELS = 4,
     SP_FOREST_ENTRIES = 1 << SP_FOREST_LEVELS, /* of a tree, below its first levels */
-    SP_FOREST_UNCHECKED = 3                    /* levels traversed before looking for inner nodes */
+    SP_FOREST_BLIND_LEVELS = 3                 /* levels traversed before looking for inner nodes */
 };
 
 /* Trees traversed at once: as many as hide the wait for memory; one where there is no cache. */
 #if defined(__x86_64__) || defined(__aarch64__) || defined(_M_X64)
-enum { SP_FOREST_TRAVERSALS = 20, SP_FOREST_REST = 10 };
+enum { SP_FOREST_TRAVERSALS = 20, SP_FOREST_REMAINDER = 10 };
 #elif defined(__wasm__) /* of such a processor, with fewer registers */
-enum { SP_FOREST_TRAVERSALS = 10, SP_FOREST_REST = 10 };
+enum { SP_FOREST_TRAVERSALS = 10, SP_FOREST_REMAINDER = 10 };
 #else
-enum { SP_FOREST_TRAVERSALS = 1, SP_FOREST_REST = 1 };
+enum { SP_FOREST_TRAVERSALS = 1, SP_FOREST_REMAINDER = 1 };
 #endif
 
 typedef struct {
@@ -75,13 +75,13 @@ static inline uint32_t sp_forest_traverse(const sp_forest *forest, uint32_t tree
     do {
         steps = 0;
 #pragma GCC unroll 3
-        for (uint32_t level = 0; level < SP_FOREST_UNCHECKED; level++) {
+        for (uint32_t level = 0; level < SP_FOREST_BLIND_LEVELS; level++) {
 #pragma GCC unroll 20
             for (uint32_t i = 0; i < trees; i++) {
                 //@ split at[i] - forest->nodes;
                 const uint32_t right = sp_forest_right(at[i], bins);
                 const uint32_t step = at[i]->step;
-                steps |= level + 1 == SP_FOREST_UNCHECKED ? step : 0;
+                steps |= level + 1 == SP_FOREST_BLIND_LEVELS ? step : 0;
                 at[i] += (step >> SP_FOREST_SLOT_BITS) + right;
             }
         }
@@ -102,8 +102,8 @@ static inline uint32_t sp_forest_sum(const sp_forest *forest, const uint32_t *bi
     for (; tree + SP_FOREST_TRAVERSALS <= forest->n_trees; tree += SP_FOREST_TRAVERSALS) {
         sum += sp_forest_traverse(forest, tree, SP_FOREST_TRAVERSALS, bins);
     }
-    for (; tree < forest->n_trees; tree += SP_FOREST_REST) {
-        sum += sp_forest_traverse(forest, tree, SP_FOREST_REST, bins);
+    for (; tree < forest->n_trees; tree += SP_FOREST_REMAINDER) {
+        sum += sp_forest_traverse(forest, tree, SP_FOREST_REMAINDER, bins);
     }
     return sum;
 }

@@ -26,8 +26,8 @@ static inline uint32_t sp_forest_simd(void)
     return SP_SIMD >= SP_SIMD_AVX2 && __builtin_cpu_supports("avx2") ? SP_SIMD_AVX2 : SP_SIMD_NONE;
 }
 
-static inline uint32_t sp_forest_fastest(const sp_forest *forest, const uint32_t *bins,
-                                         uint32_t simd)
+static inline uint32_t sp_forest_sum_simd(const sp_forest *forest, const uint32_t *bins,
+                                          uint32_t simd)
 {
     return simd == SP_SIMD_AVX512 ? sp_forest_avx512(forest, bins)
            : simd == SP_SIMD_AVX2 ? sp_forest_avx2(forest, bins)
@@ -41,8 +41,8 @@ static inline uint32_t sp_forest_simd(void)
     return SP_SIMD_NONE;
 }
 
-static inline uint32_t sp_forest_fastest(const sp_forest *forest, const uint32_t *bins,
-                                         uint32_t simd)
+static inline uint32_t sp_forest_sum_simd(const sp_forest *forest, const uint32_t *bins,
+                                          uint32_t simd)
 {
     (void)simd;
     return sp_forest_sum(forest, bins);

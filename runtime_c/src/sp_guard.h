@@ -12,21 +12,21 @@
 #include "sp_number.h"
 
 typedef struct {
-    sp_real jump_m;        /* maximum believable step, m a tick */
+    sp_real max_step_m;    /* maximum believable step, m a tick */
     sp_real min_m;         /* believable positions: from here */
     sp_real max_m;         /* to here */
-    uint32_t resync_ticks; /* agreeing samples after which a new position is true */
+    uint32_t resync_ticks; /* agreeing_samples samples after which a new position is true */
 } sp_guard_config;
 
 typedef struct {
-    sp_real good_m;
-    sp_real suspect_m;
-    uint32_t agreeing;
+    sp_real last_good_m;
+    sp_real candidate_m;
+    uint32_t agreeing_samples;
     uint32_t started;
 } sp_guard_state;
 
 /* What sp_init writes into a state: memory that it never saw does not hold this word. */
-#define SP_GUARD_BEGUN 0x5b9a3c1fu
+#define SP_STATE_MAGIC 0x5b9a3c1fu
 
 static inline int sp_guard_plausible(const sp_guard_config *config, sp_real x)
 {
@@ -34,7 +34,7 @@ static inline int sp_guard_plausible(const sp_guard_config *config, sp_real x)
 }
 
 /* The nearest believable position: for a way that was never measured. */
-static inline sp_real sp_guard_within(const sp_guard_config *config, sp_real x)
+static inline sp_real sp_guard_clamp(const sp_guard_config *config, sp_real x)
 {
     const sp_real below = x < config->max_m ? x : config->max_m;
     return below > config->min_m ? below : config->min_m;
@@ -42,52 +42,53 @@ static inline sp_real sp_guard_within(const sp_guard_config *config, sp_real x)
 
 /* ticks: since the last good sample. Returns the position to use, m; before the first believable
  * sample, 0. */
-static inline sp_real sp_guard_position(const sp_guard_config *config, sp_guard_state *state,
-                                        sp_real ticks, sp_real x, int *notes)
+static inline sp_real sp_guard_accept(const sp_guard_config *config, sp_guard_state *state,
+                                      sp_real ticks, sp_real x, int *notes)
 {
-    x = sp_flushed(x);
+    x = sp_flush_denormal(x);
     if (!sp_guard_plausible(config, x)) {
-        state->agreeing = 0;
+        state->agreeing_samples = 0;
         *notes |= SP_NOTE_HELD;
-        return state->good_m;
+        return state->last_good_m;
     }
     if (!state->started) {
         state->started = 1;
-        state->good_m = x;
+        state->last_good_m = x;
         *notes |= SP_NOTE_RESYNC;
         return x;
     }
-    if (sp_abs(x - state->good_m) <= config->jump_m * ticks) {
-        state->agreeing = 0;
-        state->good_m = x;
+    if (sp_abs(x - state->last_good_m) <= config->max_step_m * ticks) {
+        state->agreeing_samples = 0;
+        state->last_good_m = x;
         return x;
     }
-    const int agrees = state->agreeing && sp_abs(x - state->suspect_m) <= config->jump_m;
-    state->agreeing = agrees ? state->agreeing + 1 : 1;
-    state->suspect_m = x;
-    if (state->agreeing < config->resync_ticks) {
+    const int agrees =
+        state->agreeing_samples && sp_abs(x - state->candidate_m) <= config->max_step_m;
+    state->agreeing_samples = agrees ? state->agreeing_samples + 1 : 1;
+    state->candidate_m = x;
+    if (state->agreeing_samples < config->resync_ticks) {
         *notes |= SP_NOTE_HELD;
-        return state->good_m;
+        return state->last_good_m;
     }
-    state->agreeing = 0;
-    state->good_m = x;
+    state->agreeing_samples = 0;
+    state->last_good_m = x;
     *notes |= SP_NOTE_RESYNC;
     return x;
 }
 
 /* While a sample is not taken, the last force is held; this is the share of it that acts. A sample
  * that may be true, and is less deep than the last good one, gets less; above the surface, none. */
-static inline sp_real sp_guard_share(const sp_guard_config *config, const sp_guard_state *state,
-                                     sp_real x)
+static inline sp_real sp_guard_held_fraction(const sp_guard_config *config,
+                                             const sp_guard_state *state, sp_real x)
 {
-    x = sp_flushed(x);
+    x = sp_flush_denormal(x);
     if (!sp_guard_plausible(config, x)) {
         return (sp_real)1;
     }
     if (!(x > (sp_real)0)) {
         return (sp_real)0;
     }
-    const sp_real share = x < state->good_m ? x / state->good_m : (sp_real)1;
+    const sp_real share = x < state->last_good_m ? x / state->last_good_m : (sp_real)1;
     return share < (sp_real)1 ? share : (sp_real)1;
 }
 

@@ -5,7 +5,7 @@
 
 #include "sp_number.h"
 
-static inline int sp_guard_velocity(sp_real max_mps, sp_real v)
+static inline int sp_guard_plausible_velocity(sp_real max_mps, sp_real v)
 {
     return v == v && v >= -max_mps && v <= max_mps; /* a NaN is not itself */
 }

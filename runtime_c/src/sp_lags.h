@@ -21,8 +21,8 @@ static inline void sp_lags_push(sp_real *ring, uint32_t *newest, uint32_t length
 }
 
 /* Position `lag` samples ago; lag < length. */
-static inline sp_real sp_lags_at(const sp_real *ring, uint32_t newest, uint32_t length,
-                                 uint32_t lag)
+static inline sp_real sp_lags_get(const sp_real *ring, uint32_t newest, uint32_t length,
+                                  uint32_t lag)
 {
     const uint32_t at = newest + lag;
     return ring[at < length ? at : at - length];

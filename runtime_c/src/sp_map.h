@@ -15,8 +15,8 @@
 typedef struct {
     sp_real first_x_m; /* of the first node */
     sp_real first_y_m;
-    sp_real per_step_x; /* 1/m */
-    sp_real per_step_y;
+    sp_real steps_per_m_x; /* 1/m */
+    sp_real steps_per_m_y;
     uint32_t nodes_x; /* 2 at least */
     uint32_t nodes_y;
     uint32_t n_materials;
@@ -26,14 +26,15 @@ typedef struct {
 typedef struct {
     sp_real x; /* in steps from the first node, on the grid */
     sp_real y;
-    uint32_t waits; /* 1: for the tool to be off the object */
+    uint32_t pending; /* 1: for the tool to be off the object */
 } sp_map_state;
 
 /* As many materials as a map may have. */
-enum { SP_MAP_MATERIALS = 8 };
+enum { SP_MAP_MAX_MATERIALS = 8 };
 
 /* In steps from the first of n nodes; beyond the grid its edge. A NaN is at the first node. */
-static inline sp_real sp_map_steps(sp_real at_m, sp_real first_m, sp_real per_step, uint32_t n)
+static inline sp_real sp_map_grid_coordinate(sp_real at_m, sp_real first_m, sp_real per_step,
+                                             uint32_t n)
 {
     const sp_real passed = (at_m - first_m) * per_step;
     const sp_real last = (sp_real)(n - 1u);
@@ -44,27 +45,29 @@ static inline sp_real sp_map_steps(sp_real at_m, sp_real first_m, sp_real per_st
 }
 
 /* The place of the next contact, m; the one that is felt already changes nothing. */
-static inline void sp_map_place(const sp_map_config *config, sp_map_state *state, sp_real x_m,
-                                sp_real y_m)
+static inline void sp_map_set_site(const sp_map_config *config, sp_map_state *state, sp_real x_m,
+                                   sp_real y_m)
 {
-    const sp_real x = sp_map_steps(x_m, config->first_x_m, config->per_step_x, config->nodes_x);
-    const sp_real y = sp_map_steps(y_m, config->first_y_m, config->per_step_y, config->nodes_y);
+    const sp_real x =
+        sp_map_grid_coordinate(x_m, config->first_x_m, config->steps_per_m_x, config->nodes_x);
+    const sp_real y =
+        sp_map_grid_coordinate(y_m, config->first_y_m, config->steps_per_m_y, config->nodes_y);
     if (x != state->x || y != state->y) {
         state->x = x;
         state->y = y;
-        state->waits = 1u;
+        state->pending = 1u;
     }
 }
 
 /* The node before a place. */
-static inline uint32_t sp_map_node(sp_real steps, uint32_t n)
+static inline uint32_t sp_map_cell(sp_real steps, uint32_t n)
 {
     const uint32_t node = (uint32_t)steps;
     return node < n - 1u ? node : n - 2u;
 }
 
 /* Way from there to the next node, 0 to 1: the bounds act on no place, and show to a proof. */
-static inline sp_real sp_map_way(sp_real steps, uint32_t node)
+static inline sp_real sp_map_cell_fraction(sp_real steps, uint32_t node)
 {
     const sp_real way = steps - (sp_real)node;
     if (!(way > (sp_real)0)) {
@@ -74,42 +77,43 @@ static inline sp_real sp_map_way(sp_real steps, uint32_t node)
 }
 
 /* A number of all materials, of which those of the next one lie n_curves further. */
-static inline sp_real sp_map_mixed(const sp_map_config *config, const sp_real *amount,
-                                   const sp_real *of_first)
+static inline sp_real sp_map_mix(const sp_map_config *config, const sp_real *amount,
+                                 const sp_real *first_material)
 {
-    sp_real mixed = amount[0] * of_first[0];
+    sp_real mixed = amount[0] * first_material[0];
     for (uint32_t r = 1; r < config->n_materials; r++) {
-        mixed += amount[r] * of_first[r * config->n_curves];
+        mixed += amount[r] * first_material[r * config->n_curves];
     }
     return mixed;
 }
 
 /* Raise what is divided by to `least`: all amounts of a place may be 0. */
-static inline void sp_map_raise(sp_real *values, uint32_t n, sp_real least)
+static inline void sp_map_clamp_below(sp_real *values, uint32_t n, sp_real least)
 {
     for (uint32_t i = 0; i < n; i++) {
         values[i] = values[i] > least ? values[i] : least;
     }
 }
 
-/* Mix the curves of the place that waits, if one does. amounts: [nodes_x][nodes_y][n_materials];
+/* Mix the curves of the place that pending, if one does. amounts: [nodes_x][nodes_y][n_materials];
  * materials: [n_materials][n_curves]; curves: [n_curves]. */
-static inline void sp_map_take(const sp_map_config *config, sp_map_state *state,
-                               const sp_real *amounts, const sp_real *materials, sp_real *curves)
+static inline void sp_map_apply_site(const sp_map_config *config, sp_map_state *state,
+                                     const sp_real *amounts, const sp_real *materials,
+                                     sp_real *curves)
 {
-    if (state->waits == 0u) {
+    if (state->pending == 0u) {
         return;
     }
-    state->waits = 0u;
-    const uint32_t i = sp_map_node(state->x, config->nodes_x);
-    const uint32_t j = sp_map_node(state->y, config->nodes_y);
-    const sp_real x = sp_map_way(state->x, i);
-    const sp_real y = sp_map_way(state->y, j);
+    state->pending = 0u;
+    const uint32_t i = sp_map_cell(state->x, config->nodes_x);
+    const uint32_t j = sp_map_cell(state->y, config->nodes_y);
+    const sp_real x = sp_map_cell_fraction(state->x, i);
+    const sp_real y = sp_map_cell_fraction(state->y, j);
     const uint32_t n = config->n_materials;
     const sp_real *near = amounts + (i * config->nodes_y + j) * n;
     const sp_real *far = near + config->nodes_y * n;
-    sp_real amount[SP_MAP_MATERIALS];
-    for (uint32_t r = 0; r < SP_MAP_MATERIALS; r++) {
+    sp_real amount[SP_MAP_MAX_MATERIALS];
+    for (uint32_t r = 0; r < SP_MAP_MAX_MATERIALS; r++) {
         amount[r] = (sp_real)0;
     }
     for (uint32_t r = 0; r < n; r++) {
@@ -119,7 +123,7 @@ static inline void sp_map_take(const sp_map_config *config, sp_map_state *state,
         amount[r] = low + left + right + x * y * far[r + n];
     }
     for (uint32_t k = 0; k < config->n_curves; k++) {
-        curves[k] = sp_map_mixed(config, amount, materials + k);
+        curves[k] = sp_map_mix(config, amount, materials + k);
     }
 }
 

@@ -21,26 +21,26 @@ typedef struct {
 } sp_output_config;
 
 typedef struct {
-    sp_real given_n; /* by the last call: from here the force grows */
-    sp_real share;   /* 0 .. 1, of the model's force that is given */
-    sp_real rise;    /* of the share in a tick */
+    sp_real last_n; /* by the last call: from here the force grows */
+    sp_real share;  /* 0 .. 1, of the model's force that is given */
+    sp_real rise;   /* of the share in a tick */
 } sp_output_state;
 
 /* A position was taken as true without a history: the force rises from zero. */
-static inline void sp_output_restart(const sp_output_config *config, sp_output_state *state)
+static inline void sp_output_begin_ramp(const sp_output_config *config, sp_output_state *state)
 {
     state->share = (sp_real)0;
     state->rise = config->rise;
 }
 
 /* No contact: whatever comes next starts from zero by itself. */
-static inline void sp_output_free(sp_output_state *state)
+static inline void sp_output_end_ramp(sp_output_state *state)
 {
     state->share = (sp_real)1;
 }
 
 /* What is not within the scene's limits; a NaN compares with nothing: it becomes 0. */
-SP_RARE sp_real sp_output_cut(const sp_output_config *config, sp_real force_n, int *notes)
+SP_COLD sp_real sp_output_clamp_cold(const sp_output_config *config, sp_real force_n, int *notes)
 {
     *notes |= SP_NOTE_CLAMPED;
     return force_n > config->max_n   ? config->max_n
@@ -54,39 +54,39 @@ static inline sp_real sp_output_clamp(const sp_output_config *config, sp_real fo
     if (force_n >= config->min_n && force_n <= config->max_n) {
         return force_n;
     }
-    return sp_output_cut(config, force_n, notes);
+    return sp_output_clamp_cold(config, force_n, notes);
 }
 
-/* Latched, for so many ticks; from within the limits, whatever a stray write made of given_n. */
-SP_RARE sp_real sp_output_fall(const sp_output_config *config, sp_output_state *state,
-                               sp_real ticks, int *notes)
+/* Latched, for so many ticks; from within the limits, whatever a stray write made of last_n. */
+SP_COLD sp_real sp_output_fall_latched(const sp_output_config *config, sp_output_state *state,
+                                       sp_real ticks, int *notes)
 {
-    const sp_real given_n = sp_output_clamp(config, state->given_n, notes);
+    const sp_real last_n = sp_output_clamp(config, state->last_n, notes);
     const sp_real step = config->fall_n * ticks;
-    const sp_real down_n = given_n - step;
-    const sp_real up_n = given_n + step;
-    state->given_n = down_n > (sp_real)0 ? down_n : up_n < (sp_real)0 ? up_n : (sp_real)0;
+    const sp_real down_n = last_n - step;
+    const sp_real up_n = last_n + step;
+    state->last_n = down_n > (sp_real)0 ? down_n : up_n < (sp_real)0 ? up_n : (sp_real)0;
     *notes |= SP_NOTE_LATCHED;
-    return state->given_n;
+    return state->last_n;
 }
 
 /* The force given before, as far as it has the direction of `force_n`. */
-static inline sp_real sp_output_before(const sp_output_state *state, sp_real force_n)
+static inline sp_real sp_output_last_along(const sp_output_state *state, sp_real force_n)
 {
     const sp_real zero = (sp_real)0;
-    const sp_real given_n = state->given_n;
+    const sp_real last_n = state->last_n;
     if (force_n > zero) {
-        return given_n > zero ? given_n : zero;
+        return last_n > zero ? last_n : zero;
     }
-    return given_n < zero ? given_n : zero;
+    return last_n < zero ? last_n : zero;
 }
 
 /* First good sample after a silence, behind a coupling, which overshoots: the share rises from what
  * was given. A ramp that was under way goes on as slowly. Bare, a slow return gives energy back. */
-SP_RARE void sp_output_resume(const sp_output_config *config, sp_output_state *state,
-                              sp_real force_n)
+SP_COLD void sp_output_ramp_after_silence(const sp_output_config *config, sp_output_state *state,
+                                          sp_real force_n)
 {
-    const sp_real before_n = sp_abs(sp_output_before(state, force_n));
+    const sp_real before_n = sp_abs(sp_output_last_along(state, force_n));
     const sp_real now_n = sp_abs(force_n);
     const sp_real share = before_n < now_n ? before_n / now_n : (sp_real)1;
     if (share < (sp_real)1 && share < state->share) {
@@ -97,11 +97,11 @@ SP_RARE void sp_output_resume(const sp_output_config *config, sp_output_state *s
 
 /* The model's force of a good sample; returns what leaves, N. back: it comes after a silence,
  * behind a coupling. ticks: of this call, at most 1. */
-static inline sp_real sp_output_force(const sp_output_config *config, sp_output_state *state,
+static inline sp_real sp_output_limit(const sp_output_config *config, sp_output_state *state,
                                       int back, sp_real ticks, sp_real force_n, int *notes)
 {
     if (back) {
-        sp_output_resume(config, state, force_n);
+        sp_output_ramp_after_silence(config, state, force_n);
     }
     if (state->share < (sp_real)1) {
         force_n *= state->share;
@@ -110,7 +110,7 @@ static inline sp_real sp_output_force(const sp_output_config *config, sp_output_
     }
     force_n = sp_output_clamp(config, force_n, notes);
     const sp_real slew_n = config->slew_n * ticks;
-    const sp_real before_n = sp_output_before(state, force_n);
+    const sp_real before_n = sp_output_last_along(state, force_n);
     const sp_real upper_n = before_n + slew_n;
     const sp_real lower_n = before_n - slew_n;
     if (force_n > (sp_real)0) {
@@ -122,7 +122,7 @@ static inline sp_real sp_output_force(const sp_output_config *config, sp_output_
         *notes |= SP_NOTE_LIMITED;
         force_n = lower_n;
     }
-    state->given_n = force_n;
+    state->last_n = force_n;
     return force_n;
 }
 

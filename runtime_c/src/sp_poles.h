@@ -11,25 +11,25 @@
 
 #include "sp_number.h"
 
-static inline sp_real sp_poles_next(sp_real h, sp_real loss, sp_real rise)
+static inline sp_real sp_poles_step(sp_real h, sp_real loss, sp_real rise)
 {
-    return sp_flushed(h + (rise - loss * h));
+    return sp_flush_denormal(h + (rise - loss * h));
 }
 
 /* All poles see the same input, which rose by `rise` since the last tick. */
 static inline void sp_poles_shared(const sp_real *loss, uint32_t n_poles, sp_real rise, sp_real *h)
 {
     for (uint32_t i = 0; i < n_poles; i++) {
-        h[i] = sp_poles_next(h[i], loss[i], rise);
+        h[i] = sp_poles_step(h[i], loss[i], rise);
     }
 }
 
 /* Each pole has an input of its own: g now, `before` at the last tick. */
-static inline void sp_poles_apart(const sp_real *loss, uint32_t n_poles, const sp_real *g,
-                                  sp_real *before, sp_real *h)
+static inline void sp_poles_separate(const sp_real *loss, uint32_t n_poles, const sp_real *g,
+                                     sp_real *before, sp_real *h)
 {
     for (uint32_t i = 0; i < n_poles; i++) {
-        h[i] = sp_poles_next(h[i], loss[i], g[i] - before[i]);
+        h[i] = sp_poles_step(h[i], loss[i], g[i] - before[i]);
         before[i] = g[i];
     }
 }

@@ -23,9 +23,9 @@ static inline sp_real sp_range_clip(const sp_range_config *config, sp_real x, in
     return x;
 }
 
-/* For scenes that render nothing outside: the force ends over a depth (1/per_fade, m), not in a
+/* For scenes that render nothing outside: the force ends over a depth (1/fade_per_m, m), not in a
  * step. */
-static inline sp_real sp_range_fade(const sp_range_config *config, sp_real per_fade, sp_real x,
+static inline sp_real sp_range_fade(const sp_range_config *config, sp_real fade_per_m, sp_real x,
                                     sp_real force_n)
 {
     const sp_real above = x - config->max_m;
@@ -34,8 +34,8 @@ static inline sp_real sp_range_fade(const sp_range_config *config, sp_real per_f
     if (!(beyond > (sp_real)0)) {
         return force_n;
     }
-    const sp_real share = (sp_real)1 - beyond * per_fade;
-    return share > (sp_real)0 ? force_n * share : (sp_real)0;
+    const sp_real fraction = (sp_real)1 - beyond * fade_per_m;
+    return fraction > (sp_real)0 ? force_n * fraction : (sp_real)0;
 }
 
 #endif

@@ -16,8 +16,8 @@ enum {
 };
 
 /* Into the trained range, then to mean 0 and scale 1. */
-static inline sp_real sp_rbf_standard(sp_real x, sp_real lower, sp_real upper, sp_real mean,
-                                      sp_real per_scale)
+static inline sp_real sp_rbf_standardise(sp_real x, sp_real lower, sp_real upper, sp_real mean,
+                                         sp_real per_scale)
 {
     const sp_real below = x < upper ? x : upper;
     const sp_real inside = below > lower ? below : lower;

@@ -12,14 +12,14 @@ static inline void sp_slow_poles(const double *loss, uint32_t n_poles, sp_real r
                                  sp_real *out)
 {
     for (uint32_t i = 0; i < n_poles; i++) {
-        h[i] = sp_flushed_double(h[i] + ((double)rise - loss[i] * h[i]));
+        h[i] = sp_flush_denormal_double(h[i] + ((double)rise - loss[i] * h[i]));
         out[i] = (sp_real)h[i];
     }
 }
 
 /* Each has an input of its own: g now, `before` at the last tick. */
-static inline void sp_slow_poles_apart(const double *loss, uint32_t n_poles, const sp_real *g,
-                                       sp_real *before, double *h, sp_real *out)
+static inline void sp_slow_poles_separate(const double *loss, uint32_t n_poles, const sp_real *g,
+                                          sp_real *before, double *h, sp_real *out)
 {
     for (uint32_t i = 0; i < n_poles; i++) {
         sp_slow_poles(loss + i, 1, g[i] - before[i], h + i, out + i);

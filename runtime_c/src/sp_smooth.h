@@ -6,7 +6,7 @@
 
 static inline sp_real sp_smooth(sp_real alpha, sp_real *smoothed, sp_real newest)
 {
-    *smoothed = sp_flushed(*smoothed + alpha * (newest - *smoothed));
+    *smoothed = sp_flush_denormal(*smoothed + alpha * (newest - *smoothed));
     return *smoothed;
 }
 

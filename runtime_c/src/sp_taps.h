@@ -10,7 +10,7 @@
 #include "sp_real.h"
 
 enum {
-    SP_TAPS_SUMS = 16 /* windows are padded to a multiple of this, with taps of 0 */
+    SP_TAPS_LANES = 16 /* windows are padded to a multiple of this, with taps of 0 */
 };
 
 /* taps: [n_features][length]; window: [length]; features: [n_features]. */
@@ -19,10 +19,10 @@ static inline void sp_taps(const sp_real *taps, const sp_real *window, uint32_t 
 {
     for (uint32_t feature = 0; feature < n_features; feature++) {
         const sp_real *tap = taps + feature * length;
-        sp_real sum[SP_TAPS_SUMS] = {0};
-        for (uint32_t k = 0; k < length; k += SP_TAPS_SUMS) {
+        sp_real sum[SP_TAPS_LANES] = {0};
+        for (uint32_t k = 0; k < length; k += SP_TAPS_LANES) {
 #pragma GCC unroll 16
-            for (uint32_t i = 0; i < SP_TAPS_SUMS; i++) {
+            for (uint32_t i = 0; i < SP_TAPS_LANES; i++) {
                 sum[i] += tap[k + i] * window[k + i];
             }
         }

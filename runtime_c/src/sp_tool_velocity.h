@@ -24,7 +24,7 @@ static inline sp_real sp_tool_velocity(sp_tool_velocity_state *state, sp_real ra
     const sp_real difference_mps = (x - state->position_m) * rate_hz;
     state->position_m = x;
     state->velocity_mps =
-        sp_flushed(state->velocity_mps + weight * (difference_mps - state->velocity_mps));
+        sp_flush_denormal(state->velocity_mps + weight * (difference_mps - state->velocity_mps));
     return state->velocity_mps;
 }
 

@@ -28,7 +28,7 @@ from springpot.codegen.make_plan import make_plan
 from springpot.host.bench.bench import code_hash
 from springpot.host.bench.measure import bench_scene, hot_ns, prediction_errors
 from springpot.host.native.compiler import machine_metadata
-from springpot.host.native.scene_library import built
+from springpot.host.native.scene_library import build_and_load
 from springpot.host.simulation.objects import FOREIGN_OBJECTS, OBJECTS
 from springpot.trainer.models.folds import geometric_mean
 from springpot.trainer.recordings.quality.repeats import find_noise_floor
@@ -80,7 +80,7 @@ def judged(cell: Cell, seed: int, code: str) -> dict[str, Any]:
 def measured(fit: Fit, training: Recordings, test: Recordings) -> dict[str, Any]:
     """One model: built, and replayed on the test part."""
     plan = make_plan(fit.model, bench_scene("float32"), accept_unsafe=True)
-    library = built(plan)
+    library = build_and_load(plan)
     errors = prediction_errors(plan, library, test, training)
     tick_ns = hot_ns(library, test)
     percent = errors["rmse_percent_of_peak"]

@@ -24,7 +24,7 @@ void sp_port_start(float period_s)
     (void)period_s;
 }
 
-uint32_t sp_port_periods(void)
+uint32_t sp_port_take_elapsed_periods(void)
 {
     const uint32_t passed = line.passed;
     line.passed = 0;

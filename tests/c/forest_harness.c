@@ -27,7 +27,7 @@ void compact_sums(const void *tables[5], const uint32_t sizes[3], uint32_t simd,
                 bins[k + 1] = (uint32_t)feature[k];
             }
         }
-        sums[i] = sp_forest_fastest(&forest, bins, simd);
+        sums[i] = sp_forest_sum_simd(&forest, bins, simd);
     }
 }
 

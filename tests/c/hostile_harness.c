@@ -100,7 +100,7 @@ static sp_real next_sample(motion *m, double depth_m)
 }
 
 typedef struct {
-    sp_real given_n;
+    sp_real last_n;
     double silent_s, latched_s;
     uint32_t latched;
 } watched;
@@ -110,7 +110,7 @@ static void judge(const hostile_scene *scene, hostile_found *found, watched *las
                   sp_real force_n, int sampled, sp_real x, double dt_s)
 {
     const sp_real slew_n = (sp_real)scene->slew_n;
-    const sp_real size_n = sp_abs(force_n), before_n = sp_abs(last->given_n);
+    const sp_real size_n = sp_abs(force_n), before_n = sp_abs(last->last_n);
     const int taken = sampled && !(notes & SP_NOTE_HELD);
     const int plausible = sampled && x == x && sp_abs(x) <= (sp_real)scene->depth_m;
     found->not_allowed += !((double)force_n >= scene->min_n && (double)force_n <= scene->max_n);
@@ -132,7 +132,7 @@ static void judge(const hostile_scene *scene, hostile_found *found, watched *las
         last->latched_s = 0.0;
     }
     last->latched = (notes & SP_NOTE_LATCHED) != 0;
-    last->given_n = force_n;
+    last->last_n = force_n;
 }
 
 void hostile(const hostile_scene *scene, uint64_t calls, uint64_t seed, hostile_found *found)

@@ -45,7 +45,7 @@ static uint64_t as_ns(const struct timespec *time)
     return (uint64_t)time->tv_sec * 1000000000u + (uint64_t)time->tv_nsec;
 }
 
-int32_t sp_realtime_ask(int32_t priority, int32_t cpu)
+int32_t sp_realtime_request(int32_t priority, int32_t cpu)
 {
     return priority + cpu;
 }

@@ -86,9 +86,9 @@ static int sim_poll(struct pollfd *waits, nfds_t n, const struct timespec *left,
     return 0;
 }
 
-sp_motion *sp_link_place(sp_motion *motions, uint32_t capacity, int count)
+sp_motion *sp_link_next_slot(sp_motion *motions, uint32_t capacity, int count)
 {
-    CHECK(capacity == WAITING);
+    CHECK(capacity == MAX_WAITING);
     sim.placed++;
     return &motions[(uint32_t)count < capacity ? (uint32_t)count : capacity - 1];
 }
@@ -216,7 +216,7 @@ static inline void between_ticks(void)
     self.ring.rows = ring;
     self.ring.mask = CAPACITY - 1;
     self.period_ns = PERIOD_NS;
-    self.max_owed = 2;
+    self.max_open = 2;
     self.link = &device;
     self.connected = 1;
     self.start_ns = START_NS - 10 * PERIOD_NS;

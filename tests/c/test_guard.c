@@ -5,7 +5,7 @@
 #include "sp_guard_velocity.h"
 
 static const sp_guard_config config = {
-    .jump_m = (sp_real)0.001, .min_m = (sp_real)-10, .max_m = (sp_real)0.1, .resync_ticks = 3};
+    .max_step_m = (sp_real)0.001, .min_m = (sp_real)-10, .max_m = (sp_real)0.1, .resync_ticks = 3};
 
 TEST(unbelievable_samples_hold_the_last_good_one)
 {
@@ -14,12 +14,12 @@ TEST(unbelievable_samples_hold_the_last_good_one)
     for (unsigned i = 0; i < sizeof bad / sizeof bad[0]; i++) {
         sp_guard_state state = {0};
         int notes = 0;
-        (void)sp_guard_position(&config, &state, (sp_real)1, (sp_real)0.001, &notes);
+        (void)sp_guard_accept(&config, &state, (sp_real)1, (sp_real)0.001, &notes);
         notes = 0;
-        CHECK(sp_guard_position(&config, &state, (sp_real)1, bad[i], &notes) == (sp_real)0.001);
+        CHECK(sp_guard_accept(&config, &state, (sp_real)1, bad[i], &notes) == (sp_real)0.001);
         CHECK(notes == SP_NOTE_HELD);
         notes = 0;
-        CHECK(sp_guard_position(&config, &state, (sp_real)1, (sp_real)0.0015, &notes) ==
+        CHECK(sp_guard_accept(&config, &state, (sp_real)1, (sp_real)0.0015, &notes) ==
               (sp_real)0.0015);
         CHECK(notes == 0);
     }
@@ -29,44 +29,44 @@ TEST(disagreeing_samples_never_do)
 {
     sp_guard_state state = {0};
     int notes = 0;
-    (void)sp_guard_position(&config, &state, (sp_real)1, (sp_real)0, &notes);
+    (void)sp_guard_accept(&config, &state, (sp_real)1, (sp_real)0, &notes);
     for (int i = 0; i < 1000; i++) {
         notes = 0;
         const sp_real x = i % 2 ? (sp_real)0.05 : (sp_real)0.07;
-        CHECK(sp_guard_position(&config, &state, (sp_real)1, x, &notes) == (sp_real)0);
+        CHECK(sp_guard_accept(&config, &state, (sp_real)1, x, &notes) == (sp_real)0);
         CHECK(notes == SP_NOTE_HELD);
     }
 }
 
 TEST(a_shallower_sample_that_is_not_taken_feels_no_more_than_its_depth)
 {
-    const sp_guard_state state = {.good_m = (sp_real)0.008, .started = 1};
-    CHECK(sp_guard_share(&config, &state, (sp_real)0.002) == (sp_real)0.25);
-    CHECK(sp_guard_share(&config, &state, (sp_real)-0.002) == (sp_real)0);
-    CHECK(sp_guard_share(&config, &state, (sp_real)0.01) == (sp_real)1);
-    CHECK(sp_guard_share(&config, &state, (sp_real)-11) == (sp_real)1);
-    CHECK(sp_guard_share(&config, &state, (sp_real)NAN) == (sp_real)1);
+    const sp_guard_state state = {.last_good_m = (sp_real)0.008, .started = 1};
+    CHECK(sp_guard_held_fraction(&config, &state, (sp_real)0.002) == (sp_real)0.25);
+    CHECK(sp_guard_held_fraction(&config, &state, (sp_real)-0.002) == (sp_real)0);
+    CHECK(sp_guard_held_fraction(&config, &state, (sp_real)0.01) == (sp_real)1);
+    CHECK(sp_guard_held_fraction(&config, &state, (sp_real)-11) == (sp_real)1);
+    CHECK(sp_guard_held_fraction(&config, &state, (sp_real)NAN) == (sp_real)1);
 }
 
 TEST(only_believable_device_velocities_are_taken)
 {
     const sp_real bad[] = {(sp_real)1.1, (sp_real)-1.1, (sp_real)NAN, (sp_real)INFINITY};
-    CHECK(sp_guard_velocity((sp_real)1, (sp_real)0.9));
+    CHECK(sp_guard_plausible_velocity((sp_real)1, (sp_real)0.9));
     for (unsigned i = 0; i < sizeof bad / sizeof bad[0]; i++) {
-        CHECK(!sp_guard_velocity((sp_real)1, bad[i]));
+        CHECK(!sp_guard_plausible_velocity((sp_real)1, bad[i]));
     }
 }
 
 /* Numbers that float holds exactly: at a border, not near it. */
 static const sp_guard_config exact = {
-    .jump_m = (sp_real)0.25, .min_m = (sp_real)-8, .max_m = (sp_real)8, .resync_ticks = 3};
+    .max_step_m = (sp_real)0.25, .min_m = (sp_real)-8, .max_m = (sp_real)8, .resync_ticks = 3};
 enum { OTHER_NOTE = SP_NOTE_RAMPED }; /* said before by another unit: it stays */
 
 /* Takes a sample one tick after the last; whether position and notes are these. */
 static int gives(sp_guard_state *state, double x, double expected_m, int expected_notes)
 {
     int notes = OTHER_NOTE;
-    const sp_real position_m = sp_guard_position(&exact, state, (sp_real)1, (sp_real)x, &notes);
+    const sp_real position_m = sp_guard_accept(&exact, state, (sp_real)1, (sp_real)x, &notes);
     return position_m == (sp_real)expected_m && notes == (OTHER_NOTE | expected_notes);
 }
 
@@ -107,7 +107,7 @@ TEST(after_a_new_position_suspects_are_counted_anew)
     for (int i = 1; i <= 3; i++) {
         int notes = 0;
         const sp_real x = (sp_real)(4 + 0.1875 * i);
-        const sp_real position_m = sp_guard_position(&exact, &state, (sp_real)0.5, x, &notes);
+        const sp_real position_m = sp_guard_accept(&exact, &state, (sp_real)0.5, x, &notes);
         CHECK(position_m == (i < 3 ? (sp_real)4 : x));
         CHECK(notes == (i < 3 ? SP_NOTE_HELD : SP_NOTE_RESYNC));
     }
@@ -132,19 +132,19 @@ TEST(only_samples_in_a_row_agree)
 
 TEST(a_share_is_zero_at_the_surface_and_one_without_depth)
 {
-    const sp_guard_state deep = {.good_m = (sp_real)0.008, .started = 1};
+    const sp_guard_state deep = {.last_good_m = (sp_real)0.008, .started = 1};
     const sp_guard_state surface = {.started = 1};
-    CHECK(sp_guard_share(&config, &deep, (sp_real)1e-31) == (sp_real)0);
-    CHECK(sp_guard_share(&config, &deep, (sp_real)0) == (sp_real)0);
-    CHECK(sp_guard_share(&config, &surface, (sp_real)-0.002) == (sp_real)0);
+    CHECK(sp_guard_held_fraction(&config, &deep, (sp_real)1e-31) == (sp_real)0);
+    CHECK(sp_guard_held_fraction(&config, &deep, (sp_real)0) == (sp_real)0);
+    CHECK(sp_guard_held_fraction(&config, &surface, (sp_real)-0.002) == (sp_real)0);
 }
 
 TEST(a_way_stays_within_the_believable_positions)
 {
     const sp_real inside[] = {config.min_m, (sp_real)0.05, config.max_m};
     for (int i = 0; i < 3; i++) {
-        CHECK(sp_guard_within(&config, inside[i]) == inside[i]);
+        CHECK(sp_guard_clamp(&config, inside[i]) == inside[i]);
     }
-    CHECK(sp_guard_within(&config, config.max_m + (sp_real)1) == config.max_m);
-    CHECK(sp_guard_within(&config, config.min_m - (sp_real)1) == config.min_m);
+    CHECK(sp_guard_clamp(&config, config.max_m + (sp_real)1) == config.max_m);
+    CHECK(sp_guard_clamp(&config, config.min_m - (sp_real)1) == config.min_m);
 }

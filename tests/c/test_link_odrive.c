@@ -19,7 +19,7 @@ static uint32_t any(uint32_t below)
     return (line.seed >> 8) % below;
 }
 
-int sp_link_put(int fd, const uint8_t *bytes, uint32_t count)
+int sp_link_write_bytes(int fd, const uint8_t *bytes, uint32_t count)
 {
     const uint32_t put = line.room >= count ? count : 0;
     (void)fd;
@@ -30,7 +30,7 @@ int sp_link_put(int fd, const uint8_t *bytes, uint32_t count)
     return (int)put;
 }
 
-int sp_link_take(int fd, uint8_t *bytes, uint32_t capacity)
+int sp_link_read_bytes(int fd, uint8_t *bytes, uint32_t capacity)
 {
     (void)fd;
     (void)bytes;
@@ -38,7 +38,7 @@ int sp_link_take(int fd, uint8_t *bytes, uint32_t capacity)
     return 0;
 }
 
-sp_motion *sp_link_place(sp_motion *motions, uint32_t capacity, int count)
+sp_motion *sp_link_next_slot(sp_motion *motions, uint32_t capacity, int count)
 {
     (void)capacity;
     (void)count;
@@ -61,15 +61,15 @@ static int next_command(uint32_t *at, int *first)
 /* Frames of one reset are a beginning of `arming`, and torques come after the whole of it. */
 static int is_in_order(int *armings)
 {
-    uint32_t at = 0, next = ARMED;
+    uint32_t at = 0, next = ARMING_STEPS;
     int command, first = 0, fine = 1;
     while ((command = next_command(&at, &first)) >= 0) {
         if (command == CLEAR_ERRORS) {
             next = 1; /* also where another reset cut the last one short */
         } else if (command == INPUT_TORQUE) {
-            fine = fine && next == ARMED;
+            fine = fine && next == ARMING_STEPS;
         } else {
-            fine = fine && next < ARMED && command == (int)arming[next];
+            fine = fine && next < ARMING_STEPS && command == (int)arming[next];
             next++;
         }
         *armings += command == AXIS_STATE && first == CLOSED_LOOP;
@@ -131,10 +131,10 @@ TEST(every_error_of_a_heartbeat_trips)
         odrive memory;
         uint8_t data[BYTES] = {[4] = CLOSED_LOOP};
         (void)new_link(&memory);
-        take_frame(&memory, HEARTBEAT, data, BYTES);
+        handle_frame(&memory, HEARTBEAT, data, BYTES);
         CHECK(memory.link.ready && !memory.tripped);
         data[at] ^= 1u;
-        take_frame(&memory, HEARTBEAT, data, BYTES);
+        handle_frame(&memory, HEARTBEAT, data, BYTES);
         CHECK(memory.tripped);
     }
 }

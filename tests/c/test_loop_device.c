@@ -9,11 +9,11 @@ TEST(a_reset_comes_before_one_call)
         between_ticks();
         self.waiting_count = 1;
         self.reset_next = 1;
-        call_of(&self, &period, START_NS, fresh);
+        run_period(&self, &period, START_NS, fresh);
         CHECK(sim.resets == 1 && self.resets == 1 && self.reset_next == 0);
         CHECK((int)self.row.call == (SP_CALL_RESET | (fresh ? 0 : SP_CALL_IDLE)));
         self.waiting_count = 1;
-        call_of(&self, &period, START_NS, fresh);
+        run_period(&self, &period, START_NS, fresh);
         CHECK(sim.resets == 1 && (int)self.row.call == (fresh ? 0 : SP_CALL_IDLE));
     }
 }
@@ -24,7 +24,7 @@ TEST(a_sensor_beside_the_device_is_believed_for_a_tenth_of_a_second)
     self.config.sensed = 1;
     CHECK(isnan(sensed_n(&self, START_NS))); /* it has not said anything */
     CHECK(isnan(sensed_n(&self, 50000000)));
-    sp_loop_sense(&self, 4.0);
+    sp_loop_set_measured_force(&self, 4.0);
     CHECK(sensed_n(&self, START_NS) == 4.0 && sensed_n(&self, START_NS + 99999999) == 4.0);
     CHECK(isnan(sensed_n(&self, START_NS + 100000000)));
     take_sample(&self, START_NS, 0);
@@ -50,7 +50,7 @@ TEST(a_device_that_is_not_at_work_gets_no_force)
                                 .call = 1};
             self.waiting[0] = sim.motion;
             self.waiting_count = 1;
-            settle_current(&self, &period, 0, fresh);
+            close_current_period(&self, &period, 0, fresh);
             CHECK(sim.calls == 0 && sim.writes == 1 && sim.written_n[0] == 0.0);
             CHECK(sp_loop_drain(&self, rows, 1) == 1);
             CHECK(call_of_row(0) == (SP_CALL_NONE | SP_CALL_SILENT));
@@ -117,7 +117,7 @@ TEST(a_device_is_lost_at_work_or_at_zero)
         between_ticks();
         self.latched = at_zero & 1;
         self.tripped = at_zero >> 1;
-        sp_loop_lose_link(&self);
+        sp_loop_on_disconnect(&self);
         CHECK(self.tripped_before_disconnect == (at_zero != 0) && self.link == NULL);
     }
 }
@@ -155,11 +155,11 @@ TEST(a_device_that_comes_back_is_taken_anew)
     sp_loop_attach(&self, &other);
     accept_requests(&self);
     CHECK(sim.device_resets == 1 && self.arming_ns == START_NS && self.reset_next == 1);
-    CHECK(!sp_loop_at_work(&self));
+    CHECK(!sp_loop_may_call_scene(&self));
     sim_now_ns += 1000000000;
-    CHECK(!sp_loop_at_work(&self) && !self.tripped);
+    CHECK(!sp_loop_may_call_scene(&self) && !self.tripped);
     sim_now_ns += 1;
-    CHECK(!sp_loop_at_work(&self) && self.tripped && self.trips == 1);
+    CHECK(!sp_loop_may_call_scene(&self) && self.tripped && self.trips == 1);
 }
 
 TEST(a_reset_reaches_scene_and_device_once)
@@ -183,12 +183,12 @@ TEST(a_pause_ends_with_a_reset)
     between_ticks();
     sp_loop_pause(&self, 1);
     accept_requests(&self);
-    CHECK(self.paused == 1 && self.reset_next == 0 && !sp_loop_at_work(&self));
+    CHECK(self.paused == 1 && self.reset_next == 0 && !sp_loop_may_call_scene(&self));
     accept_requests(&self);
     CHECK(self.paused == 1 && self.reset_next == 0);
     sp_loop_pause(&self, 0);
     accept_requests(&self);
-    CHECK(self.paused == 0 && self.reset_next == 1 && sp_loop_at_work(&self));
+    CHECK(self.paused == 0 && self.reset_next == 1 && sp_loop_may_call_scene(&self));
     self.reset_next = 0;
     accept_requests(&self);
     CHECK(self.reset_next == 0);
@@ -198,7 +198,7 @@ static void asks_for_all(int call)
 {
     if (call == 10) {
         sp_loop_pause(&self, 1);
-        sp_loop_ask_stop(&self);
+        sp_loop_request_stop(&self);
     }
 }
 

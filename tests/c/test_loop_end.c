@@ -27,7 +27,7 @@ TEST(a_row_says_when_and_with_what_the_scene_was_called)
     CHECK(sim.writes == 103 && sim.written_n[100] == 0.0 && sim.written_n[102] == 0.0);
     CHECK(is_near(end.elapsed_s, 0.09925) && end.newest_row == 100 && end.connected == 1);
     CHECK(end.late == 0 && end.stale == 0 && end.unused == 0 && end.ring_dropped == 0);
-    CHECK(self.max_owed == 2 && sp_loop_size() == sizeof(sp_loop));
+    CHECK(self.max_open == 2 && sp_loop_size() == sizeof(sp_loop));
 }
 
 static int force_call;
@@ -96,7 +96,7 @@ TEST(each_limit_ends_it_with_no_force)
 static void asks_to_end(int call)
 {
     if (call == 1500) {
-        sp_loop_ask_stop(&self);
+        sp_loop_request_stop(&self);
     }
 }
 
@@ -165,7 +165,7 @@ TEST(each_trip_of_the_watchdog_is_counted_once)
     for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         between_ticks();
         sim.notes = cases[i].notes;
-        call_of(&self, &period, START_NS, 0);
+        run_period(&self, &period, START_NS, 0);
         CHECK(self.latched == cases[i].latched && (int)self.trips == cases[i].latched);
         CHECK(self.row.notes == cases[i].notes);
     }
@@ -177,7 +177,7 @@ TEST(idle_takes_the_last_force_where_the_scene_gives_none)
     between_ticks();
     self.row.returned_n = 3.0;
     sim.notes = -1;
-    call_of(&self, &period, START_NS, 0);
+    run_period(&self, &period, START_NS, 0);
     CHECK(self.row.returned_n == 3.0 && self.reason == SP_STOP_MISUSE);
     CHECK(isnan(self.row.age_s));
 }
@@ -194,7 +194,7 @@ TEST(an_open_period_that_meets_a_limit_ends_it)
         sim.write_gives = unsent;
         self.sent_n = 7.0;
         self.waiting_count = 1;
-        settle_owed(&self, &open, START_NS, fresh);
+        close_open_period(&self, &open, START_NS, fresh);
         CHECK(self.reason == SP_STOP_FORCE && sim.writes == 1 && sim.written_n[0] == 0.0);
         CHECK(sp_loop_drain(&self, rows, 9) == 1 && rows[0].sent_n == (unsent ? 7.0 : 0.0));
         CHECK(call_of_row(0) ==
@@ -202,7 +202,7 @@ TEST(an_open_period_that_meets_a_limit_ends_it)
     }
     between_ticks();
     const sp_period open = {.begin_ns = START_NS, .deadline_ns = START_NS, .sent_n = 1.0};
-    settle_owed(&self, &open, START_NS, 0);
+    close_open_period(&self, &open, START_NS, 0);
     CHECK(self.reason == 0 && sim.writes == 0);
     CHECK(sp_loop_drain(&self, rows, 9) == 1 && rows[0].sent_n == 1.0);
     CHECK(call_of_row(0) == (SP_CALL_IDLE | SP_CALL_UNSENT));

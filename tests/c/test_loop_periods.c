@@ -22,17 +22,17 @@ TEST(a_thread_that_is_a_period_late_sends_no_old_force)
 TEST(a_period_stays_open_only_where_its_sample_may_come)
 {
     between_ticks();
-    CHECK(!may_owe(&self)); /* a sample is there whenever it is asked for */
+    CHECK(!may_stay_open(&self)); /* a sample is there whenever it is asked for */
     device.fd = 0;
-    CHECK(may_owe(&self));
+    CHECK(may_stay_open(&self));
     self.reset_next = 1;
-    CHECK(!may_owe(&self));
+    CHECK(!may_stay_open(&self));
     self.reset_next = 0;
     self.paused = 1;
-    CHECK(!may_owe(&self));
+    CHECK(!may_stay_open(&self));
     self.paused = 0;
     self.link = NULL;
-    CHECK(!may_owe(&self));
+    CHECK(!may_stay_open(&self));
 }
 
 /* Twenty without a sample among the last hundred; of a silence, six. */
@@ -82,7 +82,7 @@ TEST(too_few_samples_are_counted_in_the_last_hundred)
         self.row.call = 0;
         check_rate(&self);
     }
-    CHECK(self.idle_count == 20 && self.watched_at == 39); /* the last was not looked at */
+    CHECK(self.idle_count == 20 && self.window_index == 39); /* the last was not looked at */
 
     for (int why = 0; why < 3; why++) { /* nothing is counted */
         between_ticks();
@@ -91,42 +91,42 @@ TEST(too_few_samples_are_counted_in_the_last_hundred)
         self.reason = why == 2 ? SP_STOP_DEPTH : 0;
         self.row.call = SP_CALL_IDLE;
         check_rate(&self);
-        CHECK(self.idle_count == 0 && self.idle_run == 0 && self.watched_at == 0);
+        CHECK(self.idle_count == 0 && self.idle_run == 0 && self.window_index == 0);
     }
 }
 
 TEST(samples_that_came_too_late_forgive_the_newest_calls)
 {
-    for (int at = 0; at < WATCHED; at += 33) {
+    for (int at = 0; at < RATE_WINDOW; at += 33) {
         between_ticks();
-        self.watched_at = at;
+        self.window_index = at;
         memset(self.was_idle, 1, sizeof self.was_idle);
-        self.idle_count = WATCHED;
-        self.was_idle[(at + WATCHED - 2) % WATCHED] = 0;
+        self.idle_count = RATE_WINDOW;
+        self.was_idle[(at + RATE_WINDOW - 2) % RATE_WINDOW] = 0;
         self.idle_count--;
-        sp_loop_forgive(&self, 2);
-        CHECK(self.idle_count == WATCHED - 3);
-        for (int back = 1; back <= WATCHED; back++) {
-            CHECK(self.was_idle[(at + WATCHED - back) % WATCHED] == (back > 3));
+        sp_loop_uncount_idle(&self, 2);
+        CHECK(self.idle_count == RATE_WINDOW - 3);
+        for (int back = 1; back <= RATE_WINDOW; back++) {
+            CHECK(self.was_idle[(at + RATE_WINDOW - back) % RATE_WINDOW] == (back > 3));
         }
-        sp_loop_forgive(&self, 0);
-        CHECK(self.idle_count == WATCHED - 3);
-        sp_loop_forgive(&self, 1000); /* more than there are */
+        sp_loop_uncount_idle(&self, 0);
+        CHECK(self.idle_count == RATE_WINDOW - 3);
+        sp_loop_uncount_idle(&self, 1000); /* more than there are */
         CHECK(self.idle_count == 0);
     }
     between_ticks();
     memset(self.was_idle, 1, sizeof self.was_idle);
     self.idle_count = 7;
     self.idle_run = 3;
-    sp_loop_watch_anew(&self);
+    sp_loop_reset_rate_window(&self);
     CHECK(self.idle_count == 0 && self.idle_run == 0);
-    CHECK(self.was_idle[0] == 0 && self.was_idle[WATCHED - 1] == 0);
+    CHECK(self.was_idle[0] == 0 && self.was_idle[RATE_WINDOW - 1] == 0);
 }
 
 static void asks_in_a_silence(int call)
 {
     if (call == 10) {
-        sp_loop_ask_stop(&self);
+        sp_loop_request_stop(&self);
     }
 }
 
@@ -225,7 +225,7 @@ TEST(periods_stay_open_for_two_ms_and_one_at_least)
 {
     const struct {
         double rate_hz;
-        int owed;
+        int open_periods;
     } cases[] = {{100, 1},  {400, 1},   {999, 1},   {1000, 2},  {1500, 2},
                  {2000, 4}, {8000, 16}, {8500, 16}, {20000, 16}};
     for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
@@ -235,7 +235,7 @@ TEST(periods_stay_open_for_two_ms_and_one_at_least)
         config.seconds = 1e-9;
         begin_at_work();
         (void)session(&config, &end);
-        CHECK(self.max_owed == cases[i].owed);
+        CHECK(self.max_open == cases[i].open_periods);
         CHECK(fabs((double)self.period_ns - 1e9 / cases[i].rate_hz) <= 0.5);
     }
 }
@@ -245,19 +245,20 @@ TEST(all_that_waits_is_read_and_kept_in_order)
     between_ticks();
     sim.read_gives = 3;
     take(&self);
-    CHECK(sim.room == WAITING && self.waiting_count == 3 && self.waiting[2].position_m == 2.25);
-    sim.read_gives = WAITING;
+    CHECK(sim.room == MAX_WAITING && self.waiting_count == 3 && self.waiting[2].position_m == 2.25);
+    sim.read_gives = MAX_WAITING;
     take(&self);
-    CHECK(self.waiting_count == WAITING);
+    CHECK(self.waiting_count == MAX_WAITING);
     sim.read_gives = 0;
     take(&self);
-    CHECK(self.waiting_count == WAITING && self.reason == 0 && self.link == &device);
-    sp_loop_use(&self, WAITING - 2);
+    CHECK(self.waiting_count == MAX_WAITING && self.reason == 0 && self.link == &device);
+    sp_loop_consume_samples(&self, MAX_WAITING - 2);
     CHECK(self.waiting_count == 2);
-    sim.read_gives = WAITING + 5; /* more than there was room for: the newest of them are here */
+    sim.read_gives =
+        MAX_WAITING + 5; /* more than there was room for: the newest of them are here */
     sim.placed = 0;
     take(&self);
-    CHECK(sim.placed == WAITING && self.waiting_count == WAITING);
+    CHECK(sim.placed == MAX_WAITING && self.waiting_count == MAX_WAITING);
     struct timespec time = as_timespec(5250000000u);
     CHECK(time.tv_sec == 5 && time.tv_nsec == 250000000);
     time = as_timespec(4999999999u);
@@ -267,7 +268,7 @@ TEST(all_that_waits_is_read_and_kept_in_order)
 TEST(samples_are_looked_for_where_and_as_long_as_they_help)
 {
     const struct {
-        int fd, waiting, owed;
+        int fd, waiting, open_periods;
         uint64_t late_ns;
         int reads, polls, left;
     } cases[] = {{-1, 0, 0, 0, 1, 0, 1},         {-1, 1, 0, 0, 0, 0, 1},
@@ -280,11 +281,11 @@ TEST(samples_are_looked_for_where_and_as_long_as_they_help)
         between_ticks();
         device.fd = cases[i].fd;
         self.waiting_count = cases[i].waiting;
-        self.owed_count = cases[i].owed;
+        self.open_count = cases[i].open_periods;
         self.idle_count = 5;
         memset(self.was_idle, 1, 5);
-        self.watched_at = 5;
-        sp_loop_look_for_samples(&self, cases[i].late_ns);
+        self.window_index = 5;
+        sp_loop_collect_samples(&self, cases[i].late_ns);
         const int surplus = cases[i].waiting + cases[i].reads - cases[i].left;
         CHECK(sim.reads == cases[i].reads && sim.polls == cases[i].polls);
         CHECK(self.waiting_count == cases[i].left && (int)self.unused == surplus);
@@ -296,13 +297,13 @@ TEST(samples_are_looked_for_where_and_as_long_as_they_help)
         sim.read_gives = 0;
         sim.poll_ns = PERIOD_NS;
         sim_now_ns = self.deadline_ns;
-        sp_loop_look_for_samples(&self, late ? PERIOD_NS : PERIOD_NS - 1);
+        sp_loop_collect_samples(&self, late ? PERIOD_NS : PERIOD_NS - 1);
         CHECK(sim.polls == !late && sim.reads == 1);
         CHECK(sim_now_ns == self.deadline_ns + (late ? 0 : PERIOD_NS / 4));
     }
     between_ticks();
     self.link = NULL;
-    sp_loop_look_for_samples(&self, 0);
+    sp_loop_collect_samples(&self, 0);
     CHECK(sim.reads == 0 && sim.sleeps == 0);
 }
 
@@ -311,15 +312,15 @@ TEST(a_device_without_a_descriptor_is_not_waited_for)
     for (int gone = 0; gone <= 1; gone++) {
         between_ticks();
         self.link = gone ? NULL : &device;
-        sp_loop_listen(&self, START_NS + 300000, 0);
+        sp_loop_wait_for_samples(&self, START_NS + 300000, 0);
         CHECK(sim.sleeps == 1 && sim.polls == 0 && sim_now_ns == START_NS + 300000);
     }
     between_ticks();
     device.fd = 0;
     sim.poll_ns = 100000;
-    sp_loop_listen(&self, START_NS + 300000, 2);
+    sp_loop_wait_for_samples(&self, START_NS + 300000, 2);
     CHECK(sim.sleeps == 0 && sim.polls == 2 && self.waiting_count == 2);
     sim.poll_ns = 400000;
-    sp_loop_listen(&self, START_NS + 300000, 0);
+    sp_loop_wait_for_samples(&self, START_NS + 300000, 0);
     CHECK(sim.polls == 3 && self.waiting_count == 2 && sim_now_ns == START_NS + 300000);
 }

@@ -12,14 +12,14 @@ static const sp_output_config config = {.min_n = (sp_real)-12,
                                         .fall_n = (sp_real)1.5};
 enum { OTHER_NOTE = 1 << 20 }; /* said before by another unit: it stays, alone */
 
-static sp_output_state after(double given_n)
+static sp_output_state after(double last_n)
 {
-    return (sp_output_state){.given_n = (sp_real)given_n, .share = (sp_real)1};
+    return (sp_output_state){.last_n = (sp_real)last_n, .share = (sp_real)1};
 }
 
 static sp_real next(sp_output_state *state, double force_n, int *notes)
 {
-    return sp_output_force(&config, state, 0, (sp_real)1, (sp_real)force_n, notes);
+    return sp_output_limit(&config, state, 0, (sp_real)1, (sp_real)force_n, notes);
 }
 
 TEST(what_leaves_is_within_the_limits)
@@ -40,7 +40,7 @@ TEST(what_leaves_is_within_the_limits)
         CHECK(notes == (OTHER_NOTE | cases[i].notes));
         sp_output_state state = after(cases[i].out);
         CHECK((double)next(&state, cases[i].in, &notes) == cases[i].out);
-        CHECK((double)state.given_n == cases[i].out);
+        CHECK((double)state.last_n == cases[i].out);
     }
 }
 
@@ -55,7 +55,7 @@ TEST(a_force_grows_by_the_slew_from_what_was_given_and_falls_at_once)
         sp_output_state state = after(cases[i].given);
         int notes = OTHER_NOTE;
         CHECK((double)next(&state, cases[i].in, &notes) == cases[i].out);
-        CHECK((double)state.given_n == cases[i].out);
+        CHECK((double)state.last_n == cases[i].out);
         CHECK(notes == (OTHER_NOTE | (cases[i].in == cases[i].out ? 0 : SP_NOTE_LIMITED)));
     }
 }
@@ -64,16 +64,16 @@ TEST(a_shorter_call_grows_and_rises_less)
 {
     sp_output_state state = after(0);
     int notes = 0;
-    CHECK(sp_output_force(&config, &state, 0, (sp_real)0.5, (sp_real)9, &notes) == (sp_real)2);
+    CHECK(sp_output_limit(&config, &state, 0, (sp_real)0.5, (sp_real)9, &notes) == (sp_real)2);
     sp_output_state ramp = {.rise = (sp_real)0.25};
-    (void)sp_output_force(&config, &ramp, 0, (sp_real)0.5, (sp_real)8, &notes);
+    (void)sp_output_limit(&config, &ramp, 0, (sp_real)0.5, (sp_real)8, &notes);
     CHECK(ramp.share == (sp_real)0.125);
 }
 
 TEST(a_restart_rises_from_zero)
 {
     sp_output_state state = after(8);
-    sp_output_restart(&config, &state);
+    sp_output_begin_ramp(&config, &state);
     for (int i = 0; i < 4; i++) {
         int notes = OTHER_NOTE;
         CHECK(next(&state, 8, &notes) == (sp_real)(2 * i));
@@ -81,8 +81,8 @@ TEST(a_restart_rises_from_zero)
     }
     int notes = 0;
     CHECK(next(&state, 8, &notes) == (sp_real)8 && notes == 0);
-    sp_output_restart(&config, &state);
-    sp_output_free(&state); /* in air: what comes next starts from zero by itself */
+    sp_output_begin_ramp(&config, &state);
+    sp_output_end_ramp(&state); /* in air: what comes next starts from zero by itself */
     CHECK(next(&state, 3, &notes) == (sp_real)3 && notes == 0);
 }
 
@@ -101,12 +101,12 @@ TEST(after_a_silence_the_share_rises_from_what_was_given)
                  {2, 4, 0.5, 0.75, 2},  /* where it is already */
                  {0, 0, 1, 1, 0}};
     for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        sp_output_state state = {.given_n = (sp_real)cases[i].given,
+        sp_output_state state = {.last_n = (sp_real)cases[i].given,
                                  .share = (sp_real)cases[i].share,
                                  .rise = (sp_real)0.25};
         int notes = 0;
         const sp_real out =
-            sp_output_force(&config, &state, 1, (sp_real)1, (sp_real)cases[i].in, &notes);
+            sp_output_limit(&config, &state, 1, (sp_real)1, (sp_real)cases[i].in, &notes);
         CHECK((double)out == cases[i].out);
         CHECK((double)state.share == cases[i].share_after);
     }
@@ -121,8 +121,9 @@ TEST(a_latched_force_falls_for_as_many_ticks_as_passed)
     for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         sp_output_state state = after(cases[i].from);
         int notes = OTHER_NOTE;
-        const sp_real force_n = sp_output_fall(&config, &state, (sp_real)cases[i].ticks, &notes);
-        CHECK((double)force_n == cases[i].to && state.given_n == force_n);
+        const sp_real force_n =
+            sp_output_fall_latched(&config, &state, (sp_real)cases[i].ticks, &notes);
+        CHECK((double)force_n == cases[i].to && state.last_n == force_n);
         CHECK(notes == (OTHER_NOTE | SP_NOTE_LATCHED));
     }
 }

@@ -10,7 +10,7 @@
 #include "sp_output.h"
 
 static const sp_guard_config guard = {
-    .jump_m = (sp_real)0.001, .min_m = (sp_real)-10, .max_m = (sp_real)0.1, .resync_ticks = 3};
+    .max_step_m = (sp_real)0.001, .min_m = (sp_real)-10, .max_m = (sp_real)0.1, .resync_ticks = 3};
 static const sp_output_config output = {.min_n = (sp_real)0,
                                         .max_n = (sp_real)12,
                                         .slew_n = (sp_real)3,
@@ -35,23 +35,23 @@ static int gets_past(uint32_t bits)
 {
     const sp_real x = pattern(bits);
     sp_guard_state fresh = {0};
-    sp_guard_state held = {.good_m = (sp_real)0.005, .started = 1};
+    sp_guard_state held = {.last_good_m = (sp_real)0.005, .started = 1};
     sp_output_state rest = {.share = (sp_real)1};
-    sp_output_state pressed = {.share = (sp_real)1, .given_n = (sp_real)11};
-    sp_output_state late = {.share = (sp_real)1, .given_n = (sp_real)6};
+    sp_output_state pressed = {.share = (sp_real)1, .last_n = (sp_real)11};
+    sp_output_state late = {.share = (sp_real)1, .last_n = (sp_real)6};
     int notes = 0;
-    const sp_real first_m = sp_guard_position(&guard, &fresh, (sp_real)1, x, &notes);
-    const sp_real next_m = sp_guard_position(&guard, &held, (sp_real)1, x, &notes);
-    const sp_real slow_n = sp_output_force(&output, &rest, 0, (sp_real)1, x, &notes);
-    const sp_real fast_n = sp_output_force(&output, &pressed, 0, (sp_real)1, x, &notes);
-    const sp_real late_n = sp_output_force(&output, &late, 1, (sp_real)1, x, &notes);
+    const sp_real first_m = sp_guard_accept(&guard, &fresh, (sp_real)1, x, &notes);
+    const sp_real next_m = sp_guard_accept(&guard, &held, (sp_real)1, x, &notes);
+    const sp_real slow_n = sp_output_limit(&output, &rest, 0, (sp_real)1, x, &notes);
+    const sp_real fast_n = sp_output_limit(&output, &pressed, 0, (sp_real)1, x, &notes);
+    const sp_real late_n = sp_output_limit(&output, &late, 1, (sp_real)1, x, &notes);
     return !(first_m >= guard.min_m && first_m <= guard.max_m) ||
-           !(sp_abs(next_m - (sp_real)0.005) <= guard.jump_m) ||
-           (sp_guard_velocity((sp_real)2, x) && !(sp_abs(x) <= (sp_real)2)) ||
+           !(sp_abs(next_m - (sp_real)0.005) <= guard.max_step_m) ||
+           (sp_guard_plausible_velocity((sp_real)2, x) && !(sp_abs(x) <= (sp_real)2)) ||
            !(slow_n >= (sp_real)0 && slow_n <= (sp_real)3) ||
            !(fast_n >= (sp_real)0 && fast_n <= (sp_real)12) ||
            !(late_n >= (sp_real)0 && late_n <= (sp_real)9) ||
-           (first_m != (sp_real)0 && sp_abs(first_m) < SP_SMALLEST);
+           (first_m != (sp_real)0 && sp_abs(first_m) < SP_FLUSH_BELOW);
 }
 
 int main(int argc, char **argv)

@@ -58,7 +58,7 @@ TEST(a_force_is_within_its_bounds_both_ways)
             CHECK(fabs(force_n) <= most_n);
             CHECK(notes == (press.latched ? 32 : 0) && press.latched >= latched);
             CHECK(!press.latched || force_n >= 0.0);
-            CHECK(!press.latched || press.fault == SP_PRESS_FAST || force_n == 0.0);
+            CHECK(!press.latched || press.fault == SP_PRESS_OVERSPEED || force_n == 0.0);
             CHECK(!press.latched || press.speed_mps > 0.0 || force_n == 0.0);
             brakes_s += press.latched && force_n != 0.0 ? 1e-3 : 0.0;
             pulls += force_n == most_n && !press.latched;
@@ -103,7 +103,7 @@ TEST(the_brake_follows_the_speed_between_its_bounds)
         sp_press press = {.max_force_n = 6.0,
                           .max_mps = 0.5,
                           .dt_s = 1e-3,
-                          .fault = SP_PRESS_FAST,
+                          .fault = SP_PRESS_OVERSPEED,
                           .speed_mps = cases[i].speed_mps};
         CHECK(brake_n(&press) == cases[i].force_n);
     }
@@ -128,7 +128,7 @@ TEST(a_sensor_may_be_unlike_again_and_again_but_not_for_long)
         press.at = 0;
         (void)sp_press_step(&press, 0.0, 0.0, &force_n);
     }
-    CHECK(press.fault == SP_PRESS_UNLIKE && force_n == 0.0);
+    CHECK(press.fault == SP_PRESS_SENSOR_MISMATCH && force_n == 0.0);
 }
 
 TEST(a_tool_that_runs_away_is_braked_and_a_false_position_is_not)
@@ -141,6 +141,6 @@ TEST(a_tool_that_runs_away_is_braked_and_a_false_position_is_not)
             (void)sp_press_step(&press, ran_m, 0.0, &force_n);
             CHECK(!is_false || force_n == 0.0);
         }
-        CHECK(press.fault == SP_PRESS_FAST && (force_n > 0.0) == !is_false);
+        CHECK(press.fault == SP_PRESS_OVERSPEED && (force_n > 0.0) == !is_false);
     }
 }

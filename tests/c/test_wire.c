@@ -61,7 +61,7 @@ static int given(sp_wire_receiver *receiver, const uint8_t *line, uint32_t size,
 {
     int last = -1;
     for (uint32_t i = 0; i < size; i++) {
-        CHECK(last <= SP_WIRE_NONE); /* a frame is whole at its last byte only */
+        CHECK(last <= SP_WIRE_NONE); /* a frame is decode_frame at its last byte only */
         last = sp_wire_receive(receiver, line[i], frame);
     }
     return last;
@@ -139,8 +139,9 @@ TEST(fields_are_as_long_as_they_are)
 TEST(what_is_no_cobs_is_of_no_length)
 {
     uint8_t too_far[] = {5, 1, 2}, ends_early[] = {2, 1, 2}, good[] = {3, 1, 2};
-    CHECK(uncobs(too_far, 3) == 0 && uncobs(ends_early, 3) == 0 && uncobs(good, 0) == 0);
-    CHECK(uncobs(good, 3) == 2 && good[0] == 1 && good[1] == 2);
+    CHECK(cobs_decode(too_far, 3) == 0 && cobs_decode(ends_early, 3) == 0 &&
+          cobs_decode(good, 0) == 0);
+    CHECK(cobs_decode(good, 3) == 2 && good[0] == 1 && good[1] == 2);
 }
 
 TEST(no_more_is_kept_than_the_longest_frame)
@@ -340,7 +341,8 @@ TEST(a_restart_forgets_the_sequence_and_the_frame_under_way)
         sp_wire_restart(&receiver);
         CHECK(arrives(&receiver, SP_WIRE_TYPE_SAMPLE, 5) == SP_WIRE_NEW);
         CHECK(given(&receiver, torn, 3, &frame) == SP_WIRE_NONE && receiver.crc_errors == 2);
-        uint8_t plain[ROOM], line[ROOM]; /* the first bytes were a whole frame: no end of one */
+        uint8_t plain[ROOM],
+            line[ROOM]; /* the first bytes were a decode_frame frame: no end of one */
         const uint32_t size = on_line(plain, head(plain, 6, SP_WIRE_VERSION, 9), line);
         sp_wire_restart(&receiver);
         CHECK(given(&receiver, line + 1, size - 1, &frame) == SP_WIRE_NEW);

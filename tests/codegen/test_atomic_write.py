@@ -5,13 +5,13 @@ from pathlib import Path
 
 import pytest
 
-from springpot.codegen.files import folder_written_aside, write_file, written_aside
+from springpot.codegen.files import atomic_write, write_file, write_folder_atomically
 
 
 @pytest.mark.parametrize("options", [{}, {"overwrite": False}, {"durable": True}])
 def test_a_write_that_fails_leaves_nothing_aside(tmp_path: Path, options: dict[str, bool]) -> None:
     def write(path: Path) -> None:
-        with written_aside(path, **options) as aside:
+        with atomic_write(path, **options) as aside:
             aside.write_text("half")
             raise OSError(28, "No space left on device")
 
@@ -23,7 +23,7 @@ def test_a_write_that_fails_leaves_nothing_aside(tmp_path: Path, options: dict[s
 def test_the_old_content_stands_until_the_new_one_is_whole(tmp_path: Path) -> None:
     path = tmp_path / "a"
     write_file(path, b"old")
-    with written_aside(path) as aside:
+    with atomic_write(path) as aside:
         aside.write_bytes(b"new")
         assert path.read_bytes() == b"old"
         assert aside.parent == path.parent  # renamed within one file system
@@ -34,7 +34,7 @@ def test_a_file_that_came_meanwhile_is_kept(tmp_path: Path) -> None:
     path = tmp_path / "a"
 
     def write() -> None:
-        with written_aside(path, overwrite=False) as aside:
+        with atomic_write(path, overwrite=False) as aside:
             aside.write_text("ours")
             path.write_text("theirs")
 
@@ -55,7 +55,7 @@ def test_what_is_to_last_is_on_the_disk_before_its_name(
         sync(descriptor)
 
     monkeypatch.setattr(os, "fsync", recording_sync)
-    with written_aside(path, durable=True) as aside:
+    with atomic_write(path, durable=True) as aside:
         aside.write_text("new")
     assert calls == [(aside, False), (tmp_path, True)]
     calls.clear()
@@ -67,7 +67,7 @@ def test_a_folder_is_replaced_whole_or_not_at_all(tmp_path: Path) -> None:
     folder = tmp_path / "c"
 
     def make(name: str, fails: bool) -> None:
-        with folder_written_aside(folder) as aside:
+        with write_folder_atomically(folder) as aside:
             aside.mkdir()
             (aside / name).touch()
             if fails:

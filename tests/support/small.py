@@ -15,7 +15,7 @@ from springpot.trainer.features import gl_taps
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.depths import DepthMotion
 from springpot.trainer.models.fit import Fit, FitOptions
-from springpot.trainer.models.passive.passive_force import model_along
+from springpot.trainer.models.passive.passive_force import simulate_passive
 from springpot.trainer.recordings.recording import Recording, Zero
 from support.derivatives import fir_derivatives
 
@@ -152,4 +152,4 @@ def passive_force_n(
     model: Hammerstein, depth_m: np.ndarray, dt_s: float, surface: bool
 ) -> np.ndarray:
     """Force of a passive model along depths, (n,), N, from rest at the first one."""
-    return model_along(model, DepthMotion(depth_m, (0,), (0,)), dt_s, surface)[0]
+    return simulate_passive(model, DepthMotion(depth_m, (0,), (0,)), dt_s, surface)[0]

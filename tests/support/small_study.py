@@ -10,7 +10,7 @@ import numpy as np
 from springpot import Scene
 from springpot.host.files import write_scene
 from springpot.host.study.definition import RENDERED
-from springpot.host.study.plan import StudyPlan, growing_table, write_plan
+from springpot.host.study.plan import StudyPlan, append_only_table, write_plan
 from springpot.host.study.session import ANSWER_COLUMNS, RESPONSE_COLUMNS
 from support.paths import TESTS
 
@@ -65,7 +65,10 @@ def rate_study(plan: StudyPlan, shift: dict[str, float]) -> None:
         level = rng.normal(80.0, 5.0)
         plan.folder(person).mkdir(exist_ok=True)
         own = [trial for trial in plan.trials if trial.participant == person]
-        with growing_table(plan.folder(person) / "responses.csv", RESPONSE_COLUMNS) as (_, append):
+        with append_only_table(plan.folder(person) / "responses.csv", RESPONSE_COLUMNS) as (
+            _,
+            append,
+        ):
             for trial in own:
                 rating = level + shift.get(trial.method, 0.0) + rng.normal(0.0, 5.0)
                 if person in ("04", "13"):
@@ -74,5 +77,5 @@ def rate_study(plan: StudyPlan, shift: dict[str, float]) -> None:
                     rating = rating / 2 + 50.0 if trial.left == RENDERED else rating / 2
                 rating = float(np.clip(rating, 0.0, 100.0)) if trial.session != "0" else 0.0
                 append([*trial, f"{rating:g}", "9.0", 0, ""])
-        with growing_table(plan.folder(person) / "answers.csv", ANSWER_COLUMNS) as (_, append):
+        with append_only_table(plan.folder(person) / "answers.csv", ANSWER_COLUMNS) as (_, append):
             append([person, plan.study.questions[0], "no" if person < "05" else "yes"])

@@ -9,9 +9,9 @@ from support.c import golden_forces
 from support.small import press
 
 from springpot.codegen.make_plan import make_plan
-from springpot.codegen.plan import Plan, member_offset, state_members
-from springpot.codegen.stages.stage import DOUBLE, REAL, U32, padded
-from springpot.host.native.scene_library import SceneLibrary, built
+from springpot.codegen.plan import Plan, list_state_members, member_offset
+from springpot.codegen.stages.stage import DOUBLE, REAL, U32, round_up
+from springpot.host.native.scene_library import SceneLibrary, build_and_load
 
 STATE = -3
 HOSTILE = (np.nan, np.inf, -np.inf, 3e38, -3e38, 1e30, -1e30, 1e-42, 1.0, -1.0, 0.0)
@@ -47,7 +47,7 @@ class Calls:
 @pytest.mark.parametrize("number", ["float32", "float64"])
 @pytest.mark.parametrize("name", NAMES)
 def test_memory_that_init_never_saw_is_refused(name: str, number: str) -> None:
-    random, library = np.random.default_rng(1), built(plan(name, number))
+    random, library = np.random.default_rng(1), build_and_load(plan(name, number))
     calls = Calls(library)
     for fill in (0x00, 0xCD, 0xFF, None):
         any_bytes = random.integers(0, 256, library.state_bytes)
@@ -61,10 +61,10 @@ def test_memory_that_init_never_saw_is_refused(name: str, number: str) -> None:
 def numbers_of(plan: Plan) -> Iterator[tuple[int, type[Any]]]:
     """Offset and type of every number in a state that is no index, after the word of sp_init."""
     types: dict[str, type[Any]] = {REAL: plan.dtype, DOUBLE: np.float64, U32: np.uint32}
-    for member in state_members(plan):
+    for member in list_state_members(plan):
         at = member_offset(plan, member.declaration.split()[-1].split("[")[0])
         for scalar in member.scalars:
-            at = padded(at, np.dtype(types[scalar]).itemsize)
+            at = round_up(at, np.dtype(types[scalar]).itemsize)
             if scalar != U32:
                 yield at, types[scalar]
             at += np.dtype(types[scalar]).itemsize
@@ -76,7 +76,7 @@ def numbers_of(plan: Plan) -> Iterator[tuple[int, type[Any]]]:
 def test_a_damaged_state_gives_a_force_within_its_limits_and_ends(name: str, number: str) -> None:
     random, planned = np.random.default_rng(2), plan(name, number)
     places, min_n = list(numbers_of(planned)), float(planned.output.min_n)
-    library = built(planned)
+    library = build_and_load(planned)
     calls = Calls(library)
     for _ in range(60):
         calls.init()

@@ -1,5 +1,6 @@
 """The size of springpot: what is added must be taken away elsewhere; what a release needs."""
 
+import ast
 import re
 import subprocess
 import tomllib
@@ -23,18 +24,39 @@ def tracked(*patterns: str) -> list[str]:
 PYTHON = [f"{floor}/*.py" for floor in ("codegen", "trainer", "host")]
 
 
+def code_lines(text: str) -> int:
+    """Lines of Python that are neither blank, nor comments, nor docstrings."""
+    prose = {
+        line
+        for node in ast.walk(ast.parse(text))
+        if isinstance(node, ast.Expr)
+        and isinstance(node.value, ast.Constant)
+        and isinstance(node.value.value, str)
+        for line in range(node.lineno, (node.end_lineno or node.lineno) + 1)
+    }
+    return sum(
+        bool(line.strip()) and not line.lstrip().startswith("#") and number not in prose
+        for number, line in enumerate(text.splitlines(), 1)
+    )
+
+
+# Comments and docstrings are not counted: counted, they were the first to go. The numbers leave
+# two per cent of air, and change once a release, in a commit of their own.
 @pytest.mark.parametrize(
-    ("what", "most"),
-    [
-        ("codegen/*.py", 6417),
-        ("trainer/*.py", 8778),
-        ("host/*.py", 12442),
-        ("runtime_c/*.[ch] codegen/*.j2", 7713),
-        ("tests/*.py", 19910),
-    ],
+    ("files", "max_lines"),
+    [("codegen/*.py", 4600), ("trainer/*.py", 6700), ("host/*.py", 9400), ("tests/*.py", 15800)],
 )
-def test_lines(what: str, most: int) -> None:
-    assert sum(text.count("\n") for text in tracked(*what.split())) <= most
+def test_lines_of_code(files: str, max_lines: int) -> None:
+    assert sum(map(code_lines, tracked(files))) <= max_lines
+
+
+def test_lines_of_c_and_templates() -> None:
+    sources = tracked("runtime_c/*.[ch]", "codegen/*.j2")
+    assert sum(text.count("\n") for text in sources) <= 7900
+
+
+def test_comments_and_docstrings_are_free() -> None:
+    assert code_lines('"""Head."""\n\n# why\nx = """\ntext\n"""\n') == 3
 
 
 def test_files_of_the_product() -> None:

@@ -10,7 +10,7 @@ import pytest
 from support.small import press, recording, scene, training
 
 from springpot import Fit, Recording, emit, predict, read_model, train, validate, write_model
-from springpot.codegen.literals import literal
+from springpot.codegen.literals import c_literal
 from springpot.codegen.model.features import Features
 from springpot.codegen.model.model_file import register_part
 from springpot.codegen.model.regressors import Regressor
@@ -90,7 +90,7 @@ class LineStage(RegressorStage):
 """
 
     def tables(self) -> list[str]:
-        return [f"static const sp_real slope = {literal(self.slope)};"]
+        return [f"static const sp_real slope = {c_literal(self.slope)};"]
 
     def reference(self, features: Any) -> Any:
         return self.slope * features[:, 0]

@@ -13,21 +13,29 @@ from springpot.codegen.model.model import Contact
 from springpot.trainer.recordings.contact_point import find_contact
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.signals import (
-    came_before,
+    estimate_history_m,
     sensor_noise_n,
-    smoothed,
+    smooth,
     smoothing_samples,
 )
 
-_LOWEST = 0.02  # of the depth: where an object's force is 0 if position 0 is its surface
-_REST_SHARE = 0.02  # of the peak force
-_PULL, _OFTEN = 0.05, 0.01  # of the peak force, in a share of the samples: it holds the tool
-_HUM_S, _DEVIATIONS = 0.02, 4.0  # a period of the mains, over which a force is averaged; of noise
-_LONGEST_PAUSE_S = 600.0
-_LATE = 5  # samples by which clocks of two recordings may overlap
+_REST_DEPTH_FRACTION = (
+    0.02  # of the depth: where an object's force is 0 if position 0 is its surface
+)
+_PRELOAD_FRACTION = 0.02  # of the peak force
+_PULL_FORCE_FRACTION, _PULL_SAMPLE_FRACTION = (
+    0.05,
+    0.01,
+)  # of the peak force, in a share of the samples: it holds the tool
+_MAINS_PERIOD_S, _NOISE_SIGMAS = (
+    0.02,
+    4.0,
+)  # a period of the mains, over which a force is averaged; of noise
+_MAX_PAUSE_S = 600.0
+_CLOCK_SLACK_SAMPLES = 5  # samples by which clocks of two recordings may overlap
 
 
-def contact_of(recordings: Sequence[Recording]) -> tuple[Contact, str]:
+def classify_contact(recordings: Sequence[Recording]) -> tuple[Contact, str]:
     """Return "surface" where force is 0 at position 0, "always" where the tool never leaves.
 
     And why there is no surface, unless a person stated it. The tool never leaves if an importer
@@ -35,23 +43,24 @@ def contact_of(recordings: Sequence[Recording]) -> tuple[Contact, str]:
     shows where contact begins. (One that does has a tare: the object does not push with it.)
     Nor does it leave what holds it: `pulls`.
     """
-    moved = [recording.name for recording in recordings if recording.zero != "none"]
-    if moved and len(moved) != len(recordings):
-        without = next(recording.name for recording in recordings if recording.zero == "none")
+    zeroed = [recording.name for recording in recordings if recording.zero != "none"]
+    if zeroed and len(zeroed) != len(recordings):
+        not_zeroed = next(recording.name for recording in recordings if recording.zero == "none")
         raise DataError(
-            f"{moved[0]} was imported with --zero and {without} without: import all the same way"
+            f"{zeroed[0]} was imported with --zero and {not_zeroed} without: "
+            "import all the same way"
         )
-    if moved:
+    if zeroed:
         return "always", ""
     peak_n = max(float(recording.force_n.max()) for recording in recordings)
-    if peak_n > 0.0 and pulls(recordings):
+    if peak_n > 0.0 and is_adhesive(recordings):
         min_n = min(float(each.force_n.min()) for each in recordings)
         return "always", (
             f"force goes to {min_n:.3g} N inside the object: it holds the tool, and the model "
             "pulls as it does; if nothing held it, look for drift or delay of the force"
         )
-    rest_n = rest_force_n(recordings)
-    if abs(rest_n) < _REST_SHARE * peak_n or peak_n <= 0.0:
+    rest_n = estimate_rest_force_n(recordings)
+    if abs(rest_n) < _PRELOAD_FRACTION * peak_n or peak_n <= 0.0:
         return "surface", ""
     for recording in recordings:
         with suppress(DataError):
@@ -66,35 +75,43 @@ def contact_of(recordings: Sequence[Recording]) -> tuple[Contact, str]:
     )
 
 
-def pulls(recordings: Sequence[Recording]) -> bool:
+def is_adhesive(recordings: Sequence[Recording]) -> bool:
     """Whether the object holds the tool: its force inside goes below that at rest, often.
 
     By 5 % of the peak in 1 % of the samples or more, and by more than noise: a glued specimen, or
     one that sticks. Each recording may have a tare of its own.
     """
     peak_n = max(float(recording.force_n.max()) for recording in recordings)
-    pulled = samples = 0
+    pulling_samples = samples = 0
     for recording in recordings:
-        averaged = smoothing_samples(_HUM_S, recording.dt_s)
-        quiet = smoothed(recording, _HUM_S) if averaged < len(recording.force_n) else recording
-        noise_n = _DEVIATIONS * sensor_noise_n(recording.force_n) / np.sqrt(averaged)
-        low_m = float(quiet.position_m.min()) + _LOWEST * float(np.ptp(quiet.position_m))
-        limit_n = min(rest_force_n([quiet]), 0.0) - _PULL * peak_n - noise_n
-        below = (quiet.position_m > low_m) & (quiet.force_n < limit_n)
-        pulled += int(np.count_nonzero(below))
-        samples += len(below)
-    return pulled > _OFTEN * samples
+        window_samples = smoothing_samples(_MAINS_PERIOD_S, recording.dt_s)
+        averaged = (
+            smooth(recording, _MAINS_PERIOD_S)
+            if window_samples < len(recording.force_n)
+            else recording
+        )
+        noise_n = _NOISE_SIGMAS * sensor_noise_n(recording.force_n) / np.sqrt(window_samples)
+        low_m = float(averaged.position_m.min()) + _REST_DEPTH_FRACTION * float(
+            np.ptp(averaged.position_m)
+        )
+        limit_n = (
+            min(estimate_rest_force_n([averaged]), 0.0) - _PULL_FORCE_FRACTION * peak_n - noise_n
+        )
+        is_pulling = (averaged.position_m > low_m) & (averaged.force_n < limit_n)
+        pulling_samples += int(np.count_nonzero(is_pulling))
+        samples += len(is_pulling)
+    return pulling_samples > _PULL_SAMPLE_FRACTION * samples
 
 
-def rest_force_n(recordings: Sequence[Recording]) -> float:
+def estimate_rest_force_n(recordings: Sequence[Recording]) -> float:
     """Median force at the lowest 2 % of the positions of all recordings, N."""
     position_m = np.concatenate([recording.position_m for recording in recordings])
     force_n = np.concatenate([recording.force_n for recording in recordings])
-    low = position_m <= position_m.min() + _LOWEST * np.ptp(position_m)
+    low = position_m <= position_m.min() + _REST_DEPTH_FRACTION * np.ptp(position_m)
     return float(np.median(force_n[low]))
 
 
-def depth_m(recording: Recording, contact: Contact) -> Samples:
+def compute_depth_m(recording: Recording, contact: Contact) -> Samples:
     """Positions as the model sees them, (n,), m: those above the surface count as 0."""
     if contact == "always":
         return recording.position_m
@@ -115,41 +132,41 @@ class DepthMotion:
     pauses: tuple[tuple[int, float], ...] = ()
 
 
-def motions(
+def join_motions(
     recordings: Sequence[Recording], depths_m: Sequence[Samples], surface: bool
 ) -> tuple[DepthMotion, ...]:
     """Join recordings of one session and place by their times; others are one each.
 
     In a pause the tool stands above the surface; if the object has none, at the lower of the depths
-    at the ends of the pause. Before the first recording is what `came_before` finds in it.
+    at the ends of the pause. Before the first recording is what `estimate_history_m` finds in it.
     """
     sessions: dict[Hashable, list[int]] = {}
     for number, recording in enumerate(recordings):
-        alone = recording.start_s is None or not recording.session
-        key = number if alone else (recording.session, recording.place_m)
+        untimed = recording.start_s is None or not recording.session
+        key = number if untimed else (recording.session, recording.place_m)
         sessions.setdefault(key, []).append(number)
-    found = []
+    joined = []
     for numbers in sessions.values():
         numbers.sort(key=lambda number: recordings[number].start_s or 0.0)
         # Each begins after the one before has ended, to within a few samples.
         pairs = pairwise(recordings[number] for number in numbers)
-        late_s = (
-            (b.start_s or 0.0) - (a.start_s or 0.0) - a.duration_s + _LATE * b.dt_s
+        gaps_s = (
+            (b.start_s or 0.0) - (a.start_s or 0.0) - a.duration_s + _CLOCK_SLACK_SAMPLES * b.dt_s
             for a, b in pairs
         )
-        parts = [numbers] if min(late_s, default=0.0) >= 0.0 else [[number] for number in numbers]
-        found += [_joined(part, recordings, depths_m, surface) for part in parts]
-    return tuple(found)
+        groups = [numbers] if min(gaps_s, default=0.0) >= 0.0 else [[number] for number in numbers]
+        joined += [_join_session(part, recordings, depths_m, surface) for part in groups]
+    return tuple(joined)
 
 
-def _joined(
+def _join_session(
     numbers: Sequence[int],
     recordings: Sequence[Recording],
     depths_m: Sequence[Samples],
     surface: bool,
 ) -> DepthMotion:
     first_m, starts, pauses = depths_m[numbers[0]], list[int](), list[tuple[int, float]]()
-    parts = [came_before(np.maximum(first_m, 0.0) if surface else first_m)]
+    parts = [estimate_history_m(np.maximum(first_m, 0.0) if surface else first_m)]
     length, ends_s = len(parts[0]), 0.0
     for number in numbers:
         recording, depth_m = recordings[number], depths_m[number]
@@ -166,11 +183,11 @@ def _joined(
     return DepthMotion(np.concatenate(parts), tuple(numbers), tuple(starts), tuple(pauses))
 
 
-def in_ticks(motion: DepthMotion, dt_s: float) -> DepthMotion:
+def pauses_to_ticks(motion: DepthMotion, dt_s: float) -> DepthMotion:
     """The same with each pause as ticks at rest, ten minutes of them at most: for C."""
     parts, starts, begin = [], np.array(motion.starts), 0
     for sample, seconds in motion.pauses:
-        count = round(min(seconds, _LONGEST_PAUSE_S) / dt_s)
+        count = round(min(seconds, _MAX_PAUSE_S) / dt_s)
         parts += [motion.depth_m[begin:sample], np.full(count, motion.depth_m[sample])]
         starts += count * (np.array(motion.starts) > sample)
         begin = sample

@@ -15,9 +15,9 @@ from springpot.codegen.errors import UsageError
 from springpot.codegen.model.regressors import Forest, Linear
 from springpot.codegen.types import JsonObject
 
-_SAME_LINE = 1e-6  # of the peak force
+_LINEARITY_TOLERANCE = 1e-6  # of the peak force
 # Of each node: feature, below 0 of a leaf; threshold; rows of its children; force of a leaf, N.
-_Tree = tuple[NDArray[Any], ...]
+_NodeTable = tuple[NDArray[Any], ...]
 
 
 def require_fitted(regressor: Any) -> None:
@@ -29,82 +29,88 @@ def require_fitted(regressor: Any) -> None:
         raise UsageError(f"{kind.__name__}: give a regressor fitted on ensemble_data") from None
 
 
-def linear_ir(regressor: Any, values: Samples, predicted_n: Samples) -> Linear | None:
+def convert_linear(regressor: Any, values: Samples, predicted_n: Samples) -> Linear | None:
     """Find what predictions are linear in, features (n, features); None if they are not."""
     n_features = values.shape[1]
-    tried = np.concatenate([np.zeros((1, n_features)), np.eye(n_features)])
-    along_n = np.asarray(regressor.predict(tried), dtype=np.float64)
-    linear = Linear(float(along_n[0]), along_n[1:] - along_n[0])
+    probes = np.concatenate([np.zeros((1, n_features)), np.eye(n_features)])
+    response_n = np.asarray(regressor.predict(probes), dtype=np.float64)
+    linear = Linear(float(response_n[0]), response_n[1:] - response_n[0])
     differs = np.abs(linear.intercept_n + values @ linear.weights_n - predicted_n)
-    return linear if differs.max() <= _SAME_LINE * np.abs(predicted_n).max() else None
+    return linear if differs.max() <= _LINEARITY_TOLERANCE * np.abs(predicted_n).max() else None
 
 
-def ensemble_ir(regressor: Any) -> Forest:
+def convert_ensemble(regressor: Any) -> Forest:
     """Node table of a fitted ensemble. Raises UsageError for other kinds."""
     kind = type(regressor).__name__
-    if kind not in _MADE_OF:
+    if kind not in _CONVERTERS:
         raise UsageError(
             f"{kind}: the force is no sum of trees or weighted features, and the C has no exp or "
             "pow: fit trees (scikit-learn, LightGBM, XGBoost) or a linear regressor"
         )
-    return _MADE_OF[kind](regressor)
+    return _CONVERTERS[kind](regressor)
 
 
-def forest_ir(regressor: Any) -> Forest:
+def convert_forest(regressor: Any) -> Forest:
     """Read the mean of a fitted forest's trees, or one tree."""
-    trees = _trees(getattr(regressor, "estimators_", [regressor]))
-    return _sum_of(trees, 1.0 / len(trees))
+    trees = _read_sklearn_trees(getattr(regressor, "estimators_", [regressor]))
+    return _merge_trees(trees, 1.0 / len(trees))
 
 
-def _bagging(regressor: Any) -> Forest:
+def _convert_bagging(regressor: Any) -> Forest:
     """A mean of trees, each on features of its own."""
     kinds = {type(estimator).__name__ for estimator in regressor.estimators_}
     if not kinds <= {"DecisionTreeRegressor", "ExtraTreeRegressor"}:
         raise UsageError(f"BaggingRegressor of {', '.join(sorted(kinds))}: give one of trees")
     trees = []
-    of_each = zip(_trees(regressor.estimators_), regressor.estimators_features_, strict=True)
-    for (feature, *others), seen in of_each:
-        trees.append((np.where(feature < 0, -1, seen[np.maximum(feature, 0)]), *others))
-    return _sum_of(trees, 1.0 / len(trees))
+    tables_and_columns = zip(
+        _read_sklearn_trees(regressor.estimators_), regressor.estimators_features_, strict=True
+    )
+    for (feature, *others), columns in tables_and_columns:
+        trees.append((np.where(feature < 0, -1, columns[np.maximum(feature, 0)]), *others))
+    return _merge_trees(trees, 1.0 / len(trees))
 
 
-def _gradient_boosting(regressor: Any) -> Forest:
+def _convert_gradient_boosting(regressor: Any) -> Forest:
     """A constant, unless it begins at 0, and a sum of trees, each by the learning rate."""
     bias_n = getattr(regressor.init_, "constant_", np.zeros(1)).item()
-    return _sum_of(_trees(regressor.estimators_[:, 0]), float(regressor.learning_rate), bias_n)
+    return _merge_trees(
+        _read_sklearn_trees(regressor.estimators_[:, 0]), float(regressor.learning_rate), bias_n
+    )
 
 
-def _hist_gradient_boosting(regressor: Any) -> Forest:
+def _convert_hist_gradient_boosting(regressor: Any) -> Forest:
     """Its baseline and its trees, which decide on doubles as on features rounded to float32."""
-    trees: list[_Tree] = []
+    trees: list[_NodeTable] = []
     for nodes in (predictor[0].nodes for predictor in regressor._predictors):
         feature = np.where(nodes["is_leaf"], -1, nodes["feature_idx"])
         value_n = np.where(nodes["is_leaf"], nodes["value"], 0.0)
         trees.append((feature, nodes["num_threshold"], nodes["left"], nodes["right"], value_n))
-    return _sum_of(trees, 1.0, regressor._baseline_prediction.item())
+    return _merge_trees(trees, 1.0, regressor._baseline_prediction.item())
 
 
-def _lightgbm(regressor: Any) -> Forest:
+def _convert_lightgbm(regressor: Any) -> Forest:
     """A sum of trees, or the mean of a forest's."""
-    found = regressor.booster_.dump_model()
-    trees = [_nested(tree["tree_structure"]) for tree in found["tree_info"]]
-    if found["average_output"]:
-        return _sum_of(trees, 1.0 / len(trees))
+    dump = regressor.booster_.dump_model()
+    trees = [_parse_tree(tree["tree_structure"]) for tree in dump["tree_info"]]
+    if dump["average_output"]:
+        return _merge_trees(trees, 1.0 / len(trees))
     # The first tree's leaves hold the mean force too, which would widen the steps of all leaves.
     *first, value_n = trees[0]
     trees[0] = (*first, value_n - value_n[-1])
-    return _sum_of(trees, 1.0, float(value_n[-1]))
+    return _merge_trees(trees, 1.0, float(value_n[-1]))
 
 
-def _xgboost(regressor: Any) -> Forest:
+def _convert_xgboost(regressor: Any) -> Forest:
     """The sum of its trees, up to the best one if it stopped early, and its base score."""
     stopped = hasattr(regressor, "best_iteration")
     booster = regressor.get_booster()[: regressor.best_iteration + 1 if stopped else None]
     dump = booster.get_dump(dump_format="json")
-    return _sum_of([_nested(json.loads(tree)) for tree in dump], 1.0, regressor.intercept_.item())
+    return _merge_trees(
+        [_parse_tree(json.loads(tree)) for tree in dump], 1.0, regressor.intercept_.item()
+    )
 
 
-def _nested(tree: JsonObject) -> _Tree:
+def _parse_tree(tree: JsonObject) -> _NodeTable:
     """Read a tree's JSON, by LightGBM or by XGBoost, which goes left only below a threshold."""
     rows: list[tuple[Any, ...]] = []
 
@@ -125,47 +131,47 @@ def _nested(tree: JsonObject) -> _Tree:
     return tuple(np.array(rows).T)
 
 
-def _pipeline(pipeline: Any) -> Forest:
+def _convert_pipeline(pipeline: Any) -> Forest:
     """Trees after scalers of single columns, which fold into the thresholds."""
     *before, (_, last) = pipeline.steps
-    forest = ensemble_ir(last)
+    forest = convert_ensemble(last)
     for name, step in reversed(before):
         if step in ("passthrough", None):
             continue
-        zero, gain = _affine(name, step)
+        zero, gain = _probe_scaler(name, step)
         column = np.maximum(forest.feature, 0)
         threshold = (forest.threshold - zero[column]) / gain[column]
         forest = replace(forest, threshold=np.where(forest.feature < 0, 0.0, threshold))
     return forest
 
 
-def _affine(name: str, step: Any) -> tuple[Samples, Samples]:
+def _probe_scaler(name: str, step: Any) -> tuple[Samples, Samples]:
     """Zero and gain > 0, (columns,), of a step z = zero + gain x. Raises UsageError for others."""
     columns = step.n_features_in_
-    tried = np.concatenate([np.zeros((1, columns)), np.eye(columns), np.full((1, columns), 0.37)])
-    found = np.asarray(step.transform(tried))
-    zero = found[0]
-    gain = found[1:-1] - zero
+    probes = np.concatenate([np.zeros((1, columns)), np.eye(columns), np.full((1, columns), 0.37)])
+    response = np.asarray(step.transform(probes))
+    offset = response[0]
+    gain = response[1:-1] - offset
     if gain.shape != (columns, columns) or not (
         np.allclose(gain, np.diag(np.diag(gain)))
         and np.all(np.diag(gain) > 0.0)
-        and np.allclose(found[-1], zero + 0.37 * np.diag(gain))
+        and np.allclose(response[-1], offset + 0.37 * np.diag(gain))
     ):
         raise UsageError(
             f"Pipeline: its step {name} is no scaling of single columns: fit the trees without it"
         )
-    return zero, np.diag(gain)
+    return offset, np.diag(gain)
 
 
-def _trees(estimators: Iterable[Any]) -> list[_Tree]:
+def _read_sklearn_trees(estimators: Iterable[Any]) -> list[_NodeTable]:
     """Tables of scikit-learn's fitted trees."""
     return [
-        (each.feature, each.threshold, each.children_left, each.children_right, each.value[:, 0, 0])
-        for each in (estimator.tree_ for estimator in estimators)
+        (tree.feature, tree.threshold, tree.children_left, tree.children_right, tree.value[:, 0, 0])
+        for tree in (estimator.tree_ for estimator in estimators)
     ]
 
 
-def _sum_of(trees: list[_Tree], weight: float, bias_n: float = 0.0) -> Forest:
+def _merge_trees(trees: list[_NodeTable], weight: float, bias_n: float = 0.0) -> Forest:
     sizes = [len(feature) for feature, *_ in trees]
     roots = np.cumsum([0, *sizes[:-1]])
     feature, threshold, left, right, value_n = map(np.concatenate, zip(*trees, strict=True))
@@ -182,16 +188,16 @@ def _sum_of(trees: list[_Tree], weight: float, bias_n: float = 0.0) -> Forest:
     )
 
 
-_MADE_OF = {
-    "RandomForestRegressor": forest_ir,
-    "ExtraTreesRegressor": forest_ir,
-    "DecisionTreeRegressor": forest_ir,
-    "ExtraTreeRegressor": forest_ir,
-    "BaggingRegressor": _bagging,
-    "GradientBoostingRegressor": _gradient_boosting,
-    "HistGradientBoostingRegressor": _hist_gradient_boosting,
-    "LGBMRegressor": _lightgbm,
-    "XGBRegressor": _xgboost,
-    "XGBRFRegressor": _xgboost,
-    "Pipeline": _pipeline,
+_CONVERTERS = {
+    "RandomForestRegressor": convert_forest,
+    "ExtraTreesRegressor": convert_forest,
+    "DecisionTreeRegressor": convert_forest,
+    "ExtraTreeRegressor": convert_forest,
+    "BaggingRegressor": _convert_bagging,
+    "GradientBoostingRegressor": _convert_gradient_boosting,
+    "HistGradientBoostingRegressor": _convert_hist_gradient_boosting,
+    "LGBMRegressor": _convert_lightgbm,
+    "XGBRegressor": _convert_xgboost,
+    "XGBRFRegressor": _convert_xgboost,
+    "Pipeline": _convert_pipeline,
 }

@@ -113,7 +113,7 @@ def assemble(
             "rows_total": data.rows_total,
             "smooth_s": data.smooth_s,
             "zero": data.recordings[0].zero,
-            "recordings": _hashes(data),
+            "recordings": _hash_recordings(data),
             "scikit-learn": version("scikit-learn"),
             "springpot": version("springpot"),
             **({ACCEPTED_SIGNS: accepted} if accepted else {}),
@@ -122,13 +122,13 @@ def assemble(
     )
 
 
-def _hashes(data: TrainingSet) -> dict[str, str]:
+def _hash_recordings(data: TrainingSet) -> dict[str, str]:
     """Content of each recording by its name; folders may hold the same names."""
-    found: dict[str, str] = {}
+    hashes: dict[str, str] = {}
     for recording in data.recordings:
         name, count = recording.name, 1
-        while name in found:
+        while name in hashes:
             count += 1
             name = f"{recording.name} ({count})"
-        found[name] = recording.content_hash
-    return found
+        hashes[name] = recording.content_hash
+    return hashes

@@ -14,11 +14,11 @@ from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.signals import turning_points
 
 N_FOLDS = 5
-FEWEST = 3  # recordings, or ranges, of which one can be held out
-_SAME_DEPTH = 0.03  # of the stroke: repeats of one press
-_SAME_SPEED = 1.25
-_DEPTH_RANGE = 1.15  # presses with depths that differ by less are of one range
-_TURN = 0.1  # of the trained depth: what turns by less is one press
+MIN_GROUPS = 3  # recordings, or ranges, of which one can be held out
+_REPEAT_DEPTH_TOLERANCE = 0.03  # of the stroke: repeats of one press
+_SPEED_GROUP_RATIO = 1.25
+_DEPTH_GROUP_RATIO = 1.15  # presses with depths that differ by less are of one range
+_MIN_TURN_FRACTION = 0.1  # of the trained depth: what turns by less is one press
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,12 +30,12 @@ class Folds:
     __repr__ = short_repr
 
 
-def repeats_apart(depths_m: Sequence[Samples], dt_s: float, folds: int, seed: int) -> Folds:
+def split_repeats(depths_m: Sequence[Samples], dt_s: float, folds: int, seed: int) -> Folds:
     """Folds of recordings: repeats of one press go to different ones.
 
     Depth within 3 % of the stroke and rms speed within 25 % make a repeat.
     """
-    condition = _conditions(depths_m, dt_s)
+    condition = _group_conditions(depths_m, dt_s)
     shuffled = np.random.default_rng(seed).permutation(len(depths_m))
     order = np.argsort(shuffled[condition], kind="stable")
     count = min(folds, len(depths_m))
@@ -44,72 +44,73 @@ def repeats_apart(depths_m: Sequence[Samples], dt_s: float, folds: int, seed: in
     return Folds(number, tuple(range(count)))
 
 
-def _presses(data: TrainingSet) -> tuple[Indices, Samples, Samples]:
+def _find_presses(data: TrainingSet) -> tuple[Indices, Samples, Samples]:
     """First row of every press, its depth, m, and its rms speed, m/s, (presses,) each.
 
     Recordings are cut where the tool turns back into the object.
     """
-    min_m, found = _TURN * (data.trained.max_m - data.trained.min_m), []
+    min_m, presses = _MIN_TURN_FRACTION * (data.trained.max_m - data.trained.min_m), []
     for first, depth_m in zip(data.bounds.tolist(), data.depths_m, strict=False):
         turns = turning_points(depth_m, min_m)[1:-1]
         # Turns alternate: those at which the tool goes in again begin a press.
         inward = turns[1::2] if turns and depth_m[turns[0]] > depth_m[0] else turns[0::2]
         for begin, part in zip([0, *inward], np.split(depth_m, inward), strict=True):
-            found.append((first + begin, part.max(), rms(np.diff(part)) / data.dt_s))
-    begins, depths_m, speeds_mps = map(np.array, zip(*found, strict=True))
+            presses.append((first + begin, part.max(), rms(np.diff(part)) / data.dt_s))
+    begins, depths_m, speeds_mps = map(np.array, zip(*presses, strict=True))
     return begins, depths_m, speeds_mps
 
 
-def held_out_whole(data: TrainingSet, rows: Indices) -> list[Folds]:
+def split_by_condition(data: TrainingSet, rows: Indices) -> list[Folds]:
     """Folds of rows by the depth and by the speed of their press, if there are three groups."""
-    begins, depths_m, speeds_mps = data.once("presses", lambda: _presses(data))[0]
+    begins, depths_m, speeds_mps = data.cached("presses", lambda: _find_presses(data))[0]
     press = np.searchsorted(begins, rows, side="right") - 1
-    deepest_m, found = depths_m - data.trained.min_m, []
-    for values, ratio in ((deepest_m, _DEPTH_RANGE), (speeds_mps, _SAME_SPEED)):
-        number = _grouped(values, ratio)
+    deepest_m, schemes = depths_m - data.trained.min_m, []
+    for values, ratio in ((deepest_m, _DEPTH_GROUP_RATIO), (speeds_mps, _SPEED_GROUP_RATIO)):
+        number = _group_by_ratio(values, ratio)
         groups = int(number.max()) + 1
-        if groups >= FEWEST:
-            found.append(Folds(number[press], tuple(range(groups))))
-    return found
+        if groups >= MIN_GROUPS:
+            schemes.append(Folds(number[press], tuple(range(groups))))
+    return schemes
 
 
-def recording_folds(data: TrainingSet, rows: Indices, seed: int) -> Folds:
+def split_by_recording(data: TrainingSet, rows: Indices, seed: int) -> Folds:
     """Five folds of rows, by whole recordings; of fewer than three, contiguous blocks of each."""
-    if len(data.recordings) < FEWEST:
-        owner = data.owner(rows)
+    if len(data.recordings) < MIN_GROUPS:
+        owner = data.recording_index(rows)
         begin, end = data.bounds[owner], data.bounds[owner + 1]
         return Folds((rows - begin) * N_FOLDS // (end - begin), tuple(range(N_FOLDS)))
-    folds = repeats_apart(data.depths_m, data.dt_s, N_FOLDS, seed)
-    return Folds(folds.number[data.owner(rows)], folds.tested)
+    folds = split_repeats(data.depths_m, data.dt_s, N_FOLDS, seed)
+    return Folds(folds.number[data.recording_index(rows)], folds.tested)
 
 
-def fold_families(data: TrainingSet, rows: Indices, seed: int) -> list[Folds]:
-    """Every honest way to fold the rows: `recording_folds`, and each of `held_out_whole`, once.
+def build_cv_schemes(data: TrainingSet, rows: Indices, seed: int) -> list[Folds]:
+    """Build the cross-validation schemes: `split_by_recording`, each `split_by_condition`, once.
 
     What is as deep as nothing else is never held out: that measures extrapolation only.
     """
     depth_m = np.concatenate([
-        depth[its] for depth, its in zip(data.depths_m, data.split(rows), strict=True)
+        depth[local_rows] for depth, local_rows in zip(data.depths_m, data.split(rows), strict=True)
     ])  # fmt: skip
     deepest_m = (
-        depth_m > data.trained.min_m + (data.trained.max_m - data.trained.min_m) / _DEPTH_RANGE
+        depth_m
+        > data.trained.min_m + (data.trained.max_m - data.trained.min_m) / _DEPTH_GROUP_RATIO
     )
-    found: list[Folds] = []
-    for folds in (recording_folds(data, rows, seed), *held_out_whole(data, rows)):
+    schemes: list[Folds] = []
+    for folds in (split_by_recording(data, rows, seed), *split_by_condition(data, rows)):
         tested = tuple(k for k in folds.tested if (deepest_m & (folds.number != k)).any())
-        known = any(_same(folds.number, each.number) for each in found)
-        if tested and not known:
-            found.append(Folds(folds.number, tested))
-    return found or [recording_folds(data, rows, seed)]
+        is_duplicate = any(_is_same_partition(folds.number, scheme.number) for scheme in schemes)
+        if tested and not is_duplicate:
+            schemes.append(Folds(folds.number, tested))
+    return schemes or [split_by_recording(data, rows, seed)]
 
 
-def _same(one: Indices, other: Indices) -> bool:
+def _is_same_partition(one: Indices, other: Indices) -> bool:
     """Whether two numberings part the rows alike."""
     pairs = len(np.unique(one * (1 + other.max()) + other))
     return pairs == len(np.unique(one)) == len(np.unique(other))
 
 
-def pieces(families: Sequence[Folds]) -> Indices:
+def compute_fold_cells(families: Sequence[Folds]) -> Indices:
     """Number of the piece of each row, (rows,): rows that are in one fold in every family."""
     code = np.zeros(len(families[0].number), dtype=np.intp)
     for folds in families:
@@ -122,25 +123,25 @@ def geometric_mean(errors: Sequence[float] | Samples) -> float:
     return float(np.exp(np.mean(np.log(np.maximum(errors, 1e-12)))))
 
 
-def _conditions(depths_m: Sequence[Samples], dt_s: float) -> Indices:
+def _group_conditions(depths_m: Sequence[Samples], dt_s: float) -> Indices:
     """Number of each recording's condition, (recordings,): that of the first one like it."""
-    found: list[tuple[float, float, float]] = []
+    conditions: list[tuple[float, float, float]] = []
     number = np.empty(len(depths_m), dtype=np.intp)
     for i, depth in enumerate(depths_m):
         low, high, speed = float(depth.min()), float(depth.max()), rms(np.diff(depth)) / dt_s
-        for k, (its_low, its_high, its_speed) in enumerate(found):
-            near_m = _SAME_DEPTH * (its_high - its_low)
-            alike = max(speed, its_speed) <= _SAME_SPEED * min(speed, its_speed)
-            if alike and abs(low - its_low) <= near_m and abs(high - its_high) <= near_m:
+        for k, (known_low, known_high, known_speed) in enumerate(conditions):
+            near_m = _REPEAT_DEPTH_TOLERANCE * (known_high - known_low)
+            same_speed = max(speed, known_speed) <= _SPEED_GROUP_RATIO * min(speed, known_speed)
+            if same_speed and abs(low - known_low) <= near_m and abs(high - known_high) <= near_m:
                 number[i] = k
                 break
         else:
-            number[i] = len(found)
-            found.append((low, high, speed))
+            number[i] = len(conditions)
+            conditions.append((low, high, speed))
     return number
 
 
-def _grouped(values: Samples, ratio: float) -> Indices:
+def _group_by_ratio(values: Samples, ratio: float) -> Indices:
     """Number of each value's group, (n,): those up to `ratio` times the lowest are one group.
 
     Of more than five groups, neighbours are joined.

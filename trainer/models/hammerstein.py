@@ -8,27 +8,27 @@ import numpy as np
 from springpot.codegen.types import JsonObject
 from springpot.trainer.models.fit import Fit, FitOptions, assemble
 from springpot.trainer.models.passive.map_fit import fit_map
-from springpot.trainer.models.passive.passive_fit import timed_passive
-from springpot.trainer.models.passive.start import with_start
+from springpot.trainer.models.passive.passive_fit import fit_passive_timed
+from springpot.trainer.models.passive.start import select_start
 from springpot.trainer.models.training_set import TrainingSet
-from springpot.trainer.recordings.recording import Recording, sites_of
+from springpot.trainer.recordings.recording import Recording, group_by_site
 
 
 def fit_hammerstein(
     name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
 ) -> Fit:
     """Kind `hammerstein`: some hundred numbers, passive in the large; a map of several places."""
-    begin, of_map = time.perf_counter(), JsonObject()
-    if len(sites_of(data.recordings)) > 1:
-        found = fit_map(data, options)
-        passive, rows, error_n, law = found.model, found.rows, found.error_n, found.law
+    begin, map_metadata = time.perf_counter(), JsonObject()
+    if len(group_by_site(data.recordings)) > 1:
+        map_fit = fit_map(data, options)
+        passive, rows, error_n, law = map_fit.model, map_fit.rows, map_fit.error_n, map_fit.law
         assert passive.places is not None
-        of_map = {"places": found.sites, "materials": len(passive.places.slopes_n)}
+        map_metadata = {"places": map_fit.sites, "materials": len(passive.places.slopes_n)}
         fit_s = time.perf_counter() - begin
     else:
-        data = with_start(data, options)
+        data = select_start(data, options)
         start_s = time.perf_counter() - begin
-        passive, choice, passive_s = timed_passive(data, options)
+        passive, choice, passive_s = fit_passive_timed(data, options)
         rows, error_n, law = len(choice.rows.rows), choice.error_n, choice.law
         fit_s = start_s + passive_s
     metadata = {
@@ -41,7 +41,7 @@ def fit_hammerstein(
         "recovers": passive.recovers,
         "starts_conditioned": passive.starts_conditioned,
         "sessions": sum(len(motion.recordings) > 1 for motion in data.motions),
-        **of_map,
+        **map_metadata,
     }
     model = assemble(
         "hammerstein", name, data, options, rows, (None, None), passive, True, metadata

@@ -10,17 +10,20 @@ import numpy as np
 
 from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.errors import DataError
-from springpot.codegen.model.forest import forest_force, quantised_leaves, rounded
+from springpot.codegen.model.forest import predict_forest_n, quantise_leaves, to_bins
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.regressors import Forest, Linear, Rbf, Regressor
 from springpot.trainer.features import depth_features
-from springpot.trainer.models.depths import depth_m, motions
-from springpot.trainer.models.passive.passive_force import model_along
-from springpot.trainer.recordings.recording import Recording, Site, Zero, site_words
+from springpot.trainer.models.depths import compute_depth_m, join_motions
+from springpot.trainer.models.passive.passive_force import simulate_passive
+from springpot.trainer.recordings.recording import Recording, Site, Zero, format_site
 
-_DEEP, FASTER = 1.5, 4.0  # times the trained depth and speed: from here on a line warns
-SPEED_S = 0.01  # of motion to a speed: an encoder's step is no speed
-_TOO_DEEP = 10.0  # and from here on it is refused: no extrapolation, but another unit
+_WARN_DEPTH_RATIO, WARN_SPEED_RATIO = (
+    1.5,
+    4.0,
+)  # times the trained depth and speed: from here on a line warns
+SPEED_WINDOW_S = 0.01  # of motion to a speed: an encoder's step is no speed
+_MAX_DEPTH_RATIO = 10.0  # and from here on it is refused: no extrapolation, but another unit
 
 
 def predict_n(model: Model, recording: Recording) -> Samples:
@@ -34,7 +37,7 @@ def predict_each_n(model: Model, pieces: Sequence[tuple[Recording, Indices]]) ->
     Features know each recording alone.
     """
     recordings = [recording for recording, _ in pieces]
-    depths = [depth_m(recording, model.contact) for recording in recordings]
+    depths = [compute_depth_m(recording, model.contact) for recording in recordings]
     force_n = np.zeros(sum(len(rows) for _, rows in pieces))
     if model.features is not None and model.regressor is not None:
         values = [
@@ -44,13 +47,15 @@ def predict_each_n(model: Model, pieces: Sequence[tuple[Recording, Indices]]) ->
         force_n += regressor_force(model.regressor, np.concatenate(values))
     if model.hammerstein is not None and model.hammerstein_adds:
         surface = model.contact == "surface"
-        parts = [np.zeros(0)] * len(pieces)
-        for motion in motions(recordings, depths, surface):
+        forces_n = [np.zeros(0)] * len(pieces)
+        for motion in join_motions(recordings, depths, surface):
             place_m = recordings[motion.recordings[0]].place_m
-            along_n = model_along(model.hammerstein, motion, model.dt_s, surface, place_m)[0]
+            motion_force_n = simulate_passive(
+                model.hammerstein, motion, model.dt_s, surface, place_m
+            )[0]
             for number, start in zip(motion.recordings, motion.starts, strict=True):
-                parts[number] = along_n[start + pieces[number][1]]
-        force_n += np.concatenate(parts)
+                forces_n[number] = motion_force_n[start + pieces[number][1]]
+        force_n += np.concatenate(forces_n)
     return np.split(force_n, np.cumsum([len(rows) for _, rows in pieces])[:-1])
 
 
@@ -64,13 +69,13 @@ def regressor_force(regressor: Regressor, values: Samples) -> Samples:
 def _forest_force(forest: Forest, values: Samples) -> Samples:
     features = values.astype(np.float32)
     if forest.quantisation is not None:
-        features = rounded(forest.quantisation, features)
-    return forest_force(forest, quantised_leaves(forest), features, np.float64)
+        features = to_bins(forest.quantisation, features)
+    return predict_forest_n(forest, quantise_leaves(forest), features, np.float64)
 
 
 @regressor_force.register
 def _rbf_force(rbf: Rbf, values: Samples) -> Samples:
-    system = kernel(standardised(rbf, values), rbf.centers)
+    system = rbf_columns(standardise(rbf, values), rbf.centers)
     force_n: Samples = system @ np.concatenate([rbf.weights_n, rbf.tail_n])
     return force_n
 
@@ -80,13 +85,13 @@ def _linear_force(linear: Linear, values: Samples) -> Samples:
     return linear.intercept_n + values @ linear.weights_n
 
 
-def standardised(rbf: Rbf, features: Samples) -> Samples:
+def standardise(rbf: Rbf, features: Samples) -> Samples:
     """Clip features, (n, features), to their extremes, then to mean 0 and scale 1."""
     inside: Samples = np.clip(features, rbf.feature_min, rbf.feature_max)
     return (inside - rbf.mean) / rbf.scale
 
 
-def kernel(z: Samples, centers: Samples) -> Samples:
+def rbf_columns(z: Samples, centers: Samples) -> Samples:
     """Rows of the linear system: |z - center|^3 for each center, 1, z. Shape (n, centers + 3)."""
     square = np.zeros((len(z), len(centers)))
     for i in range(z.shape[1]):
@@ -94,49 +99,55 @@ def kernel(z: Samples, centers: Samples) -> Samples:
     return np.concatenate([square * np.sqrt(square), np.ones((len(z), 1)), z], axis=1)
 
 
-def limited_each_n(model: Model, recordings: Sequence[Recording]) -> list[Samples]:
+def predict_limited_n(model: Model, recordings: Sequence[Recording]) -> list[Samples]:
     """Force along positions, (n,), N, float64, at least 0 where there is a surface; by sessions.
 
     Raises DataError for positions ten times deeper than any training press.
     """
     for recording in recordings:
-        if (times := times_trained(model, recording)) > _TOO_DEEP:
+        if (depth_ratio := compute_depth_ratio(model, recording)) > _MAX_DEPTH_RATIO:
             deepest = float(np.max(np.abs(recording.position_m)))
             raise DataError(
-                f"{recording.name}: position goes to {deepest:.4g} m, {times:.3g} times the "
+                f"{recording.name}: position goes to {deepest:.4g} m, {depth_ratio:.3g} times the "
                 f"trained {_span_m(model):.4g} m: give positions in metres, or correct the unit on "
                 "import"
             )
     if not recordings:
         return []
-    pieces = [(each, np.arange(len(each.position_m))) for each in recordings]
-    least_n = 0.0 if model.contact == "surface" else -np.inf
-    return [np.maximum(force_n, least_n) for force_n in predict_each_n(model, pieces)]
+    pieces = [(recording, np.arange(len(recording.position_m))) for recording in recordings]
+    min_n = 0.0 if model.contact == "surface" else -np.inf
+    return [np.maximum(force_n, min_n) for force_n in predict_each_n(model, pieces)]
 
 
-def extrapolations(model: Model, recording: Recording) -> Iterator[str]:
+def find_extrapolation(model: Model, recording: Recording) -> Iterator[str]:
     """Yield a line where positions go deeper, or faster, than the force is known.
 
     Objects with a viscosity that saturates, pressed ten times faster than trained, were missed by
     26 to 39 % of the peak.
     """
-    inside_m, ticks = depth_m(recording, model.contact), max(1, round(SPEED_S / recording.dt_s))
-    fastest_m = float(np.abs(inside_m[ticks:] - inside_m[:-ticks]).max(initial=0.0))
+    depth_m, ticks = (
+        compute_depth_m(recording, model.contact),
+        max(1, round(SPEED_WINDOW_S / recording.dt_s)),
+    )
+    fastest_m = float(np.abs(depth_m[ticks:] - depth_m[:-ticks]).max(initial=0.0))
     trained_m = model.trained.max_mps * ticks * recording.dt_s
     times_faster = fastest_m / trained_m if trained_m else 0.0
-    times_deeper = times_trained(model, recording)
-    for times, warned, of in ((times_deeper, _DEEP, "depth"), (times_faster, FASTER, "speed")):
-        if times > warned:
+    times_deeper = compute_depth_ratio(model, recording)
+    for ratio, limit, quantity in (
+        (times_deeper, _WARN_DEPTH_RATIO, "depth"),
+        (times_faster, WARN_SPEED_RATIO, "speed"),
+    ):
+        if ratio > limit:
             yield (
-                f"{recording.name}: goes to {times:.3g} times the trained {of}: there the force is "
-                "an extrapolation"
+                f"{recording.name}: goes to {ratio:.3g} times the trained {quantity}: "
+                "there the force is an extrapolation"
             )
 
 
-def beginnings(model: Model, recordings: Sequence[Recording]) -> Iterator[str]:
-    """Yield a line for each that begins in motion: what came before is assumed (`came_before`)."""
+def find_moving_starts(model: Model, recordings: Sequence[Recording]) -> Iterator[str]:
+    """Yield a line for each that begins in motion: `estimate_history_m` assumes its past."""
     positions_m = [recording.position_m for recording in recordings]
-    for motion in motions(recordings, positions_m, model.contact == "surface"):
+    for motion in join_motions(recordings, positions_m, model.contact == "surface"):
         first = recordings[motion.recordings[0]]
         if before_s := motion.starts[0] * first.dt_s:
             yield (
@@ -145,7 +156,7 @@ def beginnings(model: Model, recordings: Sequence[Recording]) -> Iterator[str]:
             )
 
 
-def unplaced(model: Model, recording: Recording) -> str:
+def missing_place_message(model: Model, recording: Recording) -> str:
     """Say which place a recording without one is given of a map: forces differ from place to place.
 
     "" where the recording has a place, or the model no map.
@@ -153,18 +164,18 @@ def unplaced(model: Model, recording: Recording) -> str:
     passive = model.hammerstein
     if passive is None or passive.places is None or recording.place_m is not None:
         return ""
-    return f"{recording.name}: has no place: {stiffest_words(passive.places.stiffest_m)}"
+    return f"{recording.name}: has no place: {stiffest_place_message(passive.places.stiffest_m)}"
 
 
-def stiffest_words(stiffest_m: Site) -> str:
+def stiffest_place_message(stiffest_m: Site) -> str:
     """Say what a map renders where nobody chose a place."""
     return (
-        f"the force is that of the map's stiffest place, {site_words(stiffest_m)}: give place_m, "
+        f"the force is that of the map's stiffest place, {format_site(stiffest_m)}: give place_m, "
         "or a recording that has its place"
     )
 
 
-def times_trained(model: Model, recording: Recording) -> float:
+def compute_depth_ratio(model: Model, recording: Recording) -> float:
     """Compare how far a recording goes with the training presses: 1 is as far as they went.
 
     Above a surface is air, where every height gives 0 N; without one, either way counts.
@@ -181,7 +192,7 @@ def _span_m(model: Model) -> float:
     return model.trained.max_m - above_m
 
 
-def zero_of(model: Model) -> Zero:
+def read_zero(model: Model) -> Zero:
     """Zero that an importer gave to the model's recordings.
 
     A preloaded object has no surface, whether or not it was moved. Models of old do not say.
@@ -204,7 +215,7 @@ def require_compatible(recording: Recording, model: Model, tick_s: float | None 
             f"{recording.name} is sampled at {recording.rate_hz:g} Hz, the {owner} at "
             f"{1 / dt_s:g} Hz: import it from its source with --resample-hz {1 / dt_s:g}"
         )
-    moved = zero_of(model) != "none"
+    moved = read_zero(model) != "none"
     if (recording.zero != "none") != moved:
         raise DataError(
             f"{recording.name} was imported with --zero {recording.zero}, the model's recordings "

@@ -13,20 +13,20 @@ from springpot.codegen.model.features import Features, FractionalBank, PositionV
 from springpot.codegen.model.regressors import Rbf
 from springpot.codegen.types import JsonMapping
 from springpot.trainer.features import depth_features
-from springpot.trainer.models.depths import depth_m
+from springpot.trainer.models.depths import compute_depth_m
 from springpot.trainer.models.fit import Fit, FitOptions, assemble
-from springpot.trainer.models.folds import Folds, fold_families
+from springpot.trainer.models.folds import Folds, build_cv_schemes
 from springpot.trainer.models.passive.nonnegative import normal_equations
 from springpot.trainer.models.passive.passive_fit import fit_passive
-from springpot.trainer.models.predict import kernel, standardised
-from springpot.trainer.models.rf_fd import PAPER_ORDERS, fractional_features
+from springpot.trainer.models.predict import rbf_columns, standardise
+from springpot.trainer.models.rf_fd import PAPER_ORDERS, build_fractional_features
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.recording import Recording
 
 FOAW_S, FOAW_BAND_M = 0.024, 15e-6  # of a velocity (Janabi-Sharifi et al. 2000)
 SEARCH_CENTERS = 100
 SEARCH_ROWS = 10_000  # of the validation recordings
-_RIDGE = 1e-11  # of the mean diagonal, in the search only
+_SEARCH_RIDGE = 1e-11  # of the mean diagonal, in the search only
 _DAMPING = 1e-10  # of the largest singular value squared, in the fit
 Pair = tuple[int, int]
 
@@ -43,24 +43,27 @@ def fit_rbf_fd(
     rows, orders = data.rows(options.fraction, options.seed), options.orders or PAPER_ORDERS
     if len(orders) < 2:
         raise UsageError("orders: rbf-fd chooses two: give at least two")
-    bank = fractional_features(data.dt_s, options.window_s, options.engine, orders)
+    bank = build_fractional_features(data.dt_s, options.window_s, options.engine, orders)
     values, force_n = data.features(bank, rows), data.force_n(rows)
     feature_s = time.perf_counter() - begin
     key = ("pairs", orders, options.window_s, options.engine, options.fraction, options.seed)
-    families = fold_families(data, rows, options.seed)
-    by_folds, search_s = data.once(key, lambda: _pair_errors(values, force_n, families))
+    families = build_cv_schemes(data, rows, options.seed)
+    cv_errors, search_s = data.cached(key, lambda: _pair_errors(values, force_n, families))
     begin = time.perf_counter()
-    errors = {"cv": by_folds}
+    errors = {"cv": cv_errors}
     if validation:
         errors["paper"] = _paper_errors(bank, values, force_n, data, validation)
-    pairs = {how: min(found, key=found.__getitem__) for how, found in errors.items()}
+    pairs = {
+        how: min(errors_by_pair, key=errors_by_pair.__getitem__)
+        for how, errors_by_pair in errors.items()
+    }
     if options.select not in pairs:
         raise UsageError("--select paper chooses orders on validation recordings: give --validate")
     search_s += time.perf_counter() - begin
     chosen = pairs[options.select]
     metadata = {"pairs": {how: [orders[i] for i in pair] for how, pair in pairs.items()}}
     features = bank.take(np.array(chosen))
-    fit = _with_rbf("rbf-fd", name, data, options, features, values[:, chosen], force_n, metadata)
+    fit = _fit_rbf("rbf-fd", name, data, options, features, values[:, chosen], force_n, metadata)
     return replace(fit, feature_s=feature_s, search_s=search_s)
 
 
@@ -74,11 +77,11 @@ def fit_rbf_pv(
     features = PositionVelocity(steps, FOAW_BAND_M, options.velocity_weight)
     values, force_n = data.features(features, rows), data.force_n(rows)
     feature_s = time.perf_counter() - begin
-    fit = _with_rbf("rbf-pv", name, data, options, features, values, force_n, {})
+    fit = _fit_rbf("rbf-pv", name, data, options, features, values, force_n, {})
     return replace(fit, feature_s=feature_s)
 
 
-def _with_rbf(
+def _fit_rbf(
     kind: str,
     name: str,
     data: TrainingSet,
@@ -90,10 +93,10 @@ def _with_rbf(
 ) -> Fit:
     """Fit the functions on features (rows, 2), and the passive fallback beside them."""
     begin = time.perf_counter()
-    scaling = standard(values)
-    z = standardised(scaling, values)
-    centers = z[farthest_points(z, options.n_centers)]
-    weights, condition = solve(kernel(z, centers), force_n)
+    scaling = fit_scaler(values)
+    z = standardise(scaling, values)
+    centers = z[select_farthest_points(z, options.n_centers)]
+    weights, condition = solve_damped(rbf_columns(z, centers), force_n)
     weights_n, tail_n = np.split(weights, [len(centers)])
     rbf = replace(scaling, centers=centers, weights_n=weights_n, tail_n=tail_n)
     fit_s = time.perf_counter() - begin
@@ -113,19 +116,23 @@ def _pair_errors(values: Samples, force_n: Samples, families: Sequence[Folds]) -
     """
     return {
         pair: float(np.prod([_held_out_rmse(system, force_n, one.number) for one in families]))
-        for pair, system, _ in _systems(values, values[:0])
+        for pair, system, _ in _build_systems(values, values[:0])
     }
 
 
-def _systems(values: Samples, others: Samples) -> Iterator[tuple[Pair, Samples, Samples]]:
+def _build_systems(values: Samples, others: Samples) -> Iterator[tuple[Pair, Samples, Samples]]:
     """Every pair, and its functions at the rows of `values`, which place them, and of `others`."""
     for pair in combinations(range(values.shape[1]), 2):
-        scaling = standard(values[:, pair])
-        z = standardised(scaling, values[:, pair])
-        centers = z[farthest_points(z, SEARCH_CENTERS)]
-        system = kernel(z, centers)
-        size = np.sqrt(np.square(system).mean(axis=0))
-        yield pair, system / size, kernel(standardised(scaling, others[:, pair]), centers) / size
+        scaling = fit_scaler(values[:, pair])
+        z = standardise(scaling, values[:, pair])
+        centers = z[select_farthest_points(z, SEARCH_CENTERS)]
+        system = rbf_columns(z, centers)
+        column_rms = np.sqrt(np.square(system).mean(axis=0))
+        yield (
+            pair,
+            system / column_rms,
+            rbf_columns(standardise(scaling, others[:, pair]), centers) / column_rms,
+        )
 
 
 def _held_out_rmse(system: Samples, force_n: Samples, fold: np.ndarray) -> float:
@@ -138,7 +145,7 @@ def _held_out_rmse(system: Samples, force_n: Samples, fold: np.ndarray) -> float
 
 
 def _ridge_solve(matrix: Samples, vector: Samples) -> Samples:
-    ridge = _RIDGE * np.trace(matrix) / len(matrix) * np.eye(len(matrix))
+    ridge = _SEARCH_RIDGE * np.trace(matrix) / len(matrix) * np.eye(len(matrix))
     return np.linalg.solve(matrix + ridge, vector)
 
 
@@ -152,19 +159,19 @@ def _paper_errors(
     """RMSE of every pair on evenly spaced rows of the validation recordings."""
     step = max(1, sum(len(rec.force_n) for rec in validation) // SEARCH_ROWS)
     tests = [
-        (depth_features(bank, depth_m(rec, data.contact), rec.dt_s,
+        (depth_features(bank, compute_depth_m(rec, data.contact), rec.dt_s,
                         np.arange(0, len(rec.force_n), step)), rec.force_n[::step])
         for rec in validation
     ]  # fmt: skip
     tested, measured_n = (np.concatenate(parts) for parts in zip(*tests, strict=True))
     errors = {}
-    for pair, system, other in _systems(values, tested):
+    for pair, system, other in _build_systems(values, tested):
         normal = normal_equations(system, force_n)
         errors[pair] = rms(other @ _ridge_solve(normal.matrix, normal.vector) - measured_n)
     return errors
 
 
-def standard(features: Samples) -> Rbf:
+def fit_scaler(features: Samples) -> Rbf:
     """Mean, deviation and extremes of each column of features (n, features); no functions yet."""
     scale, none = features.std(axis=0), np.empty(0)
     low, high = features.min(axis=0), features.max(axis=0)
@@ -172,7 +179,7 @@ def standard(features: Samples) -> Rbf:
     return Rbf(features.mean(axis=0), scale, low, high, np.empty((0, len(scale))), none, none)
 
 
-def farthest_points(z: Samples, count: int) -> Indices:
+def select_farthest_points(z: Samples, count: int) -> Indices:
     """Rows of at most `count` points, (centers,), each the farthest from those before it."""
     chosen = [int(np.argmax(np.square(z).sum(axis=1)))]
     distance = np.square(z - z[chosen[0]]).sum(axis=1)
@@ -182,15 +189,15 @@ def farthest_points(z: Samples, count: int) -> Indices:
     return np.array(chosen)
 
 
-def solve(system: Samples, force_n: Samples) -> tuple[Samples, float]:
+def solve_damped(system: Samples, force_n: Samples) -> tuple[Samples, float]:
     """Weights, (columns,), and the condition number, of least squares with a little damping.
 
     Without it the weights of near centers are large, of both signs: their sum loses digits in
     float32, and between the samples it is far off.
     """
-    size = np.sqrt(np.square(system).sum(axis=0))
-    left, singular, right = np.linalg.svd(system / size, full_matrices=False)
+    column_norms = np.sqrt(np.square(system).sum(axis=0))
+    left, singular, right = np.linalg.svd(system / column_norms, full_matrices=False)
     condition = float(singular[0] / max(singular[-1], 1e-300))
-    inverse = singular / (np.square(singular) + _DAMPING * singular[0] ** 2)
-    weights: Samples = (right.T @ (inverse * (left.T @ force_n))) / size
+    filtered_inverse = singular / (np.square(singular) + _DAMPING * singular[0] ** 2)
+    weights: Samples = (right.T @ (filtered_inverse * (left.T @ force_n))) / column_norms
     return weights, condition

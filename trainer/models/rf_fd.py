@@ -12,9 +12,9 @@ from sklearn.ensemble import RandomForestRegressor
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.features import Features, FirBank, FractionalBank, Lags
-from springpot.codegen.model.forest import quantisation_over, rounded
-from springpot.trainer.features import fast_fir_bank, gl_taps, recursive_bank
-from springpot.trainer.models.ensembles import forest_ir
+from springpot.codegen.model.forest import fit_quantisation, to_bins
+from springpot.trainer.features import fit_fast_fir_bank, fit_recursive_bank, gl_taps
+from springpot.trainer.models.ensembles import convert_forest
 from springpot.trainer.models.fit import Engine, Fit, FitOptions, assemble
 from springpot.trainer.models.passive.passive_fit import fit_passive
 from springpot.trainer.models.training_set import TrainingSet
@@ -29,7 +29,7 @@ MAX_WINDOW_S = 1e5
 RECURSIVE_S = 1000.0
 
 
-def fractional_features(
+def build_fractional_features(
     dt_s: float,
     window_s: float | None,
     engine: Engine | None = None,
@@ -43,7 +43,7 @@ def fractional_features(
     """
     length = PAPER_TAPS if window_s is None else window_samples(window_s, dt_s)
     if engine == "recursive" or (engine is None and length > MAX_TAPS):
-        return recursive_bank(orders, dt_s, RECURSIVE_S if window_s is None else length * dt_s)
+        return fit_recursive_bank(orders, dt_s, RECURSIVE_S if window_s is None else length * dt_s)
     if length > MAX_TAPS:
         raise UsageError(
             f"--window-s {window_s:g} is {length} taps, at most {MAX_TAPS} are worth their time: "
@@ -51,7 +51,7 @@ def fractional_features(
         )
     taps = np.stack([gl_taps(order, length, dt_s) for order in orders], axis=1)
     bank = FirBank(orders=orders, taps=taps)
-    return fast_fir_bank(bank) if engine == "fir-fast" else bank
+    return fit_fast_fir_bank(bank) if engine == "fir-fast" else bank
 
 
 def window_samples(window_s: float, dt_s: float) -> int:
@@ -64,7 +64,7 @@ def window_samples(window_s: float, dt_s: float) -> int:
     return round(window_s / dt_s)
 
 
-def history_features(dt_s: float, window_s: float | None) -> Lags:
+def build_lag_features(dt_s: float, window_s: float | None) -> Lags:
     """Ten positions, evenly spaced over the window ([24])."""
     length = PAPER_TAPS if window_s is None else window_samples(window_s, dt_s)
     lags = np.round(np.linspace(0, length - 1, HISTORY_LAGS)).astype(int)
@@ -81,10 +81,10 @@ def fit_rf_fd(
     """
     features: Features
     if options.past_positions:
-        features = history_features(data.dt_s, options.window_s)
+        features = build_lag_features(data.dt_s, options.window_s)
     else:
         orders = options.orders or PAPER_ORDERS
-        features = fractional_features(data.dt_s, options.window_s, options.engine, orders)
+        features = build_fractional_features(data.dt_s, options.window_s, options.engine, orders)
     begin = time.perf_counter()
     rows = data.rows(options.fraction, options.seed)
     force_n = data.force_n(rows)
@@ -92,13 +92,13 @@ def fit_rf_fd(
     feature_s = time.perf_counter() - begin
     scale, quantisation = 1.0, None
     if options.round_features:
-        quantisation = quantisation_over(values)
-        values = rounded(quantisation, values).astype(np.float64)
+        quantisation = fit_quantisation(values)
+        values = to_bins(quantisation, values).astype(np.float64)
     else:
-        scale = depth_scale(data.trained.max_m - min(data.trained.min_m, 0.0))
+        scale = compute_depth_scale(data.trained.max_m - min(data.trained.min_m, 0.0))
     begin = time.perf_counter()
-    regressor = fitted_forest(options, (scale * values).astype(np.float32), force_n)
-    forest = forest_ir(regressor).on_scaled(scale)
+    regressor = fit_forest(options, (scale * values).astype(np.float32), force_n)
+    forest = convert_forest(regressor).on_scaled(scale)
     forest = dataclasses.replace(forest, quantisation=quantisation)
     fit_s = time.perf_counter() - begin
     passive = fit_passive(data, options)
@@ -111,7 +111,7 @@ def fit_rf_fd(
     return Fit(model, len(rows), feature_s, fit_s, metadata=metadata)
 
 
-def depth_scale(span_m: float) -> float:
+def compute_depth_scale(span_m: float) -> float:
     """Power of two near 1/depth.
 
     scikit-learn takes values closer than 1e-7 for equal, and only a power of two folds back into
@@ -120,7 +120,7 @@ def depth_scale(span_m: float) -> float:
     return float(2.0 ** -np.round(np.log2(span_m)))
 
 
-def fitted_forest(options: FitOptions, values: NDArray[np.float32], force_n: Samples) -> Any:
+def fit_forest(options: FitOptions, values: NDArray[np.float32], force_n: Samples) -> Any:
     """A bootstrap forest; it predicts in one thread, which always sums trees in one order."""
     forest = RandomForestRegressor(
         n_estimators=options.trees,

@@ -19,22 +19,39 @@ from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.types import JsonObject
 from springpot.trainer.features import highpass
 from springpot.trainer.models.fit import Fit, FitOptions, assemble
-from springpot.trainer.models.passive.passive_force import model_along
+from springpot.trainer.models.passive.passive_force import simulate_passive
 from springpot.trainer.models.training_set import TrainingSet
-from springpot.trainer.recordings.quality.signs import correlation
+from springpot.trainer.recordings.quality.signs import compute_correlation
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.signals import sensor_noise_n, smoothing_samples
 
-_PER_DECADE, _FASTEST_STEPS, _BEYOND = 2.5, 0.25, 10.0  # time steps, longest recordings
-_FAR, _POINTS = 20.0, 400  # of ln tau beyond the branches: what is left further out is little
+_POLES_PER_DECADE, _MIN_TAU_STEPS, _MAX_TAU_PER_RECORDING = (
+    2.5,
+    0.25,
+    10.0,
+)  # time steps, longest recordings
+_TAIL_LOG_SPAN, _TAIL_POINTS = (
+    20.0,
+    400,
+)  # of ln tau beyond the branches: what is left further out is little
 _MIN_UNITS, _BLOCKS = 4, 10  # fewer recordings are divided into blocks of rows
 _ORDERS = np.linspace(0.02, 0.98, 49)
 _ZENER_ORDERS = _ORDERS[_ORDERS < 0.71]  # nearer 1 it has but one time constant
-_TIMES, _NEARBY, _ZOOMS, _STEP, _FACTOR = 25, np.arange(-3.0, 4.0), 5, 0.02, 1.6
-_TOUCHES, _NOISES, _SELDOM = 0.01, 4.0, 0.002  # of the peak force, of noise, of the samples
-_BETTER = 0.95  # of the error on what was left out: a fourth number has to be worth it
-_ALIKE = 0.3  # correlation of the residual: the share of its variance that is no noise
-_ORDER_STEP, _BRANCHED = 3e-4, 5e-4  # accuracy of the search, and of a sum of branches
+_N_TIMES, _GRID_OFFSETS, _ZOOMS, _ORDER_SPACING, _TIME_SPACING = (
+    25,
+    np.arange(-3.0, 4.0),
+    5,
+    0.02,
+    1.6,
+)
+_CONTACT_FRACTION, _NOISE_SIGMAS, _MIN_PULL_FRACTION = (
+    0.01,
+    4.0,
+    0.002,
+)  # of the peak force, of noise, of the samples
+_MAX_ERROR_RATIO = 0.95  # of the error on what was left out: a fourth number has to be worth it
+_MAX_CORRELATION = 0.3  # correlation of the residual: the share of its variance that is no noise
+_ORDER_STEP, _SUM_TOLERANCE = 3e-4, 5e-4  # accuracy of the search, and of a sum of branches
 
 
 @dataclass(frozen=True)
@@ -55,7 +72,7 @@ class Solid:
 
     def weights(self, tau_s: Samples) -> Samples:
         """Weights of depth and of each branch, (1 + n,), N/m."""
-        weights = self.weight * fractional_part(tau_s, self.order, self.time_s)
+        weights = self.weight * compute_spectrum_weights(tau_s, self.order, self.time_s)
         weights[0] += self.stiffness_npm
         return weights
 
@@ -73,11 +90,11 @@ class _Table:
     means: Samples
     unit: Indices
 
-    def root(self, chosen: Flags | slice = slice(None)) -> Samples:
+    def r_factor(self, chosen: Flags | slice = slice(None)) -> Samples:
         """Square root of the products of some rows: `root @ [weights, -1]` is what is missed."""
         return np.asarray(np.linalg.qr(self.rows[chosen], mode="r"))
 
-    def missed_n(self, solid: Solid, chosen: Flags | slice = slice(None)) -> float:
+    def residual_norm_n(self, solid: Solid, chosen: Flags | slice = slice(None)) -> float:
         return float(np.linalg.norm(self.rows[chosen] @ [*solid.weights(self.tau_s), -1.0]))
 
 
@@ -87,111 +104,119 @@ def fit_springpot(
     """Fit the numbers by least squares; intervals by leaving out each recording in turn."""
     begin = time.perf_counter()
     rows = data.even_rows() if options.fraction is None else data.rows(options.fraction, 0)
-    way, pressed = _own_way(data, rows)
-    table = _table(way, pressed)
-    simple, zener = (_best(table, table.root(), is_zener) for is_zener in (False, True))
-    (others, error), (of_zener, zener_error) = (_left_out(table, its) for its in (simple, zener))
-    solid, others = (zener, of_zener) if zener_error < _BETTER * error else (simple, others)
+    surface_set, contact_rows = _trace_surface(data, rows)
+    table = _build_table(surface_set, contact_rows)
+    simple, zener = (_fit_solid(table, table.r_factor(), is_zener) for is_zener in (False, True))
+    (others, error), (zener_solids, zener_error) = (
+        _jackknife(table, solid) for solid in (simple, zener)
+    )
+    solid, others = (
+        (zener, zener_solids) if zener_error < _MAX_ERROR_RATIO * error else (simple, others)
+    )
     bias_n = float(table.means[-1] - solid.weights(table.tau_s) @ table.means[:-1])
     passive = to_hammerstein(solid, table.tau_s, data)
-    passive = replace(passive, bias_n=bias_n, recovers=way is not data)
+    passive = replace(passive, bias_n=bias_n, recovers=surface_set is not data)
     smoothed = smoothing_samples(data.smooth_s, data.dt_s)
-    apart = -(-smoothed * len(rows) // data.rows_total)
-    metadata = _metadata(solid, others, table, apart)
+    lag = -(-smoothed * len(rows) // data.rows_total)
+    metadata = _metadata(solid, others, table, lag)
     model = assemble(
-        "springpot", name, data, options, len(pressed), (None, None), passive, True, metadata
+        "springpot", name, data, options, len(contact_rows), (None, None), passive, True, metadata
     )
-    return Fit(model, len(pressed), 0.0, time.perf_counter() - begin, metadata=metadata)
+    return Fit(model, len(contact_rows), 0.0, time.perf_counter() - begin, metadata=metadata)
 
 
-def _metadata(solid: Solid, others: Sequence[Solid], table: _Table, apart: int) -> JsonObject:
+def _metadata(solid: Solid, others: Sequence[Solid], table: _Table, lag: int) -> JsonObject:
     """Provenance: each number and half its interval of 1.96 errors, 95 %; what the law misses.
 
     None in place of an interval if it misses alike in rows so far apart that they share no noise.
     """
     law, missed_n = {}, table.rows @ [*solid.weights(table.tau_s), -1.0]
-    alike = correlation(missed_n[:-apart], missed_n[apart:])
+    autocorrelation = compute_correlation(missed_n[:-lag], missed_n[lag:])
     for name, value in solid.numbers().items():
-        of_others = np.array([other.numbers()[name] for other in others])
-        squares = (len(others) - 1) * np.var(of_others)  # the jackknife, Efron and Stein (1981)
-        rounding = _ORDER_STEP if name == "order" else _BRANCHED * abs(value)
+        jackknife_values = np.array([other.numbers()[name] for other in others])
+        squares = (len(others) - 1) * np.var(
+            jackknife_values
+        )  # the jackknife, Efron and Stein (1981)
+        rounding = _ORDER_STEP if name == "order" else _SUM_TOLERANCE * abs(value)
         width = float(np.hypot(1.96 * np.sqrt(squares), rounding))
-        law[name] = [value, width if alike < _ALIKE else None]
-    all_n = float(np.linalg.norm(table.rows[:, -1])) or 1.0
-    percent = 100.0 * table.missed_n(solid) / all_n
+        law[name] = [value, width if autocorrelation < _MAX_CORRELATION else None]
+    force_norm_n = float(np.linalg.norm(table.rows[:, -1])) or 1.0
+    percent = 100.0 * table.residual_norm_n(solid) / force_norm_n
     count = len(law) + bool(table.means.any())
     return {"n_parameters": count, "material": law, "residual_percent": percent}
 
 
-def _table(data: TrainingSet, rows: Indices) -> _Table:
+def _build_table(data: TrainingSet, rows: Indices) -> _Table:
     """Rows of a set; branches from a quarter of a time step to ten times the longest recording."""
-    fast_s, slow_s = _FASTEST_STEPS * data.dt_s, _BEYOND * data.longest_s
-    tau_s = np.geomspace(fast_s, slow_s, 2 + int(np.log10(slow_s / fast_s) * _PER_DECADE))
+    fast_s, slow_s = _MIN_TAU_STEPS * data.dt_s, _MAX_TAU_PER_RECORDING * data.longest_s
+    tau_s = np.geomspace(fast_s, slow_s, 2 + int(np.log10(slow_s / fast_s) * _POLES_PER_DECADE))
 
     def branches(depth_m: Samples, at: Indices) -> Samples:
-        held = (highpass(depth_m, tau, data.dt_s)[at] for tau in tau_s.tolist())
-        return np.stack([depth_m[at] - data.trained.min_m, *held], axis=1)
+        states_m = (highpass(depth_m, tau, data.dt_s)[at] for tau in tau_s.tolist())
+        return np.stack([depth_m[at] - data.trained.min_m, *states_m], axis=1)
 
     table = np.column_stack([data.along(rows, branches), data.force_n(rows)])
     means = np.zeros(table.shape[1])
-    owner, many = data.owner(rows), len(data.recordings)
-    for its in (owner == number for number in np.unique(owner)):
+    owner, n_recordings = data.recording_index(rows), len(data.recordings)
+    for in_recording in (owner == number for number in np.unique(owner)):
         if data.contact == "always":
-            means += table[its].mean(axis=0) / many
-            table[its] -= table[its].mean(axis=0)
-        table[its] /= np.sqrt(its.sum())
-    unit = owner if many >= _MIN_UNITS else np.arange(len(rows)) * _BLOCKS // len(rows)
+            means += table[in_recording].mean(axis=0) / n_recordings
+            table[in_recording] -= table[in_recording].mean(axis=0)
+        table[in_recording] /= np.sqrt(in_recording.sum())
+    unit = owner if n_recordings >= _MIN_UNITS else np.arange(len(rows)) * _BLOCKS // len(rows)
     return _Table(tau_s, table, means, unit)
 
 
-def _own_way(data: TrainingSet, rows: Indices) -> tuple[TrainingSet, Indices]:
+def _trace_surface(data: TrainingSet, rows: Indices) -> tuple[TrainingSet, Indices]:
     """Return the set along the way of its surface, and the rows in which the object pushes.
 
     It lets the tool go where the law, which is linear, would pull: it gives 0 N there, and its
     surface stays dented. The set and its rows as they are if that is seldom.
     """
     force_n = data.force_n(rows)
-    noise_n = max(sensor_noise_n(each.force_n) for each in data.recordings)
-    least_n = max(_TOUCHES * float(force_n.max()), _NOISES * noise_n)
-    pushes = force_n > least_n
-    if data.contact == "always" or pushes.all() or not pushes.any():
+    noise_n = max(sensor_noise_n(recording.force_n) for recording in data.recordings)
+    threshold_n = max(_CONTACT_FRACTION * float(force_n.max()), _NOISE_SIGMAS * noise_n)
+    in_contact = force_n > threshold_n
+    if data.contact == "always" or in_contact.all() or not in_contact.any():
         return data, rows
-    way, motions = data, data.motions
+    surface_set, motions = data, data.motions
     for _ in range(3):
-        table = _table(way, rows[pushes])
-        law = to_hammerstein(_best(table, table.root(), False), table.tau_s, data)
-        if way is data:
-            bare = [model_along(law, motion, data.dt_s, surface=False)[0] for motion in motions]
-            if float(np.mean(np.concatenate(bare) < -least_n)) < _SELDOM:
+        table = _build_table(surface_set, rows[in_contact])
+        law = to_hammerstein(_fit_solid(table, table.r_factor(), False), table.tau_s, data)
+        if surface_set is data:
+            unclipped_n = [
+                simulate_passive(law, motion, data.dt_s, surface=False)[0] for motion in motions
+            ]
+            if float(np.mean(np.concatenate(unclipped_n) < -threshold_n)) < _MIN_PULL_FRACTION:
                 return data, rows
         law = replace(law, recovers=True)
-        found = list(data.depths_m)
+        depths_m = list(data.depths_m)
         for motion in motions:  # those of a session are one
-            along_m = model_along(law, motion, data.dt_s, surface=True)[1]
+            surface_m = simulate_passive(law, motion, data.dt_s, surface=True)[1]
             for number, start in zip(motion.recordings, motion.starts, strict=True):
-                found[number] = along_m[start : start + len(found[number])]
-        way = replace(data, depths_m=tuple(found), _found={})
-    return way, rows[pushes]
+                depths_m[number] = surface_m[start : start + len(depths_m[number])]
+        surface_set = replace(data, depths_m=tuple(depths_m), _found={})
+    return surface_set, rows[in_contact]
 
 
 def to_hammerstein(solid: Solid, tau_s: Samples, data: TrainingSet) -> Hammerstein:
     """Return the same law as a spring and Maxwell branches: passive, and rendered by the same C."""
     span_m = data.trained.max_m - data.trained.min_m
     elastic_n, *branch_n = (span_m * solid.weights(tau_s)).tolist()
-    there = np.array(branch_n) > 0.0
+    is_used = np.array(branch_n) > 0.0
     return Hammerstein(
         origin_m=data.trained.min_m,
         span_m=span_m,
         elastic_n=np.array([elastic_n]),
-        tau_s=tau_s[there],
-        branch_n=np.array(branch_n)[there, None],
+        tau_s=tau_s[is_used],
+        branch_n=np.array(branch_n)[is_used, None],
         radius_m=np.empty(0),
         stop_n=np.empty((0, 1)),
         bias_n=0.0,
     )
 
 
-def fractional_part(tau_s: Samples, order: float, time_s: float | None) -> Samples:
+def compute_spectrum_weights(tau_s: Samples, order: float, time_s: float | None) -> Samples:
     """Weights of a spring, for what relaxes slower than all branches, and of each branch, (1 + n,).
 
     tau_s: ascending, evenly spaced in their logarithm. time_s: T of the Zener solid, of weight 1
@@ -199,8 +224,8 @@ def fractional_part(tau_s: Samples, order: float, time_s: float | None) -> Sampl
     """
     log_tau, scale = np.log(tau_s), np.sin(np.pi * order) / np.pi
     reach = (log_tau[1] - log_tau[0]) / 2
-    below = np.linspace(log_tau[0] - reach - _FAR, log_tau[0] - reach, _POINTS)
-    above = np.linspace(log_tau[-1] + reach, log_tau[-1] + reach + _FAR, _POINTS)
+    below = np.linspace(log_tau[0] - reach - _TAIL_LOG_SPAN, log_tau[0] - reach, _TAIL_POINTS)
+    above = np.linspace(log_tau[-1] + reach, log_tau[-1] + reach + _TAIL_LOG_SPAN, _TAIL_POINTS)
 
     def spectrum(at: Samples) -> Samples:
         if time_s is None:
@@ -224,41 +249,41 @@ def fractional_part(tau_s: Samples, order: float, time_s: float | None) -> Sampl
     return np.concatenate([[slow - relaxing], weights])
 
 
-def _lowest(
+def _search_grid(
     table: _Table, root: Samples, orders: Samples, times: Iterable[float | None]
 ) -> tuple[Solid, float]:
     """Return the best solid of some orders and times on a `_Table.root`, and its error, N^2."""
-    found: list[tuple[Solid, float]] = []
+    solids: list[tuple[Solid, float]] = []
     for order, time_s in product(orders.tolist(), times):
-        part = fractional_part(table.tau_s, order, time_s)
+        part = compute_spectrum_weights(table.tau_s, order, time_s)
         terms = np.stack([np.eye(1, len(part))[0], part], axis=1)
         weights, missed_n = nnls(root[:, :-1] @ terms, root[:, -1])
         solid = Solid(float(weights[0]), float(weights[1]), order, time_s)
-        found.append((solid, float(missed_n) ** 2))
-    return min(found, key=lambda pair: pair[1])
+        solids.append((solid, float(missed_n) ** 2))
+    return min(solids, key=lambda pair: pair[1])
 
 
-def _best(table: _Table, root: Samples, is_zener: bool, near: Solid | None = None) -> Solid:
+def _fit_solid(table: _Table, root: Samples, is_zener: bool, near: Solid | None = None) -> Solid:
     """Return the solid of lowest error: finer and finer grids about `near`, or the best of all."""
     orders, times = _ORDERS, [None]
     if is_zener:
         orders = _ZENER_ORDERS
-        times = [*np.geomspace(table.tau_s[0], table.tau_s[-1], _TIMES).tolist()]
-    near = near or _lowest(table, root, orders, times)[0]
+        times = [*np.geomspace(table.tau_s[0], table.tau_s[-1], _N_TIMES).tolist()]
+    near = near or _search_grid(table, root, orders, times)[0]
     for zoom in range(_ZOOMS):
-        reach = _NEARBY / 3.0**zoom
-        around = np.clip(near.order + _STEP * reach, orders[0], orders[-1])
+        reach = _GRID_OFFSETS / 3.0**zoom
+        around = np.clip(near.order + _ORDER_SPACING * reach, orders[0], orders[-1])
         if near.time_s is not None:
-            around_s = np.clip(near.time_s * _FACTOR**reach, table.tau_s[0], table.tau_s[-1])
+            around_s = np.clip(near.time_s * _TIME_SPACING**reach, table.tau_s[0], table.tau_s[-1])
             times = [*around_s.tolist()]
-        near = _lowest(table, root, around, times)[0]
+        near = _search_grid(table, root, around, times)[0]
     return near
 
 
-def _left_out(table: _Table, start: Solid) -> tuple[list[Solid], float]:
+def _jackknife(table: _Table, start: Solid) -> tuple[list[Solid], float]:
     """Fits without each unit, and the squares of their residuals on that unit, N^2."""
     solids, square = [], 0.0
     for unit in (table.unit == number for number in np.unique(table.unit)):
-        solids.append(_best(table, table.root(~unit), start.time_s is not None, start))
-        square += table.missed_n(solids[-1], unit) ** 2
+        solids.append(_fit_solid(table, table.r_factor(~unit), start.time_s is not None, start))
+        square += table.residual_norm_n(solids[-1], unit) ** 2
     return solids, square

@@ -14,17 +14,24 @@ from springpot.codegen.messages import short_repr
 from springpot.codegen.model.features import Features
 from springpot.codegen.model.model import Contact, TrainedRange
 from springpot.trainer.features import depth_features
-from springpot.trainer.models.depths import DepthMotion, contact_of, depth_m, motions
-from springpot.trainer.recordings.formats.importing import one_session
+from springpot.trainer.models.depths import (
+    DepthMotion,
+    classify_contact,
+    compute_depth_m,
+    join_motions,
+)
+from springpot.trainer.recordings.formats.importing import join_session
 from springpot.trainer.recordings.formats.sampling import MAX_UPSAMPLING
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.signals import MAX_SMOOTHED, longest_smoothing_s, smoothed
+from springpot.trainer.recordings.signals import MAX_SMOOTHED_FRACTION, find_smoothing_s, smooth
 
 _PAPER_SMOOTH_S = 0.025  # 25 samples at 1 kHz, section III-C
 PAPER_FRACTION = 0.2  # of the rows, section IV-B
-ALL_BELOW = 20_000
+MIN_SUBSAMPLED_ROWS = 20_000
 MAX_ROWS = 50_000
-_UNIT = 1e4  # times another rate: of time in another unit, or of a rate given as a time step
+_UNIT_ERROR_RATIO = (
+    1e4  # times another rate: of time in another unit, or of a rate given as a time step
+)
 _STEP_TOLERANCE = 1e-3
 _Result = TypeVar("_Result")
 
@@ -48,7 +55,7 @@ class TrainingSet:
     _found: dict[Hashable, tuple[Any, float]] = field(default_factory=dict, repr=False)
     __repr__ = short_repr
 
-    def once(self, key: Hashable, work: Callable[[], _Result]) -> tuple[_Result, float]:
+    def cached(self, key: Hashable, work: Callable[[], _Result]) -> tuple[_Result, float]:
         """Result of `work` and the seconds that it took, done once for a key.
 
         For what fits of many options on the same data share: the passive part, the pairs of orders.
@@ -73,8 +80,8 @@ class TrainingSet:
         return max(len(depth) for depth in self.depths_m) * self.dt_s
 
     def rows(self, fraction: float | None, seed: int) -> Indices:
-        """Rows of a fit, ascending, (rows,); fraction as in `choose_rows`."""
-        return choose_rows(self.rows_total, fraction, np.random.default_rng(seed))
+        """Rows of a fit, ascending, (rows,); fraction as in `select_rows`."""
+        return select_rows(self.rows_total, fraction, np.random.default_rng(seed))
 
     def even_rows(self, most: int = MAX_ROWS) -> Indices:
         """All rows, or `most` evenly spaced ones, (rows,): for fits that cost little a row."""
@@ -105,94 +112,96 @@ class TrainingSet:
     @cached_property
     def motions(self) -> tuple[DepthMotion, ...]:
         """The recordings as the object met them: those of a session one after another."""
-        recordings = one_session(self.recordings, 0.0) if self.continues else self.recordings
-        return motions(recordings, self.depths_m, self.contact == "surface")
+        recordings = join_session(self.recordings, 0.0) if self.continues else self.recordings
+        return join_motions(recordings, self.depths_m, self.contact == "surface")
 
-    def motion_rows(self, rows: Indices) -> list[Indices]:
+    def rows_by_motion(self, rows: Indices) -> list[Indices]:
         """Samples of each motion, (its rows,), for rows of all recordings."""
-        rows_of = self.split(rows)
+        by_recording = self.split(rows)
         return [
             np.concatenate([
-                start + rows_of[number]
+                start + by_recording[number]
                 for number, start in zip(motion.recordings, motion.starts, strict=True)
             ])
             for motion in self.motions
         ]  # fmt: skip
 
-    def in_order(self, rows: Indices, found: Sequence[Samples]) -> Samples:
+    def to_row_order(self, rows: Indices, values_by_motion: Sequence[Samples]) -> Samples:
         """Values at `motion_rows`, of each motion (its rows, ...), in the order of the rows."""
         count = np.searchsorted(rows, self.bounds)
-        values = np.empty((len(rows), *found[0].shape[1:]))
-        for motion, its in zip(self.motions, found, strict=True):
-            at = [np.arange(count[number], count[number + 1]) for number in motion.recordings]
-            values[np.concatenate(at)] = its
+        values = np.empty((len(rows), *values_by_motion[0].shape[1:]))
+        for motion, motion_values in zip(self.motions, values_by_motion, strict=True):
+            positions = [
+                np.arange(count[number], count[number + 1]) for number in motion.recordings
+            ]
+            values[np.concatenate(positions)] = motion_values
         return values
 
-    def along_motions(
+    def map_motions(
         self, rows: Indices, values: Callable[[DepthMotion, Indices], Samples]
     ) -> Samples:
         """`values` of each motion at its samples, (samples, ...), in the order of the rows."""
-        pairs = zip(self.motions, self.motion_rows(rows), strict=True)
-        return self.in_order(rows, [values(motion, at) for motion, at in pairs])
+        pairs = zip(self.motions, self.rows_by_motion(rows), strict=True)
+        return self.to_row_order(rows, [values(motion, at) for motion, at in pairs])
 
-    def owner(self, rows: Indices) -> Indices:
+    def recording_index(self, rows: Indices) -> Indices:
         """Index of the recording of each row, (rows,)."""
         return np.searchsorted(self.bounds, rows, side="right") - 1
 
 
-def choose_rows(rows_total: int, fraction: float | None, rng: np.random.Generator) -> Indices:
+def select_rows(rows_total: int, fraction: float | None, rng: np.random.Generator) -> Indices:
     """Rows to fit on, (rows,), ascending, without repetition.
 
     fraction None: the paper's 0.2 from 20 000 rows on, all of them below; never more than 50 000.
     """
     if fraction is None:
-        fraction = PAPER_FRACTION if rows_total >= ALL_BELOW else 1.0
+        fraction = PAPER_FRACTION if rows_total >= MIN_SUBSAMPLED_ROWS else 1.0
     wanted = min(max(1, round(fraction * rows_total)), MAX_ROWS)
     return np.sort(rng.choice(rows_total, size=wanted, replace=False))
 
 
-def training_set(recordings: Sequence[Recording], smooth_s: float | None) -> TrainingSet:
+def build_training_set(recordings: Sequence[Recording], smooth_s: float | None) -> TrainingSet:
     """Prepare recordings. Raises DataError where they do not fit together.
 
     smooth_s: of the moving average, s; None: the paper's, or less where it would bend the force.
     The last set is kept: models of several kinds on the same recordings share what is found `once`.
     """
-    return _training_set(tuple(recordings), smooth_s)
+    return _build_training_set(tuple(recordings), smooth_s)
 
 
 @lru_cache(maxsize=1)
-def _training_set(recordings: tuple[Recording, ...], smooth_s: float | None) -> TrainingSet:
-    dt_s = common_time_step(recordings)
-    contact, warning = contact_of(recordings)
+def _build_training_set(recordings: tuple[Recording, ...], smooth_s: float | None) -> TrainingSet:
+    dt_s = find_common_time_step(recordings)
+    contact, warning = classify_contact(recordings)
     if smooth_s is None:
-        smooth_s = longest_smoothing_s(recordings, _PAPER_SMOOTH_S)
+        smooth_s = find_smoothing_s(recordings, _PAPER_SMOOTH_S)
     shortest = min(recordings, key=lambda recording: len(recording.force_n))
-    if smooth_s > MAX_SMOOTHED * shortest.duration_s:
+    if smooth_s > MAX_SMOOTHED_FRACTION * shortest.duration_s:
         raise UsageError(
             f"--smooth-s {smooth_s:g}: {shortest.name} lasts {shortest.duration_s:g} s: smooth "
             "over a quarter of that at most"
         )
-    prepared = tuple(smoothed(recording, smooth_s) for recording in recordings)
-    depths_m = tuple(depth_m(recording, contact) for recording in prepared)
+    smoothed_set = tuple(smooth(recording, smooth_s) for recording in recordings)
+    depths_m = tuple(compute_depth_m(recording, contact) for recording in smoothed_set)
     return TrainingSet(
-        recordings=prepared,
+        recordings=smoothed_set,
         depths_m=depths_m,
         dt_s=dt_s,
         contact=contact,
-        trained=_trained_range(prepared, depths_m, contact),
+        trained=_compute_trained_range(smoothed_set, depths_m, contact),
         smooth_s=smooth_s,
         warnings=(warning,) if warning else (),
     )
 
 
-def common_time_step(recordings: Sequence[Recording]) -> float:
+def find_common_time_step(recordings: Sequence[Recording]) -> float:
     """Time step of all recordings, s. Raises DataError where there are none, or two."""
     if not recordings:
         raise DataError("no recordings: give files or folders of recordings")
     first, rates = recordings[0], dict[str, list[str]]()
     for recording in recordings:
         rates.setdefault(f"{recording.rate_hz:.5g}", []).append(recording.name)
-    if any(abs(each.dt_s / first.dt_s - 1.0) > _STEP_TOLERANCE for each in recordings):
+    if any(abs(other.dt_s / first.dt_s - 1.0) > _STEP_TOLERANCE for other in recordings):
         rates_hz = [recording.rate_hz for recording in recordings]
         fewest_first = sorted(rates.items(), key=lambda item: (len(item[1]), first.name in item[1]))
         sampled = ", ".join(
@@ -200,7 +209,7 @@ def common_time_step(recordings: Sequence[Recording]) -> float:
             f"{' is sampled' if k == 0 else ''} at {rate} Hz"
             for k, (rate, names) in enumerate(fewest_first)
         )
-        if max(rates_hz) > _UNIT * min(rates_hz):
+        if max(rates_hz) > _UNIT_ERROR_RATIO * min(rates_hz):
             raise DataError(f"{sampled}: one is no rate of its own: give time, and dt_s, in s")
         raise DataError(
             f"{sampled}: import all again with one rate, --resample-hz "
@@ -209,7 +218,7 @@ def common_time_step(recordings: Sequence[Recording]) -> float:
     return first.dt_s
 
 
-def _trained_range(
+def _compute_trained_range(
     recordings: Sequence[Recording], depths: Sequence[Samples], contact: Contact
 ) -> TrainedRange:
     """Extremes over all recordings. Raises DataError where nothing moved."""

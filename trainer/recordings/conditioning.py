@@ -8,15 +8,15 @@ from typing import Any, Literal
 import numpy as np
 
 from springpot.codegen.errors import DataError, UsageError
-from springpot.trainer.recordings.contact_point import find_contact, find_hum
-from springpot.trainer.recordings.quality.signs import sign_doubts
-from springpot.trainer.recordings.quality.spikes import hold_spikes
+from springpot.trainer.recordings.contact_point import describe_hum, find_contact
+from springpot.trainer.recordings.quality.signs import find_sign_refusals
+from springpot.trainer.recordings.quality.spikes import replace_spikes
 from springpot.trainer.recordings.recording import Recording, Zero
 from springpot.trainer.recordings.signals import Drift, find_drift
 
-_SMOOTH_S = 0.02  # over which acceleration is taken from positions
-_MIN_WINDOW = 7
-_MAX_DOUBT = 0.25  # of the deepest press: a bound of its surface
+_ACCELERATION_WINDOW_S = 0.02  # over which acceleration is taken from positions
+_MIN_WINDOW_SAMPLES = 7
+_MAX_UNCERTAINTY_FRACTION = 0.25  # of the deepest press: a bound of its surface
 
 
 @dataclass(frozen=True)
@@ -55,28 +55,28 @@ def condition(
     """
     messages: list[str] = []
     if zero != "none" or options.tare is not None or options.contact_force is not None:
-        recording, found = hold_spikes(recording)
-        for finding in (each for each in found if each.severity == "refusal"):
+        recording, findings = replace_spikes(recording)
+        for finding in (each for each in findings if each.severity == "refusal"):
             raise DataError(finding.text)
     if zero != "none":
-        recording = _from_zero(recording, zero)
+        recording = _subtract_zero(recording, zero)
     recording = replace(
         recording,
         position_delay_s=recording.position_delay_s + options.position_delay_s,
         force_delay_s=recording.force_delay_s + options.force_delay_s,
     )
     if options.align:
-        recording, line = _aligned(recording)
+        recording, line = _align_force(recording)
         messages.append(line)
     if options.mass_kg:
-        recording, line = _without_inertia(recording, options.mass_kg)
+        recording, line = _remove_inertia(recording, options.mass_kg)
         messages.append(line)
     if options.tare is not None or options.contact_force is not None:
         try:
-            recording, line = _from_contact(recording, options)
+            recording, line = _set_contact_zero(recording, options)
         except DataError:
             if not options.accept_signs:  # a turned sign is the cause, and has another remedy
-                for doubt in sign_doubts([recording]):
+                for doubt in find_sign_refusals([recording]):
                     raise DataError(doubt) from None
             raise
         messages.append(line)
@@ -85,7 +85,7 @@ def condition(
     return recording, messages
 
 
-def _from_zero(recording: Recording, zero: Zero) -> Recording:
+def _subtract_zero(recording: Recording, zero: Zero) -> Recording:
     """Subtract the first or the smallest sample from each channel."""
     pick = np.min if zero == "min" else lambda samples: samples[0]
     zero_m, zero_n = float(pick(recording.position_m)), float(pick(recording.force_n))
@@ -98,7 +98,7 @@ def _from_zero(recording: Recording, zero: Zero) -> Recording:
     )
 
 
-def _aligned(recording: Recording) -> tuple[Recording, str]:
+def _align_force(recording: Recording) -> tuple[Recording, str]:
     """Shift the force by the difference of the delays; samples without a partner are cut.
 
     Raises UsageError where no delay is stated, DataError for a recording that is shorter.
@@ -127,14 +127,14 @@ def _aligned(recording: Recording) -> tuple[Recording, str]:
     )
 
 
-def _without_inertia(recording: Recording, mass_kg: float) -> tuple[Recording, str]:
+def _remove_inertia(recording: Recording, mass_kg: float) -> tuple[Recording, str]:
     """Subtract m a: the cell also pushes the mass beyond it when it accelerates inwards.
 
     Raises DataError for a recording that is too short for an acceleration.
     """
     from scipy.signal import savgol_filter
 
-    window = max(_MIN_WINDOW, round(_SMOOTH_S / recording.dt_s) | 1)
+    window = max(_MIN_WINDOW_SAMPLES, round(_ACCELERATION_WINDOW_S / recording.dt_s) | 1)
     if window > len(recording.position_m):
         raise DataError(f"{recording.name}: too short for an acceleration: leave out --mass-kg")
     inertia_n = mass_kg * np.asarray(
@@ -147,29 +147,29 @@ def _without_inertia(recording: Recording, mass_kg: float) -> tuple[Recording, s
     )
 
 
-def _from_contact(recording: Recording, options: Conditioning) -> tuple[Recording, str]:
+def _set_contact_zero(recording: Recording, options: Conditioning) -> tuple[Recording, str]:
     """Take the force without contact off; with a contact force, put position 0 at the surface.
 
     Raises UsageError beside --zero, DataError if there is no surface.
     """
-    tare_n = _stated_n(options.tare, "tare")
-    threshold_n = _stated_n(options.contact_force, "contact_force")
+    tare_n = _parse_force_n(options.tare, "tare")
+    threshold_n = _parse_force_n(options.contact_force, "contact_force")
     if recording.zero != "none":
         raise UsageError("--contact-force and --tare find the zero: leave out --zero")
     details, line = dict[str, Any](recording.details), f"{recording.name}: "
-    move, contact, drifted_n = options.contact_force is not None, None, 0.0
-    if tare_n is None and (found := find_air_drift(recording)):
-        recording, drift = found
+    sets_zero, contact, drifted_n = options.contact_force is not None, None, 0.0
+    if tare_n is None and (drift_found := find_air_drift(recording)):
+        recording, drift = drift_found
         details |= {"drift_nps": drift.slope_nps, "drift_bound_nps": drift.bound_nps}
         line += f"drift of {60.0 * drift.slope_nps:.3g} N/min taken off, "
-        drifted_n, tare_n = drift.start_n, None if move else 0.0
-    if move or tare_n is None:
+        drifted_n, tare_n = drift.start_n, None if sets_zero else 0.0
+    if sets_zero or tare_n is None:
         contact = find_contact(recording, tare_n, threshold_n)
         tare_n = contact.tare_n
     details["tare_n"] = drifted_n + tare_n
     position_m, force_n = recording.position_m, recording.force_n - tare_n
     line += f"tare of {drifted_n + tare_n:.4g} N taken off"
-    if contact is not None and move:
+    if contact is not None and sets_zero:
         position_m = position_m - contact.position_m
         details |= {
             "contact_position_m": contact.position_m,
@@ -198,7 +198,7 @@ def find_air_drift(recording: Recording) -> tuple[Recording, Drift] | None:
     return None
 
 
-def _stated_n(value: float | str | None, name: str) -> float | None:
+def _parse_force_n(value: float | str | None, name: str) -> float | None:
     """Force that was stated, N; None if it is to be found. Raises UsageError for other words."""
     if value is None or value == "auto":
         return None
@@ -211,7 +211,7 @@ def _stated_n(value: float | str | None, name: str) -> float | None:
     return number
 
 
-def on_one_surface(
+def align_surfaces(
     recordings: Sequence[Recording], options: Conditioning
 ) -> tuple[list[Recording], str]:
     """Shift all recordings of one object to one common surface; also return a note for the user.
@@ -224,35 +224,38 @@ def on_one_surface(
     shared, note = list(recordings), ""
     if options.contact_force == "auto":
         if len(recordings) > 1 and not any(each.place_m for each in recordings):
-            shared, note = _shared_surface(recordings)
+            shared, note = _average_surfaces(recordings)
         _require_known_surface(shared)
     return shared, note
 
 
-def _shared_surface(recordings: Sequence[Recording]) -> tuple[list[Recording], str]:
+def _average_surfaces(recordings: Sequence[Recording]) -> tuple[list[Recording], str]:
     """The recordings on the surface that all of their bounds allow, if there is one; a note."""
     surfaces_m = np.array([each.details["contact_position_m"] for each in recordings])
-    doubts_m = np.array([each.details["contact_uncertainty_m"] for each in recordings])
-    low_m, high_m = float((surfaces_m - doubts_m).max()), float((surfaces_m + doubts_m).min())
+    uncertainties_m = np.array([each.details["contact_uncertainty_m"] for each in recordings])
+    low_m, high_m = (
+        float((surfaces_m - uncertainties_m).max()),
+        float((surfaces_m + uncertainties_m).min()),
+    )
     if low_m > high_m:
         return list(recordings), (
             "the surfaces differ by more than their bounds: each recording keeps its own as zero"
         )
-    mean_m = np.average(surfaces_m, weights=1.0 / np.maximum(doubts_m, 1e-9) ** 2)
+    mean_m = np.average(surfaces_m, weights=1.0 / np.maximum(uncertainties_m, 1e-9) ** 2)
     surface_m = float(np.clip(mean_m, low_m, high_m))
-    doubt_m = max(high_m - surface_m, surface_m - low_m)
-    shared = {"contact_position_m": surface_m, "contact_uncertainty_m": doubt_m}
+    uncertainty_m = max(high_m - surface_m, surface_m - low_m)
+    shared = {"contact_position_m": surface_m, "contact_uncertainty_m": uncertainty_m}
     moved = [
         replace(
             recording,
-            position_m=recording.position_m + (own_m - surface_m),
+            position_m=recording.position_m + (contact_m - surface_m),
             details={**recording.details, **shared},
         )
-        for recording, own_m in zip(recordings, surfaces_m.tolist(), strict=True)
+        for recording, contact_m in zip(recordings, surfaces_m.tolist(), strict=True)
     ]
     return moved, (
         f"one surface for all {len(recordings)}, where their bounds meet: "
-        f"{1e3 * surface_m:.4g} +- {1e3 * doubt_m:.2g} mm"
+        f"{1e3 * surface_m:.4g} +- {1e3 * uncertainty_m:.2g} mm"
     )
 
 
@@ -263,12 +266,13 @@ def _require_known_surface(recordings: Sequence[Recording]) -> None:
     """
     deepest_m = max(float(recording.position_m.max()) for recording in recordings)
     for recording in recordings:
-        doubt_m = recording.details["contact_uncertainty_m"]
-        if doubt_m > _MAX_DOUBT * deepest_m:
+        uncertainty_m = recording.details["contact_uncertainty_m"]
+        if uncertainty_m > _MAX_UNCERTAINTY_FRACTION * deepest_m:
             raise DataError(
-                f"{recording.name}: its surface is known to +- {1e3 * doubt_m:.2g} mm alone, of "
-                f"{1e3 * deepest_m:.3g} mm that the object is pressed, for force without contact "
-                f"{find_hum(recording) or 'is noisy or drifts, or samples lie far apart'}: leave "
-                "--contact-force out if position 0 is the surface, else press deeper, or record "
-                "with less noise"
+                f"{recording.name}: its surface is known to +- {1e3 * uncertainty_m:.2g} mm alone, "
+                f"of {1e3 * deepest_m:.3g} mm that the object is pressed, "
+                "for force without contact "
+                f"{describe_hum(recording) or 'is noisy or drifts, or samples lie far apart'}: "
+                "leave --contact-force out if position 0 is the surface, else press "
+                "deeper, or record with less noise"
             )

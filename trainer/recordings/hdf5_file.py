@@ -17,17 +17,17 @@ from pydantic import BaseModel, Field, ValidationError
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
-from springpot.codegen.files import written_aside
+from springpot.codegen.files import atomic_write
 from springpot.trainer.recordings.recording import SIGN_RULE, Recording, Zero
 
 RECORDING_SCHEMA = 1
 _UNITS = {"position_m": "m", "force_n": "N"}
-_MORE = "channels/"  # group of the channels beside these two
+_EXTRA_CHANNELS = "channels/"  # group of the channels beside these two
 _CHUNK_SAMPLES = 1 << 17
 _USER_BLOCK = 512  # bytes
 _MAGIC = b"springpot recording, SHA-256 of what follows: "
 _REMEDY = "make one with `springpot import`"
-GIVE = "give a recording; `springpot import` makes them"
+GIVE_RECORDING = "give a recording; `springpot import` makes them"
 
 
 class _Metadata(BaseModel, allow_inf_nan=False):
@@ -52,7 +52,7 @@ def write_recording(path: Path, recording: Recording, *, overwrite: bool = True)
     overwrite: False raises FileExistsError if `path` exists, even if it came meanwhile.
     Raises OSError, and leaves nothing aside, if that fails.
     """
-    with written_aside(path, overwrite=overwrite, durable=True) as aside:
+    with atomic_write(path, overwrite=overwrite, durable=True) as aside:
         with h5py.File(aside, "w", track_order=True, userblock_size=_USER_BLOCK) as file:
             metadata = {name: getattr(recording, name) for name in _Metadata.model_fields}
             # HDF5 holds UTF-8: of a path that is none, the bytes as \xff, for people.
@@ -63,7 +63,9 @@ def write_recording(path: Path, recording: Recording, *, overwrite: bool = True)
                 if value is not None:
                     file.attrs[key] = value
             channels = {name: getattr(recording, name) for name in _UNITS}
-            channels |= {f"{_MORE}{name}": its for name, its in recording.channels.items()}
+            channels |= {
+                f"{_EXTRA_CHANNELS}{name}": values for name, values in recording.channels.items()
+            }
             for name, samples in channels.items():
                 stored = file.create_dataset(
                     name, data=samples, chunks=(min(len(samples), _CHUNK_SAMPLES),),
@@ -93,14 +95,20 @@ def read_hdf5(path: Path) -> Recording:
     try:
         with h5py.File(path, "r") as file:
             metadata = dict(file.attrs)
-            names = [*_UNITS, *(f"{_MORE}{name}" for name in file.get(_MORE, ()))]
-            samples = {n.removeprefix(_MORE): np.asarray(file[n], dtype=np.float64) for n in names}
+            names = [
+                *_UNITS,
+                *(f"{_EXTRA_CHANNELS}{name}" for name in file.get(_EXTRA_CHANNELS, ())),
+            ]
+            samples = {
+                n.removeprefix(_EXTRA_CHANNELS): np.asarray(file[n], dtype=np.float64)
+                for n in names
+            }
     # The library raises whatever it meets in a file that others have made.
     except (OSError, KeyError, TypeError, ValueError, RuntimeError, AttributeError) as error:
         reason = " ".join(str(error).split())
         raise DataError(f"{path}: not a springpot recording ({reason}): {_REMEDY}") from None
-    metadata["details"] = metadata_of_json(path, metadata.get("details", ""))
-    return recording_of(path, metadata, samples)
+    metadata["details"] = parse_metadata(path, metadata.get("details", ""))
+    return build_recording(path, metadata, samples)
 
 
 def _digest(path: Path) -> bytes:
@@ -109,18 +117,18 @@ def _digest(path: Path) -> bytes:
         return hashlib.file_digest(file, "sha256").hexdigest().encode()
 
 
-def metadata_of_json(path: Path, text: str | bytes) -> dict[str, Any]:
+def parse_metadata(path: Path, text: str | bytes) -> dict[str, Any]:
     """Parse a table of JSON. Raises DataError for anything else."""
     try:
-        found = json.loads(text)
+        metadata = json.loads(text)
     except (ValueError, TypeError, RecursionError):
-        found = None
-    if not isinstance(found, dict):
+        metadata = None
+    if not isinstance(metadata, dict):
         raise DataError(f"{path}: not a springpot recording (metadata is no JSON): {_REMEDY}")
-    return found
+    return metadata
 
 
-def recording_of(
+def build_recording(
     path: Path, metadata: Mapping[str, Any], samples: Mapping[str, Samples]
 ) -> Recording:
     """Return the recording of stored metadata and samples, each (n,), of a file.
@@ -135,13 +143,13 @@ def recording_of(
             "upgrade springpot"
         )
     try:
-        found = _Metadata.model_validate(plain)
+        checked = _Metadata.model_validate(plain)
     except ValidationError as error:
         first = error.errors()[0]
         what = f"{'.'.join(map(str, first['loc']))}: {first['msg']}"
         raise DataError(f"{path}: not a springpot recording ({what}): {_REMEDY}") from None
-    fields: dict[str, Any] = {**found.model_dump(), **{name: samples[name] for name in _UNITS}}
-    channels = {name: its for name, its in samples.items() if name not in _UNITS}
+    fields: dict[str, Any] = {**checked.model_dump(), **{name: samples[name] for name in _UNITS}}
+    channels = {name: values for name, values in samples.items() if name not in _UNITS}
     try:
         return Recording(**fields, channels=channels)
     except DataError as error:

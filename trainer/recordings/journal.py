@@ -21,8 +21,8 @@ from springpot.codegen.errors import DataError, DeviceError, UsageError
 from springpot.codegen.messages import caution
 from springpot.trainer.recordings.hdf5_file import (
     RECORDING_SCHEMA,
-    metadata_of_json,
-    recording_of,
+    build_recording,
+    parse_metadata,
     write_recording,
 )
 from springpot.trainer.recordings.recording import (
@@ -41,13 +41,13 @@ CREATE TABLE part (id INTEGER PRIMARY KEY, checksum INTEGER NOT NULL, content BL
 """  # part 0: metadata as JSON; from 1 on rows of float64: position, force, further channels
 
 
-def journal_of(file: Path) -> Path:
+def journal_path(file: Path) -> Path:
     """Path of the journal of the recording `file`."""
     stem = file.name.removesuffix(RECORDING_SUFFIX).removesuffix(JOURNAL_SUFFIX)
     return file.with_name(stem + JOURNAL_SUFFIX)
 
 
-def _opened(journal: Path, timeout_s: float) -> closing[sqlite3.Connection]:
+def _open(journal: Path, timeout_s: float) -> closing[sqlite3.Connection]:
     """Open a journal that is there, and close it at the end of a `with`."""
     uri = f"{journal.absolute().as_uri()}?mode=rw"
     return closing(sqlite3.connect(uri, uri=True, timeout=timeout_s))
@@ -56,7 +56,7 @@ def _opened(journal: Path, timeout_s: float) -> closing[sqlite3.Connection]:
 def is_being_recorded(journal: Path) -> bool:
     """Return whether a living process still writes this journal."""
     try:
-        with _opened(journal, timeout_s=0.0) as store:
+        with _open(journal, timeout_s=0.0) as store:
             store.execute("BEGIN IMMEDIATE")
     except sqlite3.DatabaseError as error:
         return "locked" in str(error)
@@ -97,7 +97,7 @@ class JournalWriter:
     ) -> None:
         """file: of the recording at the end. Raises UsageError where it, or a journal, is there."""
         require_recording_name(name)
-        self.file, self.journal = file, journal_of(file)
+        self.file, self.journal = file, journal_path(file)
         if file.exists():
             raise UsageError(f"{file}: exists and is not overwritten: give another name")
         require_no_journal(self.journal)
@@ -225,13 +225,13 @@ def read_journal(path: Path) -> tuple[Recording, str]:
     """
     if is_being_recorded(path):
         raise DataError(f"{path}: still being recorded: wait until that ends")
-    parts, damaged = _whole_parts(path)
+    parts, damaged = _read_parts(path)
     if not parts:
         raise DataError(
             f"{path}: damaged in its first bytes, or interrupted at the very start: without its "
             "rate and name nothing can be read, remove it"
         )
-    metadata = metadata_of_json(path, parts[0])
+    metadata = parse_metadata(path, parts[0])
     try:
         names = ["position_m", "force_n", *map(str, metadata.get("channels", ()))]
         rows = np.frombuffer(b"".join(parts[1:]), dtype="<f8").reshape(-1, len(names))
@@ -240,15 +240,15 @@ def read_journal(path: Path) -> tuple[Recording, str]:
     if len(rows) < MIN_SAMPLES:
         raise DataError(f"{path}: interrupted before its first samples: remove it")
     columns = [np.ascontiguousarray(column, dtype=np.float64) for column in rows.T]
-    recording = recording_of(path, metadata, dict(zip(names, columns, strict=True)))
+    recording = build_recording(path, metadata, dict(zip(names, columns, strict=True)))
     lost = f"; from {recording.duration_s:.3f} s on it is damaged, and lost" if damaged else ""
     return recording, lost
 
 
-def _whole_parts(path: Path) -> tuple[list[bytes], bool]:
+def _read_parts(path: Path) -> tuple[list[bytes], bool]:
     """Content of the parts up to the first that is damaged or missing, and whether one is."""
     parts: list[bytes] = []
-    with suppress(sqlite3.DatabaseError, OverflowError), _opened(path, timeout_s=5.0) as store:
+    with suppress(sqlite3.DatabaseError, OverflowError), _open(path, timeout_s=5.0) as store:
         for number, checksum, content in store.execute(
             "SELECT id, checksum, content FROM part ORDER BY id"
         ):

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, Literal, cast, get_args
 
 import numpy as np
 
-from springpot.codegen.arrays import Samples, frozen_numbers
+from springpot.codegen.arrays import Samples, to_readonly_float64
 from springpot.codegen.errors import DataError, UsageError
-from springpot.codegen.messages import number_of
+from springpot.codegen.messages import counted_noun
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,8 +25,8 @@ RECORDING_SUFFIX = ".h5"
 SAME_PLACE_M = 1e-4  # no printed grid and no stage is finer
 FRAME_SOURCE = "frame"  # source of the columns of a table
 MAX_NAME_BYTES = 200  # a file name has 255: room for endings
-_UNSAFE = re.compile(r"[^\w.+-]+")
-_MOST_M = 1.0  # no soft object is pressed farther
+_UNSAFE_CHARACTERS = re.compile(r"[^\w.+-]+")
+_MAX_SPAN_M = 1.0  # no soft object is pressed farther
 SIGN_RULE = (
     "position: penetration from the undeformed surface, positive into the object; "
     "force: positive pushes the tool out of the object"
@@ -82,7 +82,7 @@ class Recording:
 
     def __post_init__(self) -> None:
         require_recording_name(self.name)
-        object.__setattr__(self, "zero", zero_word(self.zero))
+        object.__setattr__(self, "zero", parse_zero(self.zero))
         number = isinstance(self.dt_s, int | float | np.number) and not isinstance(self.dt_s, bool)
         if not number or not (np.isfinite(self.dt_s) and self.dt_s > 0.0):
             raise DataError(
@@ -90,7 +90,7 @@ class Recording:
             )
         object.__setattr__(self, "dt_s", float(self.dt_s))
         for channel in ("position_m", "force_n"):
-            object.__setattr__(self, channel, frozen_numbers(getattr(self, channel), channel))
+            object.__setattr__(self, channel, to_readonly_float64(getattr(self, channel), channel))
         channels = {"position": self.position_m, "force": self.force_n, **self.channels}
         for channel, samples in channels.items():
             if samples.ndim != 1 or samples.shape != self.position_m.shape:
@@ -111,11 +111,12 @@ class Recording:
             if len(bad):
                 raise DataError(
                     f"{self.name}: {channel} is not finite at row {bad[0]} "
-                    f"({number_of(len(bad), 'row')} in all): cut or repair those rows in the source"
+                    f"({counted_noun(len(bad), 'row')} in all): "
+                    "cut or repair those rows in the source"
                 )
         # Without the outermost hundredths: a spike is held, not refused.
         travel_m = np.ptp(np.quantile(self.position_m, (0.01, 0.99), method="nearest"))
-        if travel_m > _MOST_M and self.source in ("", FRAME_SOURCE):
+        if travel_m > _MAX_SPAN_M and self.source in ("", FRAME_SOURCE):
             raise DataError(
                 f"{self.name}: position_m spans {travel_m:.4g} m: are these mm? give positions in "
                 "metres"
@@ -154,7 +155,7 @@ class Recording:
 
         raw = frame_channels(frame, name, {"time": time, "position": position, "force": force})
         recording = to_recording(raw, name, resample_hz)
-        return condition(recording, conditioning or Conditioning(), zero_word(zero))[0]
+        return condition(recording, conditioning or Conditioning(), parse_zero(zero))[0]
 
     def to_frame(self) -> Any:
         """Make a pandas table of time_s, position_m, force_n, the place and further channels.
@@ -212,7 +213,7 @@ class Recording:
         return digest.hexdigest()
 
 
-def zero_word(given: Any) -> Zero:
+def parse_zero(given: Any) -> Zero:
     """Return one of the words of `Zero`; None is "none". Raises UsageError for anything else."""
     if given is None:
         return "none"
@@ -243,11 +244,11 @@ def require_recording_name(name: Any) -> None:
 
 def safe_recording_name(text: str) -> str:
     """Return a name that `require_recording_name` accepts, as near to the text as can be."""
-    safe = _UNSAFE.sub("_", text).strip("._")
+    safe = _UNSAFE_CHARACTERS.sub("_", text).strip("._")
     return safe.encode()[: MAX_NAME_BYTES - 20].decode("utf-8", "ignore") or "recording"
 
 
-def sites_of(recordings: Sequence[Recording]) -> dict[Site, list[int]]:
+def group_by_site(recordings: Sequence[Recording]) -> dict[Site, list[int]]:
     """Numbers of the recordings of each site, in the order of recording.
 
     Recordings without a place are of no site.
@@ -261,7 +262,7 @@ def sites_of(recordings: Sequence[Recording]) -> dict[Site, list[int]]:
     return sites
 
 
-def site_words(site: Site) -> str:
+def format_site(site: Site) -> str:
     """Write a site as messages show it, in mm."""
     return f"({1e3 * site[0]:.4g}, {1e3 * site[1]:.4g}) mm"
 

@@ -6,34 +6,34 @@ from os import PathLike
 from pathlib import Path
 
 from springpot.codegen.errors import DataError, UsageError
-from springpot.codegen.files import given_path, require_regular
+from springpot.codegen.files import parse_path, require_regular
 from springpot.codegen.messages import caution
-from springpot.trainer.recordings.hdf5_file import GIVE, read_hdf5
-from springpot.trainer.recordings.journal import JOURNAL_SUFFIX, journal_of, read_journal
+from springpot.trainer.recordings.hdf5_file import GIVE_RECORDING, read_hdf5
+from springpot.trainer.recordings.journal import JOURNAL_SUFFIX, journal_path, read_journal
 from springpot.trainer.recordings.recording import RECORDING_SUFFIX, Recording
 
 File = str | PathLike[str]
 Recordings = Recording | File | Iterable[Recording | File]  # what a person may give
 
 
-def given_recordings(given: Recordings) -> list[Recording]:
+def resolve_recordings(given: Recordings) -> list[Recording]:
     """One recording or several; text and paths are files or folders of them. Raises UsageError."""
     several = [given] if isinstance(given, Recording | str | PathLike) else given
-    found: list[Recording] = []
+    recordings: list[Recording] = []
     if isinstance(several, Mapping) or not isinstance(several, Iterable):
-        raise _no_recording(given)
+        raise _not_a_recording_error(given)
     # The items of a table are names of its columns, those of an array its rows: neither is taken.
     for one in [given] if hasattr(several, "columns") or hasattr(several, "shape") else several:
         if isinstance(one, Recording):
-            found.append(one)
+            recordings.append(one)
         elif isinstance(one, str | PathLike):
-            found += read_recordings([given_path(one)])
+            recordings += read_recordings([parse_path(one)])
         else:
-            raise _no_recording(one)
-    return found
+            raise _not_a_recording_error(one)
+    return recordings
 
 
-def _no_recording(given: object) -> UsageError:
+def _not_a_recording_error(given: object) -> UsageError:
     return UsageError(
         f"{type(given).__name__} is no recording: give recordings, or files and folders as "
         "read_recordings does; list(recordings.values()) of a dict, Recording.from_frame of a "
@@ -46,9 +46,9 @@ def read_recording(path: Path) -> Recording:
 
     path: an HDF5 file, or a journal. Raises DataError with the file's name if it cannot be used.
     """
-    journal = journal_of(path)
+    journal = journal_path(path)
     if not (path.exists() or journal.exists()):
-        raise DataError(f"{path}: no such file: {GIVE}")
+        raise DataError(f"{path}: no such file: {GIVE_RECORDING}")
     if path.suffix == JOURNAL_SUFFIX or not path.exists():
         found, lost = read_journal(journal)
         whole_s = f"{found.duration_s:.3f} s"
@@ -59,7 +59,7 @@ def read_recording(path: Path) -> Recording:
         require_regular(path)
         return read_hdf5(path)
     except OSError as error:
-        raise DataError(f"{path}: cannot be read ({error.strerror}): {GIVE}") from None
+        raise DataError(f"{path}: cannot be read ({error.strerror}): {GIVE_RECORDING}") from None
 
 
 def read_recordings(paths: Iterable[Path]) -> list[Recording]:
@@ -69,11 +69,11 @@ def read_recordings(paths: Iterable[Path]) -> list[Recording]:
     """
     files: list[Path] = []
     for path in paths:
-        files += _in_folder(path) if path.is_dir() else [path]
+        files += _list_folder(path) if path.is_dir() else [path]
     return [read_recording(file) for file in files]
 
 
-def _in_folder(folder: Path) -> list[Path]:
+def _list_folder(folder: Path) -> list[Path]:
     files = list(folder.glob(f"*{RECORDING_SUFFIX}"))
     for journal in folder.glob(f"*{JOURNAL_SUFFIX}"):
         finished = journal.with_suffix(RECORDING_SUFFIX)

@@ -13,28 +13,39 @@ import numpy as np
 from springpot.codegen.arrays import Samples, rms, runs
 from springpot.trainer.recordings.recording import Recording
 
-_SAME = 1e-6  # of the range: the same value, printed with seven digits or converted twice
-_ALONE = 0.02  # of moves: those unlike the one before and the one after, of a ramp at its ends
-_ORDER = 4  # of differences: they keep white noise, and leave next to nothing of a press
-_NORMAL = 1.4826  # standard deviation of normal noise over the median of its size
-_OUTERMOST, _VISIT = 0.02, 5  # of the travel; samples
-_SURE, _DRIFTED = 4.0, 0.02  # deviations; of the force's range: a drift that is no noise
-MAX_SMOOTHED = 0.25  # of the shortest recording
-_IN_CONTACT = 0.1  # of the largest force
-_BENT = 0.5  # of the noise
+_VALUE_TOLERANCE = (
+    1e-6  # of the range: the same value, printed with seven digits or converted twice
+)
+_MIN_IRREGULAR_FRACTION = (
+    0.02  # of moves: those unlike the one before and the one after, of a ramp at its ends
+)
+_DIFFERENCE_ORDER = 4  # of differences: they keep white noise, and leave next to nothing of a press
+_MAD_TO_SIGMA = 1.4826  # standard deviation of normal noise over the median of its size
+_AIR_FRACTION, _MIN_VISIT_SAMPLES = 0.02, 5  # of the travel; samples
+_DRIFT_SIGMAS, _MIN_DRIFT_FRACTION = (
+    4.0,
+    0.02,
+)  # deviations; of the force's range: a drift that is no noise
+MAX_SMOOTHED_FRACTION = 0.25  # of the shortest recording
+_CONTACT_FORCE_FRACTION = 0.1  # of the largest force
+_MAX_DISTORTION = 0.5  # of the noise
 _HALVINGS = 3
-_NEAR, _STILL = 0.02, 0.05  # of the range: at one depth; of that: no motion
-_SLOWER = 1.5  # times the samples until it leaves a depth: as fast
-_STRONG = 0.5  # of the set's largest force: in weaker recordings noise makes the peaks
+_SAME_DEPTH_FRACTION, _REST_FRACTION = 0.02, 0.05  # of the range: at one depth; of that: no motion
+_MAX_SLOWDOWN = 1.5  # times the samples until it leaves a depth: as fast
+_MIN_PEAK_FRACTION = 0.5  # of the set's largest force: in weaker recordings noise makes the peaks
 
 
 def sensor_noise_n(samples: Samples) -> float:
     """RMS of white noise in a channel (n,), and at least that of its steps' rounding."""
-    differences = np.abs(np.diff(samples, _ORDER))
+    differences = np.abs(np.diff(samples, _DIFFERENCE_ORDER))
     moved = differences[differences > 0.0]  # a sensor slower than the recording holds its values
     if not len(moved):
         return 0.0
-    white_n = _NORMAL * float(np.median(moved)) / math.sqrt(math.comb(2 * _ORDER, _ORDER))
+    white_n = (
+        _MAD_TO_SIGMA
+        * float(np.median(moved))
+        / math.sqrt(math.comb(2 * _DIFFERENCE_ORDER, _DIFFERENCE_ORDER))
+    )
     return max(white_n, (quantisation_step(samples) or 0.0) / math.sqrt(12))
 
 
@@ -46,7 +57,7 @@ def quantisation_step(samples: Samples) -> float | None:
     """
     values = np.unique(samples)
     steps = np.diff(values)
-    steps = steps[steps > _SAME * float(values[-1] - values[0])]
+    steps = steps[steps > _VALUE_TOLERANCE * float(values[-1] - values[0])]
     if not len(steps):
         return None
     step = float(steps.min())
@@ -55,8 +66,12 @@ def quantisation_step(samples: Samples) -> float | None:
         return None
     moves = np.round(np.diff(samples) / step)  # steps of the grid from sample to sample
     before, after = np.append(0.0, moves[:-1]), np.append(moves[1:], 0.0)
-    alone = (moves != 0.0) & (moves != before) & (moves != after)
-    return step if np.count_nonzero(alone) > _ALONE * np.count_nonzero(moves) else None
+    irregular = (moves != 0.0) & (moves != before) & (moves != after)
+    return (
+        step
+        if np.count_nonzero(irregular) > _MIN_IRREGULAR_FRACTION * np.count_nonzero(moves)
+        else None
+    )
 
 
 @dataclass(frozen=True)
@@ -76,8 +91,8 @@ def find_drift(recording: Recording) -> Drift | None:
     and its bound what they scatter around the line, or the noise.
     """
     position_m, force_n = recording.position_m, recording.force_n
-    out = position_m <= position_m.min() + _OUTERMOST * float(np.ptp(position_m))
-    visits = [(begin, end) for begin, end in runs(out) if end - begin >= _VISIT]
+    in_air = position_m <= position_m.min() + _AIR_FRACTION * float(np.ptp(position_m))
+    visits = [(begin, end) for begin, end in runs(in_air) if end - begin >= _MIN_VISIT_SAMPLES]
     if len(visits) < 2:
         return None
     time_s = recording.dt_s * np.array([(begin + end - 1) / 2 for begin, end in visits])
@@ -88,10 +103,16 @@ def find_drift(recording: Recording) -> Drift | None:
     line_n = level_n.mean() + slope_nps * middle_s
     noise_n = sensor_noise_n(force_n) / math.sqrt(min(end - begin for begin, end in visits))
     scatter_n = max(rms(level_n - line_n), noise_n)
-    bound_nps = _SURE * scatter_n / math.sqrt(spread_s2)
+    bound_nps = _DRIFT_SIGMAS * scatter_n / math.sqrt(spread_s2)
     change_n = slope_nps * (time_s[-1] - time_s[0])
-    sensors = slope_nps > 0.0 or line_n[-1] < min(-_DRIFTED * float(np.ptp(force_n)), line_n[0])
-    if not sensors or abs(slope_nps) < bound_nps or abs(change_n) < _DRIFTED * np.ptp(force_n):
+    is_sensor_drift = slope_nps > 0.0 or line_n[-1] < min(
+        -_MIN_DRIFT_FRACTION * float(np.ptp(force_n)), line_n[0]
+    )
+    if (
+        not is_sensor_drift
+        or abs(slope_nps) < bound_nps
+        or abs(change_n) < _MIN_DRIFT_FRACTION * np.ptp(force_n)
+    ):
         return None
     return Drift(float(line_n[0] - slope_nps * time_s[0]), slope_nps, bound_nps)
 
@@ -111,7 +132,7 @@ def turning_points(position_m: Samples, min_m: float) -> list[int]:
     return [*turns, best] if rising is not None else []
 
 
-def came_before(depth_m: Samples) -> Samples:
+def estimate_history_m(depth_m: Samples) -> Samples:
     """Depths, (k,), m, that are taken to have come before a motion; empty: the object was at rest.
 
     A recording that was cut out of a longer one begins in motion inside the object: the tool leaves
@@ -119,13 +140,13 @@ def came_before(depth_m: Samples) -> Samples:
     it is up to the last such time, from its mean on; rest there errs three times more.
     """
     off_m, step_m = depth_m - depth_m[0], float(np.abs(np.diff(depth_m)).max(initial=0.0))
-    near_m = max(_NEAR * float(np.ptp(depth_m)), step_m)
+    near_m = max(_SAME_DEPTH_FRACTION * float(np.ptp(depth_m)), step_m)
     (_, leaves), *later = runs(np.abs(off_m) <= near_m)
-    moves = off_m.min() < -near_m and np.ptp(off_m[: leaves // 2 + 1]) > _STILL * near_m
+    moves = off_m.min() < -near_m and np.ptp(off_m[: leaves // 2 + 1]) > _REST_FRACTION * near_m
     for begin, end in reversed(later if moves else []):
         left = end - begin - np.flatnonzero(np.abs(off_m[begin:end]) <= step_m)
         same_way = end < len(off_m) and off_m[leaves] * off_m[end] > 0.0 and len(left)
-        if same_way and leaves <= _SLOWER * (alike := left[np.argmin(np.abs(left - leaves))]):
+        if same_way and leaves <= _MAX_SLOWDOWN * (alike := left[np.argmin(np.abs(left - leaves))]):
             before_m = depth_m[: end - alike]
             return before_m[np.argmax(np.abs(before_m - before_m.mean()) <= step_m) :]
     return depth_m[:0]
@@ -136,7 +157,7 @@ def smoothing_samples(smooth_s: float, dt_s: float) -> int:
     return max(1, 2 * round((smooth_s / dt_s - 1) / 2) + 1)
 
 
-def smoothed(recording: Recording, smooth_s: float) -> Recording:
+def smooth(recording: Recording, smooth_s: float) -> Recording:
     """Return the centred moving average over `smooth_s`; ends repeat the end samples."""
     samples = smoothing_samples(smooth_s, recording.dt_s)
 
@@ -154,30 +175,32 @@ def smoothed(recording: Recording, smooth_s: float) -> Recording:
     )
 
 
-def longest_smoothing_s(recordings: Sequence[Recording], most_s: float) -> float:
+def find_smoothing_s(recordings: Sequence[Recording], most_s: float) -> float:
     """Return the longest of most_s, its half, ... that takes noise and no motion; 0 if none does.
 
     What it takes off a force in contact is the noise, and a bend that it straightens: the latter
     may be half as large as the noise, RMS. (As long as it flattened no peak by 3 %, impacts of
     50 ms were fitted with ten times the error of none.)
     """
-    longest_s = min(most_s, MAX_SMOOTHED * min(each.duration_s for each in recordings))
+    longest_s = min(most_s, MAX_SMOOTHED_FRACTION * min(each.duration_s for each in recordings))
     peak_n = max(float(np.abs(each.force_n).max()) for each in recordings)
-    strong = [each for each in recordings if np.abs(each.force_n).max() >= _STRONG * peak_n]
+    strong = [
+        each for each in recordings if np.abs(each.force_n).max() >= _MIN_PEAK_FRACTION * peak_n
+    ]
     for halvings in range(_HALVINGS + 1):
         smooth_s = longest_s * 0.5**halvings
         if all(
-            _straightened_n(each, smooth_s) <= _BENT * sensor_noise_n(each.force_n)
+            _estimate_distortion_n(each, smooth_s) <= _MAX_DISTORTION * sensor_noise_n(each.force_n)
             for each in strong
         ):
             return smooth_s
     return 0.0
 
 
-def _straightened_n(recording: Recording, smooth_s: float) -> float:
+def _estimate_distortion_n(recording: Recording, smooth_s: float) -> float:
     """RMS that smoothing takes off a force in contact beyond its noise, N."""
     samples = smoothing_samples(smooth_s, recording.dt_s)
-    contact = np.abs(recording.force_n) > _IN_CONTACT * np.abs(recording.force_n).max()
-    removed_n = (recording.force_n - smoothed(recording, smooth_s).force_n)[contact]
+    contact = np.abs(recording.force_n) > _CONTACT_FORCE_FRACTION * np.abs(recording.force_n).max()
+    removed_n = (recording.force_n - smooth(recording, smooth_s).force_n)[contact]
     noise_n = sensor_noise_n(recording.force_n)
     return math.sqrt(max(0.0, float(np.mean(removed_n**2)) - noise_n**2 * (1.0 - 1.0 / samples)))

@@ -7,15 +7,15 @@ import time
 from collections.abc import Sequence
 from dataclasses import replace
 
-from springpot.trainer.features import recursive_bank
+from springpot.trainer.features import fit_recursive_bank
 from springpot.trainer.kinds import fit_kind
 from springpot.trainer.models.fit import Fit, FitOptions
-from springpot.trainer.models.passive.start import with_start
+from springpot.trainer.models.passive.start import select_start
 from springpot.trainer.models.rf_fd import PAPER_ORDERS
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.selection.scores import FOREST, PASSIVE, Score, find_scores
-from springpot.trainer.selection.small_signal import active_cells
+from springpot.trainer.selection.small_signal import count_active_cells
 
 GAIN, GAIN_OF_ONE = 0.05, 0.10  # of the error, that trees have to take off; with one recording
 FORCE_TOLERANCE = 5e-4  # of the maximum force: below what a sensor or a hand resolves
@@ -30,17 +30,17 @@ def fit_auto(
     in small motions is passed over.
     """
     begin = time.perf_counter()
-    data = with_start(data, options)
-    long = replace(options, engine="recursive", window_s=data.longest_s)
-    features = recursive_bank(PAPER_ORDERS, data.dt_s, data.longest_s)
-    passive, forest = find_scores(data, options, long, features)
+    data = select_start(data, options)
+    forest_options = replace(options, engine="recursive", window_s=data.longest_s)
+    features = fit_recursive_bank(PAPER_ORDERS, data.dt_s, data.longest_s)
+    passive, forest = find_scores(data, options, forest_options, features)
     gain = GAIN if len(data.recordings) > 1 else GAIN_OF_ONE
     peak_n = max(abs(data.trained.max_n), abs(data.trained.min_n))
     chosen, cells = passive, 0
     search_s = time.perf_counter() - begin
     if forest_wins(passive, forest, gain, peak_n):
-        fit = fit_kind("rf-fd", name, data, long)
-        cells = active_cells(fit.model)
+        fit = fit_kind("rf-fd", name, data, forest_options)
+        cells = count_active_cells(fit.model)
         chosen = passive if cells else forest
     if chosen is passive:
         search_s = time.perf_counter() - begin
@@ -50,7 +50,7 @@ def fit_auto(
         **fit.metadata,
         "chosen": chosen.name,
         "scores": [vars(score) for score in (passive, forest)],
-        "why": reason(passive, forest, gain, peak_n, cells),
+        "why": explain_choice(passive, forest, gain, peak_n, cells),
     }
     return replace(fit, search_s=search_s, metadata=metadata)
 
@@ -64,21 +64,25 @@ def forest_wins(passive: Score, forest: Score, gain: float, peak_n: float) -> bo
     return felt and max(forest.ratio, forest.ratio_without_best) <= 1.0 - gain
 
 
-def reason(passive: Score, forest: Score, gain: float, peak_n: float, cells: int) -> str:
+def explain_choice(passive: Score, forest: Score, gain: float, peak_n: float, cells: int) -> str:
     """In words: what the winner has over the other; cells: small motions that a forest drives."""
-    less = f"{100 * abs(forest.ratio - 1.0):.0f} % {'less' if forest.ratio < 1.0 else 'more'} error"
-    its, passives = (f"{100 * score.mean_n / peak_n:.2g} %" for score in (forest, passive))
-    shares = f"{its} of peak for {passives}"
+    comparison = (
+        f"{100 * abs(forest.ratio - 1.0):.0f} % {'less' if forest.ratio < 1.0 else 'more'} error"
+    )
+    forest_error, passive_error = (
+        f"{100 * score.mean_n / peak_n:.2g} %" for score in (forest, passive)
+    )
+    shares = f"{forest_error} of peak for {passive_error}"
     if cells:
-        but = f"; {FOREST} gives energy in {cells} of its small motions"
+        objection = f"; {FOREST} gives energy in {cells} of its small motions"
     elif forest_wins(passive, forest, gain, peak_n):
-        return f"{less} than the passive model alone ({shares}), in {forest.folds} folds"
+        return f"{comparison} than the passive model alone ({shares}), in {forest.folds} folds"
     elif forest.ratio > 1.0 - gain:
-        but = ""
+        objection = ""
     else:
-        felt = forest.mean_n < passive.mean_n - FORCE_TOLERANCE * peak_n
-        but = ", most of it in one fold" if felt else f", {shares}: nobody feels that"
+        is_felt = forest.mean_n < passive.mean_n - FORCE_TOLERANCE * peak_n
+        objection = ", most of it in one fold" if is_felt else f", {shares}: nobody feels that"
     return (
-        f"passive by itself; {FOREST} has {less}{but} (trees are taken for {100 * gain:.0f} % "
-        "less, if a hand could feel it)"
+        f"passive by itself; {FOREST} has {comparison}{objection} "
+        f"(trees are taken for {100 * gain:.0f} % less, if a hand could feel it)"
     )

@@ -7,19 +7,19 @@ from typing import NamedTuple
 import numpy as np
 
 from springpot.codegen.arrays import Flags, Indices, Samples, rms
-from springpot.codegen.messages import at_step
+from springpot.codegen.messages import log_progress
 from springpot.codegen.model.features import Features
 from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.folds import Folds, fold_families, geometric_mean
-from springpot.trainer.models.passive.passive_fit import PassiveChoice, passive_choice
-from springpot.trainer.models.rf_fd import depth_scale, fitted_forest
+from springpot.trainer.models.folds import Folds, build_cv_schemes, geometric_mean
+from springpot.trainer.models.passive.passive_fit import PassiveChoice, select_passive
+from springpot.trainer.models.rf_fd import compute_depth_scale, fit_forest
 from springpot.trainer.models.training_set import TrainingSet
 
 PASSIVE, FOREST = "hammerstein", "rf-fd long"
-_HOPELESS = 1.25  # times the passive error in the first family: the others are not tried
-_EARLY, _FAR = 2, 2.0  # folds after which as many times the passive error is given up
-_FEW_TREES, _FARTHER = 20, 4.0  # of a first look, and where nothing more is tried
-_NO_ERROR_N = 1e-12  # an exact model's: no ratio is taken to less
+_HOPELESS_RATIO = 1.25  # times the passive error in the first family: the others are not tried
+_EARLY_FOLDS, _EARLY_RATIO = 2, 2.0  # folds after which as many times the passive error is given up
+_PROBE_TREES, _PROBE_RATIO = 20, 4.0  # of a first look, and where nothing more is tried
+_MIN_RMSE_N = 1e-12  # an exact model's: no ratio is taken to less
 
 
 @dataclass(frozen=True)
@@ -45,8 +45,8 @@ class _Fold(NamedTuple):
     """Rows of a fit that are shown, those held out of the passive model's, and its RMSE there."""
 
     family: int
-    shown: Flags
-    held: Flags
+    train: Flags
+    held_out: Flags
     passive_n: float
 
 
@@ -57,29 +57,31 @@ def find_scores(
 
     long: options of the forest.
     """
-    passive, rows = passive_choice(data, options)[0], data.rows(options.fraction, options.seed)
-    folds = _folds(passive, fold_families(data, rows, options.seed))
+    passive, rows = select_passive(data, options)[0], data.rows(options.fraction, options.seed)
+    folds = _folds(passive, build_cv_schemes(data, rows, options.seed))
     families = np.array([fold.family for fold in folds])
-    passive_n = np.maximum([fold.passive_n for fold in folds], _NO_ERROR_N)
+    passive_n = np.maximum([fold.passive_n for fold in folds], _MIN_RMSE_N)
     done, errors_n = len(folds), list[float]()
-    at_step(f"1 of 2: {PASSIVE}", done, 2 * done)
+    log_progress(f"1 of 2: {PASSIVE}", done, 2 * done)
     for error_n in _forest_errors_n(data, rows, passive.rows.rows, folds, features, long):
         errors_n.append(error_n)
-        at_step(f"2 of 2: {FOREST}", done + len(errors_n), 2 * done)
-        if _hopeless(np.array(errors_n) / passive_n[: len(errors_n)], families):
+        log_progress(f"2 of 2: {FOREST}", done + len(errors_n), 2 * done)
+        if _is_hopeless(np.array(errors_n) / passive_n[: len(errors_n)], families):
             break
-    forest = _score(FOREST, np.array(errors_n), passive_n, families)
-    return _score(PASSIVE, passive_n, passive_n, families), forest
+    forest = _build_score(FOREST, np.array(errors_n), passive_n, families)
+    return _build_score(PASSIVE, passive_n, passive_n, families), forest
 
 
 def _folds(passive: PassiveChoice, families: Sequence[Folds]) -> list[_Fold]:
     """Folds of rows in families; one without rows on either side is none."""
     folds = []
-    for (family, number), error_n in zip(passive.rows.held, passive.folds_n.tolist(), strict=True):
-        shown = families[family].number != number
-        if shown.any() and not np.isnan(error_n):
-            held = passive.rows.families[family].number == number
-            folds.append(_Fold(family, shown, held, error_n))
+    for (family, number), error_n in zip(
+        passive.rows.held_out, passive.folds_n.tolist(), strict=True
+    ):
+        train = families[family].number != number
+        if train.any() and not np.isnan(error_n):
+            held_out = passive.rows.families[family].number == number
+            folds.append(_Fold(family, train, held_out, error_n))
     return folds
 
 
@@ -91,50 +93,57 @@ def _forest_errors_n(
 
     Few trees on the first fold come before: if they err far too much, theirs is all that is given.
     """
-    scale = depth_scale(data.trained.max_m - min(data.trained.min_m, 0.0))
+    scale = compute_depth_scale(data.trained.max_m - min(data.trained.min_m, 0.0))
     values, test_values = (
-        (scale * data.features(features, its)).astype(np.float32) for its in (rows, tested)
+        (scale * data.features(features, selected)).astype(np.float32)
+        for selected in (rows, tested)
     )
     measured_n, test_n = data.force_n(rows), data.force_n(tested)
 
     def error_n(fold: _Fold, trees: int) -> float:
         some = replace(options, trees=trees)
-        forest = fitted_forest(some, values[fold.shown], measured_n[fold.shown])
-        return rms(forest.predict(test_values[fold.held]) - test_n[fold.held])
+        forest = fit_forest(some, values[fold.train], measured_n[fold.train])
+        return rms(forest.predict(test_values[fold.held_out]) - test_n[fold.held_out])
 
-    first_n = error_n(folds[0], min(options.trees, _FEW_TREES))
-    if first_n > _FARTHER * max(folds[0].passive_n, _NO_ERROR_N):
+    first_n = error_n(folds[0], min(options.trees, _PROBE_TREES))
+    if first_n > _PROBE_RATIO * max(folds[0].passive_n, _MIN_RMSE_N):
         yield first_n
     else:
         yield from (error_n(fold, options.trees) for fold in folds)
 
 
-def _hopeless(ratios: Samples, families: Indices) -> bool:
+def _is_hopeless(ratios: Samples, families: Indices) -> bool:
     """Whether the folds so far leave no hope of an error below the passive one."""
     tried = len(ratios)
     mean = geometric_mean(ratios.tolist())
     first_done = tried < len(families) and families[tried - 1] == 0 < families[tried]
-    return (first_done and mean > _HOPELESS) or (tried == _EARLY and mean > _FAR)
-
-
-def _score(name: str, errors_n: Samples, passive_n: Samples, families: Indices) -> Score:
-    count = len(errors_n)
-    its, ratios = families[:count], errors_n / passive_n[:count]
-    whole = its > 0  # depths and speeds held out whole
-    some = whole if whole.any() else ~whole  # where there are such folds
-    without = np.arange(count) != np.argmin(ratios)
-    return Score(
-        name=name,
-        recordings_n=_mean(errors_n[~whole], its[~whole]),
-        conditions_n=_mean(errors_n[some], its[some]),
-        mean_n=_mean(errors_n, its),
-        folds=count,
-        ratio=_mean(ratios, its),
-        ratio_without_best=_mean(ratios[without], its[without]) if count > 1 else 1.0,
+    return (first_done and mean > _HOPELESS_RATIO) or (
+        tried == _EARLY_FOLDS and mean > _EARLY_RATIO
     )
 
 
-def _mean(values: Samples, families: Indices) -> float:
+def _build_score(name: str, errors_n: Samples, passive_n: Samples, families: Indices) -> Score:
+    count = len(errors_n)
+    used_families, ratios = families[:count], errors_n / passive_n[:count]
+    is_condition = used_families > 0  # depths and speeds held out whole
+    condition_folds = (
+        is_condition if is_condition.any() else ~is_condition
+    )  # where there are such folds
+    not_best = np.arange(count) != np.argmin(ratios)
+    return Score(
+        name=name,
+        recordings_n=_family_mean(errors_n[~is_condition], used_families[~is_condition]),
+        conditions_n=_family_mean(errors_n[condition_folds], used_families[condition_folds]),
+        mean_n=_family_mean(errors_n, used_families),
+        folds=count,
+        ratio=_family_mean(ratios, used_families),
+        ratio_without_best=_family_mean(ratios[not_best], used_families[not_best])
+        if count > 1
+        else 1.0,
+    )
+
+
+def _family_mean(values: Samples, families: Indices) -> float:
     """Geometric mean within each family of folds, then over families.
 
     So families with many folds do not dominate.

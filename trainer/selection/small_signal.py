@@ -7,9 +7,9 @@ import numpy as np
 from springpot.codegen.arrays import Samples
 from springpot.codegen.model.model import Model
 
-DEPTH_SHARES = (0.2, 0.35, 0.5, 0.65, 0.8)  # of the trained depth
-AMPLITUDES = (0.01, 0.05)
-ACTIVE = -0.005  # a cell below this sin(delta) gives energy to the hand
+DEPTH_FRACTIONS = (0.2, 0.35, 0.5, 0.65, 0.8)  # of the trained depth
+AMPLITUDE_FRACTIONS = (0.01, 0.05)
+MIN_SIN_DELTA = -0.005  # a cell below this sin(delta) gives energy to the hand
 _FREQUENCIES_HZ = np.geomspace(2.0, 80.0, 6)  # at 1 kHz and above
 _MEASURED_S, _SETTLE_S = 0.25, 0.2
 
@@ -33,7 +33,7 @@ class SmallMotion:
         velocity_mps = amplitude_m * self._turn / self._dt_s * np.cos(phase)
         return at_m + amplitude_m * np.sin(phase), velocity_mps
 
-    def least_sin_delta(
+    def min_sin_delta(
         self, force_n: Callable[[Samples, Samples], Samples], at_m: float, span_m: float
     ) -> float:
         """The lower `sin_delta` of two amplitudes; force_n: of positions, m, and velocities, m/s.
@@ -43,7 +43,7 @@ class SmallMotion:
         """
         still_n, *moved_n = (
             force_n(*self.motion(at_m, amplitude * span_m)).astype(np.float64)
-            for amplitude in (0.0, *AMPLITUDES)
+            for amplitude in (0.0, *AMPLITUDE_FRACTIONS)
         )
         return min(self.sin_delta(each_n - still_n) for each_n in moved_n)
 
@@ -62,17 +62,17 @@ class SmallMotion:
         return float(lost_n / size_n)
 
 
-def map_frequencies_hz(dt_s: float) -> Samples:
+def scale_frequencies_hz(dt_s: float) -> Samples:
     """Frequencies of a map's columns."""
     return _FREQUENCIES_HZ * min(1.0, 1e-3 / dt_s)
 
 
-def active_cells(model: Model) -> int:
+def count_active_cells(model: Model) -> int:
     """Depths and frequencies within the trained depth at which a model's force gives energy."""
     from springpot.trainer.models.predict import predict_n  # what judges C loads no scipy
     from springpot.trainer.recordings.recording import Recording
 
-    trained, found = model.trained, 0
+    trained, active = model.trained, 0
     base_m = 0.0 if model.contact == "surface" else trained.min_m
     span_m = trained.max_m - base_m
 
@@ -80,8 +80,8 @@ def active_cells(model: Model) -> int:
         motion = Recording("sine", position_m, np.zeros_like(position_m), model.dt_s)
         return predict_n(model, motion)
 
-    for frequency_hz in map_frequencies_hz(model.dt_s):
-        small = SmallMotion(float(frequency_hz), model.dt_s)
-        for share in DEPTH_SHARES:
-            found += small.least_sin_delta(force_n, base_m + share * span_m, span_m) < ACTIVE
-    return found
+    for frequency_hz in scale_frequencies_hz(model.dt_s):
+        sine = SmallMotion(float(frequency_hz), model.dt_s)
+        for share in DEPTH_FRACTIONS:
+            active += sine.min_sin_delta(force_n, base_m + share * span_m, span_m) < MIN_SIN_DELTA
+    return active

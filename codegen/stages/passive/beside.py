@@ -10,21 +10,23 @@ from springpot.codegen.arrays import Flags, Reals, Samples
 from springpot.codegen.literals import array_text
 from springpot.codegen.model.formulas import (
     SMALLEST,
-    Place,
-    curve_nodes,
-    curve_place,
-    curve_values,
-    flow_functions,
-    flow_loss,
-    numbers,
-    pieces_of_one,
+    CurveLocation,
+    compute_flow_loss,
+    count_intervals,
+    evaluate_curves,
+    evaluate_flow_functions,
+    integrate_slopes,
+    locate_on_curve,
+    to_scalars,
 )
-from springpot.codegen.model.passive import Damage, Flow, power_order
+from springpot.codegen.model.passive import Damage, Flow, sort_by_power
 from springpot.codegen.stages.stage import LARGEST, REAL, Member, SceneTicks
 from springpot.codegen.types import RealType, Scalar
 
 FUNCTIONS = (1, 2, 4)  # degrees, SP_FLOW_FUNCTIONS of sp_flow.h
-LEAST = 1e-6  # of the stiffest piece: what no spring resists would come back at once
+MIN_STIFFNESS_FRACTION = (
+    1e-6  # of the stiffest piece: what no spring resists would come back at once
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,31 +70,31 @@ class FlowBranches:
         """Forces of ticks at u (n,), N, in the order of the C; and b and h after the last one."""
         real = self.loss.dtype.type
         root = sqrt if real is np.float64 else np.sqrt
-        functions = flow_functions(u)
+        functions = evaluate_flow_functions(u)
         rises = real(0.5) * (functions - np.concatenate([before[None], functions[:-1]]))
         force_n, ends = np.zeros_like(u), np.empty_like(h)
-        for k, (loss, begin) in enumerate(zip(numbers(self.loss), numbers(h), strict=True)):
-            along, its_h, cubic = [], begin, k < self.n_cubic
-            for half in numbers(rises[:, self.function[k]]):
-                held = min(max(its_h + half, -LARGEST), LARGEST)
-                square = held * held
+        for k, (loss, begin) in enumerate(zip(to_scalars(self.loss), to_scalars(h), strict=True)):
+            states, h_now, cubic = [], begin, k < self.n_cubic
+            for half in to_scalars(rises[:, self.function[k]]):
+                midpoint = min(max(h_now + half, -LARGEST), LARGEST)
+                square = midpoint * midpoint
                 grown = root(1 + loss * (square if cubic else square * square))
                 grown = grown if cubic else root(grown)
-                its_h = held / grown + half
-                its_h = its_h if abs(its_h) >= SMALLEST else its_h * 0
-                along.append(its_h)
-            force_n += self.force_n[k] * np.array(along, dtype=u.dtype)
-            ends[k] = its_h
+                h_now = midpoint / grown + half
+                h_now = h_now if abs(h_now) >= SMALLEST else h_now * 0
+                states.append(h_now)
+            force_n += self.force_n[k] * np.array(states, dtype=u.dtype)
+            ends[k] = h_now
         return force_n, functions[-1], ends
 
 
-def flow_branches(flow: Flow, ticks: SceneTicks) -> FlowBranches:
+def build_flow_branches(flow: Flow, ticks: SceneTicks) -> FlowBranches:
     """The branches of a model, those of power 3 first."""
-    order = power_order(flow)
+    order = sort_by_power(flow)
     power, rate = flow.power[order], flow.rate_ps[order]
     degrees = flow.degree[order].tolist()
     return FlowBranches(
-        loss=flow_loss(rate, power, ticks.dt_s).astype(ticks.dtype),
+        loss=compute_flow_loss(rate, power, ticks.dt_s).astype(ticks.dtype),
         force_n=flow.force_n[order].astype(ticks.dtype),
         function=np.array([FUNCTIONS.index(degree) for degree in degrees], dtype=np.uint8),
         n_cubic=int(np.count_nonzero(power == 3)),
@@ -127,38 +129,40 @@ class DamageCurves:
             array_text("healed", "sp_real", self.healed),
         ]
 
-    def advance(self, u: Reals, place: Place, deepest: Reals) -> tuple[Reals, Reals]:
+    def advance(self, u: Reals, place: CurveLocation, deepest: Reals) -> tuple[Reals, Reals]:
         """Forces of ticks at u (n,), N, in the order of the C; and M after the last one."""
         real, v = u.dtype.type, np.where(u > 0, u, u.dtype.type(0))[:, None]
-        left, ends = np.empty((len(u), len(deepest)), u.dtype), np.empty_like(deepest)
-        for k, begin in enumerate(numbers(deepest)):
-            along, most, healed = [], begin, numbers(self.healed)[k]
-            for its_v in numbers(v[:, 0]):
-                its_left = most - healed * (most - its_v)
-                along.append(its_left)
-                most = its_left if its_left > its_v else its_v
-            left[:, k], ends[k] = along, most
-        below = left > v
-        share = np.where(below, v / np.where(below, left, real(1)), real(1))
-        share[:, self.n_linear :] *= share[:, self.n_linear :] * share[:, self.n_linear :]
-        curves_n = curve_values(self.curves, place) * share
+        max_depth, ends = np.empty((len(u), len(deepest)), u.dtype), np.empty_like(deepest)
+        for k, begin in enumerate(to_scalars(deepest)):
+            healed_path, most, healed = [], begin, to_scalars(self.healed)[k]
+            for depth_v in to_scalars(v[:, 0]):
+                healed_most = most - healed * (most - depth_v)
+                healed_path.append(healed_most)
+                most = healed_most if healed_most > depth_v else depth_v
+            max_depth[:, k], ends[k] = healed_path, most
+        below = max_depth > v
+        depth_ratio = np.where(below, v / np.where(below, max_depth, real(1)), real(1))
+        depth_ratio[:, self.n_linear :] *= (
+            depth_ratio[:, self.n_linear :] * depth_ratio[:, self.n_linear :]
+        )
+        curves_n = evaluate_curves(self.curves, place) * depth_ratio
         return sum(curves_n.T, np.zeros_like(u)), ends
 
 
-def damage_curves(damage: Damage, ticks: SceneTicks) -> DamageCurves:
+def build_damage_curves(damage: Damage, ticks: SceneTicks) -> DamageCurves:
     """The curves of a model, those of power 1 first."""
     dtype = ticks.dtype
-    order = power_order(damage)
+    order = sort_by_power(damage)
     heal_s = damage.heal_s[order]
     rate = np.where(heal_s > 0.0, 1.0 / np.where(heal_s > 0.0, heal_s, 1.0), 0.0)
     return DamageCurves(
-        curves=curve_nodes(damage.curve_n[order]).astype(dtype),
+        curves=integrate_slopes(damage.curve_n[order]).astype(dtype),
         healed=(-np.expm1(-ticks.dt_s * rate)).astype(dtype),
         n_linear=int(np.count_nonzero(damage.power == 1)),
     )
 
 
-def steepest_n(damage: Damage) -> Samples:
+def bound_damage_slopes_n(damage: Damage) -> Samples:
     """The most that damage's force rises at each node, (J,), N for u from 0 to 1.
 
     d/dv g (v/M)^q <= g' + q g/v, and g/v is at most the largest slope so far.
@@ -186,13 +190,13 @@ class RecoveringSurface:
         ]
 
     def at(self, u: Scalar, before: Scalar, force_n: Scalar) -> Scalar:
-        """sp_surface_at: where the model is while the tool is at u; it was at `before`."""
+        """sp_surface_model_u: where the model is while the tool is at u; it was at `before`."""
         if not u < before:
             return u
         if not force_n > 0:
             return before
-        found = self._back(before, force_n)
-        back = found if found < before else before
+        retracted = self._retract(before, force_n)
+        back = retracted if retracted < before else before
         return u if u > back else back
 
     def may_leave(self, u: Reals, before: Reals, force_n: Reals) -> Flags:
@@ -201,33 +205,33 @@ class RecoveringSurface:
         At the stiffest of all pieces up to `before` its way takes more than the force.
         """
         steepest = np.maximum.accumulate(self.stiffest.astype(np.float64))
-        way = (before.astype(np.float64) - u) * pieces_of_one(len(self.stiffest))
-        takes_n = steepest[curve_place(before, len(self.stiffest))[0]] * way
-        return (u < before) & (force_n < 1.01 * takes_n)
+        distance = (before.astype(np.float64) - u) * count_intervals(len(self.stiffest))
+        required_n = steepest[locate_on_curve(before, len(self.stiffest))[0]] * distance
+        return (u < before) & (force_n < 1.01 * required_n)
 
-    def _back(self, before: Scalar, force_n: Scalar) -> Scalar:
-        """sp_surface_back: how far the surface comes back in a tick."""
+    def _retract(self, before: Scalar, force_n: Scalar) -> Scalar:
+        """sp_surface_recovered_u: how far the surface comes back in a tick."""
         real, last = self.stiffest.dtype.type, len(self.stiffest) - 1
-        passed = (before if before > 0 else real(0)) * real(pieces_of_one(last + 1))
-        piece, left_n = int(min(passed, last)), force_n
-        way = passed - real(piece)
-        takes_n = self.stiffest[piece] * way
-        while piece > 0 and left_n > takes_n:
-            left_n = left_n - takes_n
-            piece, way = piece - 1, real(1)
-            takes_n = self.stiffest[piece]
-        way = way - left_n / self.stiffest[piece]
-        end = real(piece) + (way if way > 0 else real(0))
-        return end / real(pieces_of_one(len(self.stiffest)))
+        interval_position = (before if before > 0 else real(0)) * real(count_intervals(last + 1))
+        interval, left_n = int(min(interval_position, last)), force_n
+        fraction = interval_position - real(interval)
+        required_n = self.stiffest[interval] * fraction
+        while interval > 0 and left_n > required_n:
+            left_n = left_n - required_n
+            interval, fraction = interval - 1, real(1)
+            required_n = self.stiffest[interval]
+        fraction = fraction - left_n / self.stiffest[interval]
+        end = real(interval) + (fraction if fraction > 0 else real(0))
+        return end / real(count_intervals(len(self.stiffest)))
 
 
-def surface_of(most_n: Samples, dtype: RealType) -> RecoveringSurface:
+def build_surface(most_n: Samples, dtype: RealType) -> RecoveringSurface:
     """Bound the stiffness of each piece, above which a step back could pull.
 
     most_n: the most that the force rises at each node, (J,), N for u from 0 to 1.
     """
     stiffest = np.maximum(np.append(most_n[1:], most_n[-1]), most_n)
-    stiffest = np.maximum(stiffest, LEAST * max(float(stiffest.max()), 1e-3))
+    stiffest = np.maximum(stiffest, MIN_STIFFNESS_FRACTION * max(float(stiffest.max()), 1e-3))
     # Rounded up, so that it is a bound in the scene's number type too.
-    rounded = np.nextafter((stiffest / pieces_of_one(len(stiffest))).astype(dtype), dtype(np.inf))
+    rounded = np.nextafter((stiffest / count_intervals(len(stiffest))).astype(dtype), dtype(np.inf))
     return RecoveringSurface(rounded)

@@ -6,20 +6,20 @@ import numpy as np
 
 from springpot.codegen.arrays import Real, Reals
 from springpot.codegen.literals import array_text, constant_text, members_text
-from springpot.codegen.model.formulas import curve_nodes
-from springpot.codegen.model.passive import Hammerstein, power_order
+from springpot.codegen.model.formulas import integrate_slopes
+from springpot.codegen.model.passive import Hammerstein, sort_by_power
 from springpot.codegen.stages.passive.beside import (
     DamageCurves,
     FlowBranches,
     RecoveringSurface,
-    damage_curves,
-    flow_branches,
-    steepest_n,
-    surface_of,
+    bound_damage_slopes_n,
+    build_damage_curves,
+    build_flow_branches,
+    build_surface,
 )
-from springpot.codegen.stages.passive.maxwell import MaxwellBranches, branch_steps
+from springpot.codegen.stages.passive.maxwell import MaxwellBranches, group_branches
 from springpot.codegen.stages.passive.motion import PassiveMotion
-from springpot.codegen.stages.passive.placed import PlacedCurves, PlaceTicks, placed_curves
+from springpot.codegen.stages.passive.placed import PlacedCurves, PlaceTicks, build_placed_curves
 from springpot.codegen.stages.stage import (
     DOUBLE,
     REAL,
@@ -38,9 +38,9 @@ class HammersteinConfig:
     """sp_hammerstein_config of sp_hammerstein.h, member by member."""
 
     origin_m: Real
-    per_span: Real
+    u_per_m: Real
     bias_n: Real
-    n_pieces: int
+    n_intervals: int
     n_branches: int
     n_stops: int
 
@@ -60,7 +60,11 @@ class StartMemory:
         named = (("held", self.held_n), ("flow", self.flow), ("deepest", self.deepest))
         return [
             "/* What the object still holds of earlier presses when its history restarts. */",
-            *(array_text(f"start_{name}", "sp_real", its) for name, its in named if its.any()),
+            *(
+                array_text(f"start_{name}", "sp_real", values)
+                for name, values in named
+                if values.any()
+            ),
         ]
 
 
@@ -95,18 +99,18 @@ class HammersteinStage(Stage):
     code = stage_code("passive")
 
     @property
-    def _beside(self) -> list[FlowBranches | DamageCurves]:
+    def _extra_parts(self) -> list[FlowBranches | DamageCurves]:
         """What adds a force of its own to spring, branches and stops."""
         return [part for part in (self.flow, self.damage) if part is not None]
 
     @property
     def headers(self) -> tuple[str, ...]:
         stepped = [header for step in self.steps for header in step.names.headers]
-        beside = [header for part in self._beside for header in part.headers]
+        beside = [header for part in self._extra_parts for header in part.headers]
         surface = self.surface.headers if self.surface else ()
-        own = ("sp_number.h", "sp_curve.h", "sp_stops.h", "sp_hammerstein.h")
+        core = ("sp_number.h", "sp_curve.h", "sp_stops.h", "sp_hammerstein.h")
         placed = self.placed.headers if self.placed else ()
-        return (*own, *stepped, *beside, *surface, *placed)
+        return (*core, *stepped, *beside, *surface, *placed)
 
     @property
     def members(self) -> tuple[Member, ...]:
@@ -123,7 +127,7 @@ class HammersteinStage(Stage):
             Member(f"sp_real {name}_before[{capacity}]", (REAL,) * capacity),
             Member(f"sp_real {name}_held[{capacity}]", (REAL,) * capacity),
             *play,
-            *(member for part in self._beside for member in part.members(name)),
+            *(member for part in self._extra_parts for member in part.members(name)),
             *(self.surface.members(name) if self.surface else ()),
             *(self.placed.members(name) if self.placed else ()),
         )
@@ -131,29 +135,31 @@ class HammersteinStage(Stage):
     @property
     def curves(self) -> dict[str, Reals]:
         """Arrays that a place scales, by their names in the C; all of them are linear in it."""
-        found = {"spring": self.spring, "branches": self.branches, "stops": self.stops}
+        arrays = {"spring": self.spring, "branches": self.branches, "stops": self.stops}
         if self.damage is not None:
-            found["damage"] = self.damage.curves
+            arrays["damage"] = self.damage.curves
         if self.flow is not None:
-            found["flow_n"] = self.flow.force_n
+            arrays["flow_n"] = self.flow.force_n
         if self.surface is not None:
-            found["stiffest"] = self.surface.stiffest
-        return {name: values for name, values in found.items() if values.size}
+            arrays["stiffest"] = self.surface.stiffest
+        return {name: values for name, values in arrays.items() if values.size}
 
     def at(self, place_m: tuple[float, float] | None) -> "HammersteinStage":
         """The stage as it is at a place, x and y, m; None: until one is chosen."""
         if self.placed is None:
             return self
         mixed = self.placed.at(place_m or self.placed.start_m)
-        here = {name: mixed[name].reshape(its.shape) for name, its in self.curves.items()}
+        curves_here = {
+            name: mixed[name].reshape(array.shape) for name, array in self.curves.items()
+        }
         return replace(
             self,
-            spring=here["spring"],
-            branches=here["branches"],
-            stops=here.get("stops", self.stops),
-            damage=self.damage and replace(self.damage, curves=here["damage"]),
-            flow=self.flow and replace(self.flow, force_n=here["flow_n"]),
-            surface=self.surface and replace(self.surface, stiffest=here["stiffest"]),
+            spring=curves_here["spring"],
+            branches=curves_here["branches"],
+            stops=curves_here.get("stops", self.stops),
+            damage=self.damage and replace(self.damage, curves=curves_here["damage"]),
+            flow=self.flow and replace(self.flow, force_n=curves_here["flow_n"]),
+            surface=self.surface and replace(self.surface, stiffest=curves_here["stiffest"]),
             placed=None,
         )
 
@@ -164,7 +170,7 @@ class HammersteinStage(Stage):
             array_text("spring", "sp_real", self.spring.ravel()),
             array_text("branches", "sp_real", self.branches.reshape(-1, self.config.n_branches)),
             *(line for step in self.steps for line in step.tables()),
-            *(line for part in self._beside for line in part.tables()),
+            *(line for part in self._extra_parts for line in part.tables()),
             *(self.surface.tables() if self.surface else ()),
             *(self.start.tables() if self.start else ()),
         ]
@@ -200,7 +206,7 @@ class HammersteinStage(Stage):
         places.
         """
         config = self.config
-        u = (depth - config.origin_m) * config.per_span
+        u = (depth - config.origin_m) * config.u_per_m
         force_n = np.empty_like(u)
         chosen = dict(places)
         later = [tick for tick in chosen if 0 < tick < len(depth)]
@@ -225,49 +231,49 @@ def hammerstein_stage(model: Hammerstein, ticks: SceneTicks, follows: str) -> Ha
         return hammerstein_stage(material, ticks, follows).curves
 
     dtype, n_stops = ticks.dtype, len(model.radius_m)
-    steps, slopes_n, held_n = branch_steps(model, ticks)
+    steps, slopes_n, held_n = group_branches(model, ticks)
     remembers = model.starts_conditioned if ticks.conditioned is None else ticks.conditioned
     springs_n = np.vstack([model.elastic_n, model.stop_n])
-    flow = None if model.flow is None else flow_branches(model.flow, ticks)
-    damage = None if model.damage is None else damage_curves(model.damage, ticks)
-    stops, start = curve_nodes(model.stop_n).astype(dtype), None
+    flow = None if model.flow is None else build_flow_branches(model.flow, ticks)
+    damage = None if model.damage is None else build_damage_curves(model.damage, ticks)
+    stops, start = integrate_slopes(model.stop_n).astype(dtype), None
     if remembers:
         flow_n, deepest = model.memory.flow, model.memory.deepest
-        flow_n = flow_n if model.flow is None else flow_n[power_order(model.flow)]
-        deepest = deepest if model.damage is None else deepest[power_order(model.damage)]
+        flow_n = flow_n if model.flow is None else flow_n[sort_by_power(model.flow)]
+        deepest = deepest if model.damage is None else deepest[sort_by_power(model.damage)]
         start = StartMemory(held_n.astype(dtype), flow_n.astype(dtype), deepest.astype(dtype))
     return HammersteinStage(
         config=HammersteinConfig(
             origin_m=dtype(model.origin_m),
-            per_span=dtype(1.0 / model.span_m),
+            u_per_m=dtype(1.0 / model.span_m),
             bias_n=dtype(model.bias_n),
-            n_pieces=model.nodes,
+            n_intervals=model.nodes,
             n_branches=len(slopes_n),
             n_stops=n_stops,
         ),
-        spring=curve_nodes(springs_n.sum(axis=0)[None])[:, :, 0].astype(dtype),
-        branches=curve_nodes(slopes_n).astype(dtype),
+        spring=integrate_slopes(springs_n.sum(axis=0)[None])[:, :, 0].astype(dtype),
+        branches=integrate_slopes(slopes_n).astype(dtype),
         steps=steps,
         stops=np.moveaxis(stops, 2, 0),
         radius=(model.radius_m / model.span_m).astype(dtype),
         flow=flow,
         damage=damage,
-        surface=_surface(model, np.vstack([springs_n, slopes_n]), flow, dtype)
+        surface=_build_surface(model, np.vstack([springs_n, slopes_n]), flow, dtype)
         if ticks.surface and model.recovers
         else None,
         pulls=not ticks.surface,
         follows=follows,
-        placed=placed_curves(model, curves_of, dtype),
+        placed=build_placed_curves(model, curves_of, dtype),
         start=start,
     )
 
 
-def _surface(
+def _build_surface(
     model: Hammerstein, slopes_n: Reals, flow: FlowBranches | None, dtype: RealType
 ) -> RecoveringSurface:
     most_n = slopes_n.sum(axis=0)
     if flow is not None:
         most_n = most_n + flow.slopes_n(model.nodes)
     if model.damage is not None:
-        most_n = most_n + steepest_n(model.damage)
-    return surface_of(most_n, dtype)
+        most_n = most_n + bound_damage_slopes_n(model.damage)
+    return build_surface(most_n, dtype)

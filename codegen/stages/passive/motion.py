@@ -7,20 +7,20 @@ import numpy as np
 
 from springpot.codegen.arrays import Reals
 from springpot.codegen.model.formulas import (
-    curve_place,
-    curve_values,
-    flow_functions,
-    numbers,
-    play,
+    evaluate_curves,
+    evaluate_flow_functions,
+    locate_on_curve,
+    play_operator,
+    to_scalars,
 )
-from springpot.codegen.model.passive import Hammerstein, Memory, power_order
+from springpot.codegen.model.passive import Hammerstein, Memory, sort_by_power
 from springpot.codegen.stages.stage import VECTOR_WIDTH
 from springpot.codegen.types import Scalar
 
 if TYPE_CHECKING:
     from springpot.codegen.stages.passive.hammerstein import HammersteinStage
 
-_CHUNK, _MIN = 512, 16  # ticks that are taken at once as long as the tool does not leave
+_CHUNK, _MIN_CHUNK = 512, 16  # ticks that are taken at once as long as the tool does not leave
 
 
 class PassiveMotion:
@@ -32,14 +32,14 @@ class PassiveMotion:
 
     def __init__(self, stage: "HammersteinStage", u: Scalar) -> None:
         config, real, start = stage.config, stage.spring.dtype.type, stage.start
-        self._begin(stage, u)
+        self._set_stage(stage, u)
         held_n = start.held_n if start else np.zeros(config.n_branches, dtype=real)
-        self._held = [
+        self._branch_state = [
             held_n[step.first : step.first + step.count].astype(np.float64 if step.double else real)
             for step in stage.steps
         ]
         self._play = np.full(config.n_stops, u, dtype=real)
-        self._functions = flow_functions(np.array([u]))[0]
+        self._functions = evaluate_flow_functions(np.array([u]))[0]
         self._flow = start.flow if start else np.zeros(stage.flow.count if stage.flow else 0, real)
         deepest = u if u > 0 else real(0)
         self._deepest = np.full(stage.damage.count if stage.damage else 0, deepest, dtype=real)
@@ -56,47 +56,47 @@ class PassiveMotion:
         """What the model of the stage holds; ticks in float64, vectors of one branch."""
         flow, deepest = self._flow.copy(), self._deepest.copy()
         if model.flow is not None:
-            flow[power_order(model.flow)] = self._flow
+            flow[sort_by_power(model.flow)] = self._flow
         if model.damage is not None:
-            deepest[power_order(model.damage)] = self._deepest
-        return Memory(np.concatenate(self._held)[: len(model.tau_s)], flow, deepest)
+            deepest[sort_by_power(model.damage)] = self._deepest
+        return Memory(np.concatenate(self._branch_state)[: len(model.tau_s)], flow, deepest)
 
-    def on(self, stage: "HammersteinStage") -> "PassiveMotion":
+    def with_stage(self, stage: "HammersteinStage") -> "PassiveMotion":
         """The same state in ticks of another length: the stage of the same model."""
         other = copy(self)
-        other._begin(stage, self._u)
+        other._set_stage(stage, self._u)
         return other
 
-    def _begin(self, stage: "HammersteinStage", u: Scalar) -> None:
+    def _set_stage(self, stage: "HammersteinStage", u: Scalar) -> None:
         self._stage = stage
         self._stops = np.moveaxis(stage.stops, 0, 2)
         self._curves = np.concatenate([stage.spring[:, :, None], stage.branches], axis=2)
-        place = curve_place(np.array([u]), stage.config.n_pieces)
-        self._before = curve_values(self._curves, place)[0, 1:]
+        location = locate_on_curve(np.array([u]), stage.config.n_intervals)
+        self._before = evaluate_curves(self._curves, location)[0, 1:]
 
     def along(self, u: Reals) -> tuple[Reals, Reals]:
         """Force of ticks with the tool at u, (n,), N, and where the model is then, (n,)."""
         if self._stage.surface is None:
-            return self._on(u), u
+            return self._advance_in_contact(u), u
         force_n, at = np.empty_like(u), u.copy()
         done, chunk = 0, _CHUNK
         while done < len(u):
             part = u[done : done + chunk]
             before = copy(self)
-            given_n = self._on(part)
-            stays = self._stays(before, part, given_n)
-            if stays < len(part):  # as far as it does, again
+            contact_n = self._advance_in_contact(part)
+            n_contact = self._count_contact_ticks(before, part, contact_n)
+            if n_contact < len(part):  # as far as it does, again
                 self.__dict__.update(before.__dict__)
-                given_n = self._on(part[:stays])
-            force_n[done : done + stays] = given_n
-            done += stays
+                contact_n = self._advance_in_contact(part[:n_contact])
+            force_n[done : done + n_contact] = contact_n
+            done += n_contact
             chunk = min(2 * chunk, _CHUNK)
-            if stays < len(part):
-                done = self._away(u, done, force_n, at)
-                chunk = _MIN
+            if n_contact < len(part):
+                done = self._advance_detached(u, done, force_n, at)
+                chunk = _MIN_CHUNK
         return force_n, at
 
-    def _stays(self, before: "PassiveMotion", u: Reals, force_n: Reals) -> int:
+    def _count_contact_ticks(self, before: "PassiveMotion", u: Reals, force_n: Reals) -> int:
         """Ticks, of those at u (n,), until the tool leaves the surface."""
         surface = self._stage.surface
         assert surface is not None
@@ -107,66 +107,66 @@ class PassiveMotion:
                 return i
         return len(u)
 
-    def _away(self, u: Reals, done: int, force_n: Reals, at: Reals) -> int:
+    def _advance_detached(self, u: Reals, done: int, force_n: Reals, at: Reals) -> int:
         """Tick by tick from `done` on until the tool is back; returns the first tick after."""
         surface = self._stage.surface
         assert surface is not None
         for i in range(done, len(u)):
             at[i] = surface.at(u[i], self._u, self._force_n)
-            held_n = self._on(at[i : i + 1])[0]
-            force_n[i] = 0 if at[i] > u[i] else held_n
+            contact_n = self._advance_in_contact(at[i : i + 1])[0]
+            force_n[i] = 0 if at[i] > u[i] else contact_n
             if not at[i] > u[i]:
                 return i + 1
         return len(u)
 
-    def _on(self, u: Reals) -> Reals:
+    def _advance_in_contact(self, u: Reals) -> Reals:
         """Force of ticks with the model at u, (n,), N."""
         stage = self._stage
         if not len(u):
             return u
-        place = curve_place(u, stage.config.n_pieces)
-        curves = curve_values(self._curves, place)
+        location = locate_on_curve(u, stage.config.n_intervals)
+        curves = evaluate_curves(self._curves, location)
         g = curves[:, 1:]
         rises = g - np.concatenate([self._before[None], g[:-1]])
         self._before = g[-1]
-        held, ends = np.empty_like(g), []
-        for step, begins in zip(stage.steps, self._held, strict=True):
-            its = slice(step.first, step.first + step.count)
-            states = step.advance(rises[:, its], place, begins)
-            held[:, its] = states
+        branch_n, ends = np.empty_like(g), []
+        for step, begins in zip(stage.steps, self._branch_state, strict=True):
+            columns = slice(step.first, step.first + step.count)
+            states = step.advance(rises[:, columns], location, begins)
+            branch_n[:, columns] = states
             ends.append(states[-1])
-        self._held = ends
-        force_n = self._still(u, curves[:, 0]) + _summed(held)
+        self._branch_state = ends
+        force_n = self._static_force_n(u, curves[:, 0]) + _sum_branches(branch_n)
         if stage.flow is not None:
             flow_n, self._functions, self._flow = stage.flow.advance(u, self._functions, self._flow)
             force_n = force_n + flow_n
         if stage.damage is not None:
-            damage_n, self._deepest = stage.damage.advance(u, place, self._deepest)
+            damage_n, self._deepest = stage.damage.advance(u, location, self._deepest)
             force_n = force_n + damage_n
         self._u, self._force_n = u[-1], force_n[-1]
         return force_n
 
-    def _still(self, u: Reals, spring_n: Reals) -> Reals:
+    def _static_force_n(self, u: Reals, spring_n: Reals) -> Reals:
         """Force of spring, stops and bias, (n,), N; moves the plays."""
         still_n: Reals = spring_n + self._stage.config.bias_n
         if not len(self._play):
             return still_n
         played = np.empty((len(u), len(self._play)), dtype=u.dtype)
-        for k, begin in enumerate(numbers(self._play)):
-            played[:, k] = play(u, begin, self._stage.radius[k])
+        for k, begin in enumerate(to_scalars(self._play)):
+            played[:, k] = play_operator(u, begin, self._stage.radius[k])
         self._play = played[-1]
-        place = curve_place(played, self._stage.config.n_pieces)
-        for stop_n in curve_values(self._stops, place).T:
+        location = locate_on_curve(played, self._stage.config.n_intervals)
+        for stop_n in evaluate_curves(self._stops, location).T:
             # A stop is P(u) - P(play); its P(u) is part of the spring's curve already.
             still_n = still_n - stop_n
         return still_n
 
 
-def _summed(held: Reals) -> Reals:
+def _sum_branches(branch_n: Reals) -> Reals:
     """Sum of the branches, (n,): four partial sums, as the C's vectors add them."""
-    s = np.zeros((VECTOR_WIDTH, len(held)), dtype=held.dtype)
-    for first in range(0, held.shape[1], VECTOR_WIDTH):
-        vector = held[:, first : first + VECTOR_WIDTH].T
+    s = np.zeros((VECTOR_WIDTH, len(branch_n)), dtype=branch_n.dtype)
+    for first in range(0, branch_n.shape[1], VECTOR_WIDTH):
+        vector = branch_n[:, first : first + VECTOR_WIDTH].T
         s[: len(vector)] += vector
     total: Reals = (s[0] + s[2]) + (s[1] + s[3])
     return total

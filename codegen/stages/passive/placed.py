@@ -8,13 +8,13 @@ import numpy as np
 from springpot.codegen.arrays import Real, Reals
 from springpot.codegen.literals import array_text, constant_text
 from springpot.codegen.model.passive import Hammerstein
-from springpot.codegen.model.places import amounts_at, grid_steps, mixed
-from springpot.codegen.stages.passive.beside import LEAST
+from springpot.codegen.model.places import interpolate_amounts, locate_in_grid, mix_materials
+from springpot.codegen.stages.passive.beside import MIN_STIFFNESS_FRACTION
 from springpot.codegen.stages.stage import REAL, U32, Member
 from springpot.codegen.types import RealType
 
 _STIFFEST = "stiffest"
-_ROUNDED_UP = 1.0 + 1e-5
+_ROUNDING_MARGIN = 1.0 + 1e-5
 PlaceTicks = Sequence[tuple[int, tuple[float, float]]]  # first tick of a place, m
 
 
@@ -24,8 +24,8 @@ class MapConfig:
 
     first_x_m: Real
     first_y_m: Real
-    per_step_x: Real
-    per_step_y: Real
+    steps_per_m_x: Real
+    steps_per_m_y: Real
     nodes_x: int
     nodes_y: int
     n_materials: int
@@ -80,55 +80,64 @@ class PlacedCurves:
     def _grid(self, place_m: tuple[float, float]) -> tuple[Reals, Reals, Reals]:
         config = self.config
         first_m = np.array([config.first_x_m, config.first_y_m])
-        per_step = np.array([config.per_step_x, config.per_step_y])
+        per_step = np.array([config.steps_per_m_x, config.steps_per_m_y])
         return first_m, per_step, np.array(place_m, dtype=first_m.dtype)
 
-    def felt(self, asked: PlaceTicks, lets_in: Callable[[int], int]) -> PlaceTicks:
+    def find_changes(self, asked: PlaceTicks, lets_in: Callable[[int], int]) -> PlaceTicks:
         """Places that are felt, and the first row of each, from those that are asked for.
 
         asked: rows from which each is asked for, in order; lets_in: the first row from one on in
         which the tool is off the object, or the history restarts. A place that is felt already
         changes nothing.
         """
-        found = {0: self.start_m}
-        steps = grid_steps(self.config.nodes, *self._grid(self.start_m))
+        changes = {0: self.start_m}
+        steps = locate_in_grid(self.config.nodes, *self._grid(self.start_m))
         for row, place_m in asked:
-            there = grid_steps(self.config.nodes, *self._grid(place_m))
-            if there != steps:
-                found[lets_in(row)] = place_m
-            steps = there
-        return list(found.items())
+            new_steps = locate_in_grid(self.config.nodes, *self._grid(place_m))
+            if new_steps != steps:
+                changes[lets_in(row)] = place_m
+            steps = new_steps
+        return list(changes.items())
 
     def at(self, place_m: tuple[float, float]) -> dict[str, Reals]:
         """Curves at a place, m, by their names in the C."""
-        amount = amounts_at(self.amounts, *self._grid(place_m))
+        amount = interpolate_amounts(self.amounts, *self._grid(place_m))
         ends = np.cumsum([*self.sizes.values()])[:-1]
-        curves = dict(zip(self.sizes, np.split(mixed(amount, self.materials), ends), strict=True))
+        curves = dict(
+            zip(self.sizes, np.split(mix_materials(amount, self.materials), ends), strict=True)
+        )
         if _STIFFEST in curves:
             curves[_STIFFEST] = np.maximum(curves[_STIFFEST], self.least)
         return curves
 
 
-def placed_curves(
+def build_placed_curves(
     model: Hammerstein, curves_of: Callable[[Hammerstein], dict[str, Reals]], dtype: RealType
 ) -> PlacedCurves | None:
     """The map of a model that has one; curves_of: the arrays of a model of one material."""
     places = model.places
     if places is None:
         return None
-    of_materials = [curves_of(model.with_slopes(slopes_n)) for slopes_n in places.slopes_n]
-    for curves in of_materials:
+    material_curves = [curves_of(model.with_slopes(slopes_n)) for slopes_n in places.slopes_n]
+    for curves in material_curves:
         if _STIFFEST in curves:  # stays a bound when mixing is rounded
-            curves[_STIFFEST] = _ROUNDED_UP * curves[_STIFFEST]
-    flat = [np.concatenate([its.ravel() for its in curves.values()]) for curves in of_materials]
+            curves[_STIFFEST] = _ROUNDING_MARGIN * curves[_STIFFEST]
+    flat = [
+        np.concatenate([arrays.ravel() for arrays in curves.values()]) for curves in material_curves
+    ]
     materials = np.stack(flat).astype(dtype)
     first_x_m, first_y_m = places.first_m.astype(dtype)
-    per_step_x, per_step_y = (1.0 / places.step_m).astype(dtype)
+    steps_per_m_x, steps_per_m_y = (1.0 / places.step_m).astype(dtype)
     return PlacedCurves(
-        MapConfig(first_x_m, first_y_m, per_step_x, per_step_y, *places.nodes, *materials.shape),
+        MapConfig(
+            first_x_m, first_y_m, steps_per_m_x, steps_per_m_y, *places.nodes, *materials.shape
+        ),
         places.amounts.astype(dtype),
         materials,
-        {name: values.size for name, values in of_materials[0].items()},
+        {name: values.size for name, values in material_curves[0].items()},
         places.stiffest_m,
-        dtype(LEAST * max(float(its.get(_STIFFEST, np.zeros(1)).max()) for its in of_materials)),
+        dtype(
+            MIN_STIFFNESS_FRACTION
+            * max(float(arrays.get(_STIFFEST, np.zeros(1)).max()) for arrays in material_curves)
+        ),
     )

@@ -33,7 +33,7 @@ class Scene {
     this.velocity_mps = view(this.Real, "velocity_mps");
     this.force_n = view(this.Real, "force_n");
     this.notes = view(Int32Array, "notes");
-    c.sp_page_device(...entry.device);
+    c.sp_page_set_device(...entry.device);
   }
 
   // The self-test in words.
@@ -45,7 +45,7 @@ class Scene {
 
   hold(stiffness_npm, added_delay) {
     const [mass_kg, damping_nspm] = this.entry.hand;
-    this.c.sp_page_hold(mass_kg, stiffness_npm, damping_nspm, this.entry.own_delay + added_delay);
+    this.c.sp_page_set_hand(mass_kg, stiffness_npm, damping_nspm, this.entry.own_delay + added_delay);
   }
 
   start() {
@@ -63,7 +63,7 @@ class Scene {
     this.owed -= ticks;
     intent.at_ms = now_ms - (ticks + this.owed) * dt_ms;
     intent.fill(this.intended_m, ticks, dt_ms);
-    this.c.sp_page_press(ticks, this.entry.dt_s);
+    this.c.sp_page_run(ticks, this.entry.dt_s);
     return ticks;
   }
 }

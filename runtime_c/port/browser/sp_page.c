@@ -13,18 +13,18 @@ int32_t sp_page_notes[SP_PAGE_ROWS];
 
 static sp_state state;
 static sim_hand hand;
-static sim_moved moved;
+static sim_hand_device moved;
 static sim_motion motion;
-static double intends_m; /* at the end of the last tick */
+static double last_intended_m; /* at the end of the last tick */
 static uint32_t delay_samples;
 static double sent_n[SP_PAGE_MAX_DELAY + 1]; /* forces that do not act yet, the next one first */
 
-void sp_page_device(double mass_kg, double viscous_nspm, double coulomb_n)
+void sp_page_set_device(double mass_kg, double viscous_nspm, double coulomb_n)
 {
-    moved = (sim_moved){mass_kg, viscous_nspm, coulomb_n};
+    moved = (sim_hand_device){mass_kg, viscous_nspm, coulomb_n};
 }
 
-void sp_page_hold(double mass_kg, double stiffness_npm, double damping_nspm, uint32_t delay)
+void sp_page_set_hand(double mass_kg, double stiffness_npm, double damping_nspm, uint32_t delay)
 {
     hand = (sim_hand){mass_kg, stiffness_npm, damping_nspm};
     const uint32_t wanted = delay < SP_PAGE_MAX_DELAY ? delay : SP_PAGE_MAX_DELAY;
@@ -38,7 +38,7 @@ void sp_page_start(double position_m)
 {
     sp_init(&state);
     motion = (sim_motion){position_m, 0.0};
-    intends_m = position_m;
+    last_intended_m = position_m;
     for (uint32_t i = 0; i < SP_PAGE_MAX_DELAY; i++) {
         sent_n[i] = 0.0;
     }
@@ -60,17 +60,17 @@ static void move_hand(double dt_s, double to_m, double force_n)
 {
     const uint32_t substeps = sim_hand_substeps(&hand, &moved, dt_s, SUBSTEPS);
     const double step_s = dt_s / (double)substeps;
-    const double stride_m = (to_m - intends_m) / (double)substeps;
+    const double stride_m = (to_m - last_intended_m) / (double)substeps;
     for (uint32_t i = 0; i < substeps; i++) {
-        const double from_m = intends_m + (double)i * stride_m;
-        sim_hand_pull(&hand, &moved, &motion, 0.5 * step_s, from_m, force_n);
+        const double from_m = last_intended_m + (double)i * stride_m;
+        sim_hand_apply_spring(&hand, &moved, &motion, 0.5 * step_s, from_m, force_n);
         motion.position_m += step_s * motion.velocity_mps;
-        sim_hand_pull(&hand, &moved, &motion, 0.5 * step_s, from_m + stride_m, force_n);
+        sim_hand_apply_spring(&hand, &moved, &motion, 0.5 * step_s, from_m + stride_m, force_n);
     }
-    intends_m = to_m;
+    last_intended_m = to_m;
 }
 
-void sp_page_press(uint32_t rows, double dt_s)
+void sp_page_run(uint32_t rows, double dt_s)
 {
     for (uint32_t i = 0; i < rows && i < SP_PAGE_ROWS; i++) {
         sp_page_position_m[i] = (sp_real)motion.position_m;

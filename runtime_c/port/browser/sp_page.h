@@ -16,15 +16,15 @@ extern sp_real sp_page_force_n[SP_PAGE_ROWS];
 extern int32_t sp_page_notes[SP_PAGE_ROWS];
 
 /* The device that the hand holds. */
-void sp_page_device(double mass_kg, double viscous_nspm, double coulomb_n);
+void sp_page_set_device(double mass_kg, double viscous_nspm, double coulomb_n);
 
 /* The hand, and how many samples late the force acts, at most SP_PAGE_MAX_DELAY. */
-void sp_page_hold(double mass_kg, double stiffness_npm, double damping_nspm, uint32_t delay);
+void sp_page_set_hand(double mass_kg, double stiffness_npm, double damping_nspm, uint32_t delay);
 
 /* A fresh scene, and the hand at rest at position_m. */
 void sp_page_start(double position_m);
 
 /* `rows` ticks of dt_s towards sp_page_intended_m; fills the other arrays. */
-void sp_page_press(uint32_t rows, double dt_s);
+void sp_page_run(uint32_t rows, double dt_s);
 
 #endif

@@ -16,13 +16,14 @@ extern uint32_t sp_stack_top[], sp_data_load[], sp_data[], sp_data_end[], sp_bss
 int main(void);
 void sp_arm_reset(void);
 
-static uint32_t parts; /* turns of SysTick in a period: it counts to 2^24 only */
+static uint32_t turns_per_period; /* turns of SysTick in a period: it counts to 2^24 only */
 static uint32_t turn;
 
-void sp_arm_periods(float core_hz, float period_s)
+void sp_arm_start_systick(float core_hz, float period_s)
 {
     uint32_t counts = (uint32_t)(core_hz * period_s + 0.5f);
-    for (parts = 1; counts > SYST_MAX; parts *= 2) { /* a period is 2^k turns */
+    for (turns_per_period = 1; counts > SYST_MAX;
+         turns_per_period *= 2) { /* a period is 2^k turns */
         counts /= 2;
     }
     SYST_RVR = counts - 1;
@@ -33,9 +34,9 @@ void sp_arm_periods(float core_hz, float period_s)
 static void on_systick(void)
 {
     turn++;
-    if (turn >= parts) {
+    if (turn >= turns_per_period) {
         turn = 0;
-        sp_port_period();
+        sp_port_on_period();
     }
 }
 

@@ -6,7 +6,7 @@
 
 #define SP_REGISTER(address) (*(volatile uint32_t *)(address))
 
-/* sp_port_period() every period_s, by SysTick from the core's clock. */
-void sp_arm_periods(float core_hz, float period_s);
+/* sp_port_on_period() every period_s, by SysTick from the core's clock. */
+void sp_arm_start_systick(float core_hz, float period_s);
 
 #endif

@@ -53,7 +53,7 @@ static int overflowed(void)
 #else
 #define COUNTER_MASK 0xffffffffu
 
-static uint64_t began;
+static uint64_t start_count;
 
 static inline uint32_t counter(void)
 {
@@ -75,16 +75,16 @@ static uint64_t whole_counter(void)
 
 static void restart_counter(void)
 {
-    began = whole_counter();
+    start_count = whole_counter();
 }
 
 static int overflowed(void)
 {
-    return whole_counter() - began > COUNTER_MASK;
+    return whole_counter() - start_count > COUNTER_MASK;
 }
 #endif
 
-static return_row made(const call_row *call)
+static return_row execute_call(const call_row *call)
 {
     return_row row = {0};
     if (call->call & CALL_RESET) {
@@ -120,7 +120,7 @@ int main(void)
         left = sp_semihosting_read(from, calls, sizeof calls);
         const uint32_t n = (uint32_t)((sizeof calls - left) / sizeof calls[0]);
         for (uint32_t i = 0; i < n; i++) {
-            returns[i] = made(&calls[i]);
+            returns[i] = execute_call(&calls[i]);
         }
         sp_semihosting_write(to, returns, n * (uint32_t)sizeof returns[0]);
     }

@@ -7,5 +7,5 @@ enum { CORE_HZ = 168000000 };
 
 void sp_board_start(float period_s)
 {
-    sp_arm_periods((float)CORE_HZ, period_s);
+    sp_arm_start_systick((float)CORE_HZ, period_s);
 }

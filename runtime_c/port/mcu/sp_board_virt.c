@@ -48,7 +48,7 @@ static void on_timer(void)
 {
     next_period += period_counts;
     set_timer(next_period);
-    sp_port_period();
+    sp_port_on_period();
 }
 
 __attribute__((interrupt("machine"), aligned(4))) void sp_virt_trap(void)

@@ -2,7 +2,7 @@
 #ifndef SP_CPU_H
 #define SP_CPU_H
 
-static inline void sp_cpu_hold_interrupts(void)
+static inline void sp_cpu_disable_interrupts(void)
 {
 #if defined(__arm__)
     __asm__ volatile("cpsid i" ::: "memory");
@@ -11,7 +11,7 @@ static inline void sp_cpu_hold_interrupts(void)
 #endif
 }
 
-static inline void sp_cpu_let_interrupts(void)
+static inline void sp_cpu_enable_interrupts(void)
 {
 #if defined(__arm__)
     __asm__ volatile("cpsie i" ::: "memory");

@@ -28,7 +28,7 @@ int main(void)
     sp_init(&scene);
     sp_port_start((float)SP_PERIOD_S);
     for (;;) {
-        for (uint32_t passed = sp_port_periods(); passed > 0; passed--) {
+        for (uint32_t passed = sp_port_take_elapsed_periods(); passed > 0; passed--) {
             if (is_sound) {
                 tick();
             }

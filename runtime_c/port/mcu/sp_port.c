@@ -7,29 +7,29 @@ static volatile uint32_t periods;
 void sp_port_start(float period_s)
 {
     sp_board_start(period_s);
-    sp_cpu_let_interrupts();
+    sp_cpu_enable_interrupts();
 }
 
-uint32_t sp_port_periods(void)
+uint32_t sp_port_take_elapsed_periods(void)
 {
-    sp_cpu_hold_interrupts();
+    sp_cpu_disable_interrupts();
     const uint32_t passed = periods;
     periods = 0;
-    sp_cpu_let_interrupts();
+    sp_cpu_enable_interrupts();
     return passed;
 }
 
 void sp_port_sleep(void)
 {
     /* Held back, so that nothing comes between the look and the sleep. */
-    sp_cpu_hold_interrupts();
+    sp_cpu_disable_interrupts();
     if (periods == 0) {
         sp_cpu_sleep();
     }
-    sp_cpu_let_interrupts();
+    sp_cpu_enable_interrupts();
 }
 
-void sp_port_period(void)
+void sp_port_on_period(void)
 {
     periods = periods + 1;
 }

@@ -15,15 +15,15 @@
 void sp_port_start(float period_s);
 
 /* Periods that have passed since the last call. */
-uint32_t sp_port_periods(void);
+uint32_t sp_port_take_elapsed_periods(void);
 
 /* Until a period comes; returns at once where one has come. */
 void sp_port_sleep(void);
 
 /* For the board's timer. */
-void sp_port_period(void);
+void sp_port_on_period(void);
 
-/* Of the board: call sp_port_period() every period_s. */
+/* Of the board: call sp_port_on_period() every period_s. */
 void sp_board_start(float period_s);
 
 /* Of the hand: 1 and the newest motion (m, m/s) where the sensor has one, else 0; force (N) to the

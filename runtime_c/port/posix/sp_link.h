@@ -47,11 +47,11 @@ struct sp_link {
 /* springpot declarations end */
 
 /* Where the next sample goes, `count` having come: the oldest makes room. */
-sp_motion *sp_link_place(sp_motion *motions, uint32_t capacity, int count);
+sp_motion *sp_link_next_slot(sp_motion *motions, uint32_t capacity, int count);
 
 /* Read what is there; how many bytes, 0 for none, or SP_LINK_GONE. */
-int sp_link_take(int fd, uint8_t *bytes, uint32_t capacity);
+int sp_link_read_bytes(int fd, uint8_t *bytes, uint32_t capacity);
 /* Write all of it or say how far it got; or SP_LINK_GONE. */
-int sp_link_put(int fd, const uint8_t *bytes, uint32_t count);
+int sp_link_write_bytes(int fd, const uint8_t *bytes, uint32_t count);
 
 #endif

@@ -12,7 +12,7 @@ static int failed(void)
                : SP_LINK_GONE;
 }
 
-sp_motion *sp_link_place(sp_motion *motions, uint32_t capacity, int count)
+sp_motion *sp_link_next_slot(sp_motion *motions, uint32_t capacity, int count)
 {
     if ((uint32_t)count < capacity) {
         return &motions[count];
@@ -21,13 +21,13 @@ sp_motion *sp_link_place(sp_motion *motions, uint32_t capacity, int count)
     return &motions[capacity - 1];
 }
 
-int sp_link_take(int fd, uint8_t *bytes, uint32_t capacity)
+int sp_link_read_bytes(int fd, uint8_t *bytes, uint32_t capacity)
 {
     const ssize_t count = read(fd, bytes, capacity);
     return count > 0 ? (int)count : count == 0 ? SP_LINK_GONE : failed();
 }
 
-int sp_link_put(int fd, const uint8_t *bytes, uint32_t count)
+int sp_link_write_bytes(int fd, const uint8_t *bytes, uint32_t count)
 {
     const ssize_t put = write(fd, bytes, count);
     return put >= 0 ? (int)put : failed();

@@ -42,7 +42,7 @@ enum { MAX_STATUS = 32, STATUS_FORCE = 5, STATUS_FORCE_OFF_CAUSE = 14, ON = 1, O
 enum { AXES = 3, UP = 2 };
 
 /* Its status and button are asked for at every so manieth sample: within 8 ms at 1 kHz. */
-enum { LOOK_EVERY = 8 };
+enum { STATUS_EVERY = 8 };
 /* So many forces that were not taken, one after the other, and the motors are switched off; or the
  * device is gone, where it gives no position either. */
 enum { MAX_UNTAKEN = 2 };
@@ -58,12 +58,12 @@ typedef struct {
     sp_dhd dhd;
     double at_m[AXES];
     double at_mps[AXES];
-    double wall_n[AXES]; /* given last; the first one after a pause is zero by its share */
-    uint64_t good_ns;    /* of the last call that succeeded */
-    uint64_t held_ns;    /* since when it holds the tool; 0: not yet */
-    uint32_t looks;
-    uint32_t untaken;
-    uint32_t unread;
+    double wall_n[AXES];     /* given last; the first one after a pause is zero by its share */
+    uint64_t good_ns;        /* of the last call that succeeded */
+    uint64_t guide_since_ns; /* since when it holds the tool; 0: not yet */
+    uint32_t status_polls;
+    uint32_t refused_forces;
+    uint32_t failed_reads;
     int tripped;
     int pressed;
 } device;
@@ -92,11 +92,11 @@ static void watch_call(device *self, uint64_t begin_ns)
     }
 }
 
-static void look_at_device(device *self)
+static void poll_status(device *self)
 {
     const sp_dhd *dhd = &self->dhd;
     int status[MAX_STATUS] = {0};
-    if (self->looks++ % LOOK_EVERY != 0) {
+    if (self->status_polls++ % STATUS_EVERY != 0) {
         return;
     }
     if (self->link.ready && dhd->get_status(status, (char)dhd->id) >= 0 && !status[STATUS_FORCE]) {
@@ -106,7 +106,7 @@ static void look_at_device(device *self)
 }
 
 /* Whether the SDK gave numbers. */
-static int is_place(device *self, const double *at_m, const double *at_mps)
+static int store_if_finite(device *self, const double *at_m, const double *at_mps)
 {
     for (int i = 0; i < AXES; i++) {
         if (!isfinite(at_m[i]) || !isfinite(at_mps[i])) {
@@ -135,7 +135,7 @@ static int read_device(sp_link *link, uint64_t now_ns, sp_motion *motion, uint32
     if (got < 0 ||
         dhd->get_linear_velocity(&at_mps[0], &at_mps[1], &at_mps[2], (char)dhd->id) < 0) {
         link->crc_errors++;
-        self->unread++;
+        self->failed_reads++;
         link->device_error = (uint32_t)dhd->error_get_last();
         watch_call(self, begin_ns);
         return now_ns - self->good_ns > gone_ns ? SP_LINK_GONE
@@ -143,14 +143,14 @@ static int read_device(sp_link *link, uint64_t now_ns, sp_motion *motion, uint32
                                                 : 0;
     }
     self->good_ns = now_ns;
-    self->unread = 0;
-    look_at_device(self);
+    self->failed_reads = 0;
+    poll_status(self);
     watch_call(self, begin_ns);
     if (self->pressed) {
         return SP_LINK_BUTTON;
     }
     /* Above 0: the SDK has answered with what it had read before. */
-    const int fresh = got == 0 && is_place(self, at_m, at_mps);
+    const int fresh = got == 0 && store_if_finite(self, at_m, at_mps);
     if (fresh) {
         link->samples++;
         motion->position_m = dhd->sign * at_m[dhd->axis] - dhd->surface_m;
@@ -178,9 +178,9 @@ static double wall_n(const device *self, int axis, double share)
 }
 
 /* What holds the tool on its line, and its handle up. */
-static double held_n(device *self, uint64_t now_ns, int axis)
+static double guide_force_n(device *self, uint64_t now_ns, int axis)
 {
-    const double share = fmin(1e-9 * (double)(now_ns - self->held_ns) / rise_s, 1.0);
+    const double share = fmin(1e-9 * (double)(now_ns - self->guide_since_ns) / rise_s, 1.0);
     self->wall_n[axis] = wall_n(self, axis, share);
     return self->wall_n[axis] + (axis == UP ? share * self->dhd.weight_n : 0.0);
 }
@@ -191,22 +191,24 @@ static int write_device(sp_link *link, uint64_t now_ns, double force_n)
     const sp_dhd *dhd = &self->dhd;
     const uint64_t begin_ns = clock_ns();
     double force[AXES];
-    self->held_ns = link->released ? 0 : self->held_ns ? self->held_ns : now_ns;
+    self->guide_since_ns = link->released         ? 0
+                           : self->guide_since_ns ? self->guide_since_ns
+                                                  : now_ns;
     for (int i = 0; i < AXES; i++) {
-        force[i] = link->released ? 0.0 : held_n(self, now_ns, i);
+        force[i] = link->released ? 0.0 : guide_force_n(self, now_ns, i);
     }
     force[dhd->axis] -= dhd->sign * force_n;
     const int put = dhd->set_force(force[0], force[1], force[2], (char)dhd->id);
     link->saturated += put > 0;
-    self->untaken = put < 0 ? self->untaken + 1 : 0;
+    self->refused_forces = put < 0 ? self->refused_forces + 1 : 0;
     if (put < 0) {
         link->device_error = (uint32_t)dhd->error_get_last();
         link->unsent++;
     }
     watch_call(self, begin_ns); /* the next reading says so: this force was taken */
-    if (self->untaken >= MAX_UNTAKEN) {
+    if (self->refused_forces >= MAX_UNTAKEN) {
         /* The device keeps the last force that it took. */
-        if (self->unread >= MAX_UNTAKEN) {
+        if (self->failed_reads >= MAX_UNTAKEN) {
             return SP_LINK_GONE;
         }
         (void)dhd->enable_force(OFF, (char)dhd->id);
@@ -221,8 +223,8 @@ static void reset_device(sp_link *link, uint64_t now_ns)
     device *self = (device *)link;
     (void)now_ns;
     self->tripped = 0;
-    self->untaken = 0;
-    self->held_ns = 0;
+    self->refused_forces = 0;
+    self->guide_since_ns = 0;
     (void)self->dhd.set_force(0.0, 0.0, 0.0, (char)self->dhd.id);
     link->ready = self->dhd.enable_force(ON, (char)self->dhd.id) >= 0;
 }

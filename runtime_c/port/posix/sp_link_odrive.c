@@ -49,7 +49,7 @@ _Static_assert(sizeof(can_frame) == 16, "as the kernel and the bridge lay it out
 static const uint32_t standard_id = 0x7ff;
 /* What a reset sends, in this order: the limits of the drive before it gives torque. */
 static const uint32_t arming[] = {CLEAR_ERRORS, LIMITS, CONTROLLER_MODE, AXIS_STATE};
-enum { ARMED = sizeof arming / sizeof *arming };
+enum { ARMING_STEPS = sizeof arming / sizeof *arming };
 /* For so long after the reset; then the loop has given the drive up. */
 static const uint64_t max_arming_ns = 1000000000;
 static const double two_pi = 6.283185307179586;
@@ -71,14 +71,14 @@ typedef struct {
     int fresh;
 } odrive;
 
-static float real_at(const uint8_t *bytes)
+static float read_f32(const uint8_t *bytes)
 {
     float value;
     memcpy(&value, bytes, sizeof value);
     return value;
 }
 
-static void put_real(uint8_t *bytes, double value)
+static void write_f32(uint8_t *bytes, double value)
 {
     const float real = (float)value;
     memcpy(bytes, &real, sizeof real);
@@ -90,7 +90,7 @@ static void put_u32(uint8_t *bytes, uint32_t value)
 }
 
 /* One frame from the drive. */
-static void take_frame(odrive *self, uint32_t id, const uint8_t *data, uint32_t size)
+static void handle_frame(odrive *self, uint32_t id, const uint8_t *data, uint32_t size)
 {
     const sp_odrive *drive = &self->drive;
     sp_motion *motion;
@@ -109,16 +109,17 @@ static void take_frame(odrive *self, uint32_t id, const uint8_t *data, uint32_t 
     case TORQUES:
         if (drive->with_torque) {
             /* at rest the object pushes back what the motor pushes in */
-            self->measured_n = drive->sign * (double)real_at(data + 4) * two_pi / drive->m_per_turn;
+            self->measured_n =
+                drive->sign * (double)read_f32(data + 4) * two_pi / drive->m_per_turn;
         }
         return;
     case ENCODER:
         self->link.samples++;
-        motion = sp_link_place(self->motions, self->capacity, self->fresh++);
+        motion = sp_link_next_slot(self->motions, self->capacity, self->fresh++);
         motion->position_m =
-            drive->sign * ((double)real_at(data) - drive->zero_turns) * drive->m_per_turn -
+            drive->sign * ((double)read_f32(data) - drive->zero_turns) * drive->m_per_turn -
             drive->surface_m;
-        motion->velocity_mps = drive->sign * (double)real_at(data + 4) * drive->m_per_turn;
+        motion->velocity_mps = drive->sign * (double)read_f32(data + 4) * drive->m_per_turn;
         motion->measured_n = self->measured_n;
         motion->arrived_ns = self->now_ns;
         return;
@@ -137,9 +138,9 @@ static int read_odrive(sp_link *link, uint64_t now_ns, sp_motion *motions, uint3
     self->fresh = 0;
     for (int k = 0; k < MAX_FRAMES && count > 0; k++) {
         can_frame frame;
-        count = sp_link_take(link->fd, (uint8_t *)&frame, sizeof frame);
+        count = sp_link_read_bytes(link->fd, (uint8_t *)&frame, sizeof frame);
         if (count == (int)sizeof frame && frame.id <= standard_id) {
-            take_frame(self, frame.id, frame.data, frame.size);
+            handle_frame(self, frame.id, frame.data, frame.size);
         }
     }
     return count < 0 ? SP_LINK_GONE : self->tripped ? SP_LINK_TRIPPED : self->fresh;
@@ -150,7 +151,7 @@ static int send_frame(odrive *self, uint32_t command, const uint8_t *data)
     const uint32_t id = self->drive.node << 5 | command;
     can_frame frame = {.id = id, .size = BYTES};
     memcpy(frame.data, data, BYTES);
-    const int put = sp_link_put(self->link.fd, (const uint8_t *)&frame, sizeof frame);
+    const int put = sp_link_write_bytes(self->link.fd, (const uint8_t *)&frame, sizeof frame);
     return put < 0 ? SP_LINK_GONE : put < (int)sizeof frame;
 }
 
@@ -158,8 +159,8 @@ static int send_arming(odrive *self, uint32_t command)
 {
     uint8_t data[BYTES] = {0};
     if (command == LIMITS) {
-        put_real(data, self->drive.max_turns_per_s);
-        put_real(data + 4, self->drive.max_current_a);
+        write_f32(data, self->drive.max_turns_per_s);
+        write_f32(data + 4, self->drive.max_current_a);
     } else if (command == CONTROLLER_MODE) {
         put_u32(data, TORQUE_CONTROL);
         put_u32(data + 4, PASSTHROUGH);
@@ -174,9 +175,9 @@ static int go_on_arming(odrive *self, uint64_t now_ns)
 {
     int put = 0;
     if (now_ns - self->reset_ns > max_arming_ns) {
-        self->armed = ARMED;
+        self->armed = ARMING_STEPS;
     }
-    while (put == 0 && self->armed < ARMED) {
+    while (put == 0 && self->armed < ARMING_STEPS) {
         put = send_arming(self, arming[self->armed]);
         self->armed += put == 0;
     }
@@ -193,7 +194,7 @@ static int write_odrive(sp_link *link, uint64_t now_ns, double force_n)
     if (!(fabs(torque_nm) <= most_nm * (1 + rounding))) {
         return SP_LINK_TRIPPED; /* the session was set up wrongly: no force is better than less */
     }
-    put_real(data, fmax(-most_nm, fmin(torque_nm, most_nm)));
+    write_f32(data, fmax(-most_nm, fmin(torque_nm, most_nm)));
     int put = go_on_arming(self, now_ns);
     put = put == 0 ? send_frame(self, INPUT_TORQUE, data) : put;
     link->unsent += put == 1;
@@ -221,7 +222,7 @@ sp_link *sp_link_odrive_init(void *memory, int fd, const sp_odrive *drive)
     *self = (odrive){
         .link = {.fd = fd, .read = read_odrive, .write = write_odrive, .reset = reset_odrive},
         .drive = *drive,
-        .armed = ARMED,
+        .armed = ARMING_STEPS,
         .measured_n = (double)NAN};
     return &self->link;
 }

@@ -33,7 +33,7 @@ static void send_command(serial *self, uint64_t now_ns)
     uint32_t sequence = self->command_sequence;
     self->command_ns = now_ns;
     const uint32_t count = sp_wire_send_command(&sequence, &self->command, bytes);
-    (void)sp_link_put(self->link.fd, bytes, count);
+    (void)sp_link_write_bytes(self->link.fd, bytes, count);
 }
 
 static int take_frame(serial *self, const sp_wire_frame *frame, uint64_t now_ns, sp_motion *motions,
@@ -47,7 +47,7 @@ static int take_frame(serial *self, const sp_wire_frame *frame, uint64_t now_ns,
     if (!sp_wire_get_sample(frame, &sample)) {
         return 0;
     }
-    sp_motion *motion = sp_link_place(motions, capacity, count);
+    sp_motion *motion = sp_link_next_slot(motions, capacity, count);
     self->link.samples++;
     /* Samples from before the ack tell of the trip that the reset takes back. */
     self->tripped = self->link.ready && (sample.status & SP_WIRE_TRIPPED);
@@ -65,7 +65,7 @@ static int read_serial(sp_link *link, uint64_t now_ns, sp_motion *motions, uint3
     uint8_t bytes[CAPACITY];
     int fresh = 0, count = CAPACITY;
     for (int k = 0; k < MAX_READINGS && count == CAPACITY; k++) {
-        count = sp_link_take(link->fd, bytes, sizeof bytes);
+        count = sp_link_read_bytes(link->fd, bytes, sizeof bytes);
         for (int i = 0; i < count; i++) {
             sp_wire_frame frame;
             if (sp_wire_receive(&self->receiver, bytes[i], &frame) == SP_WIRE_NEW) {
@@ -91,7 +91,7 @@ static int write_serial(sp_link *link, uint64_t now_ns, double force_n)
     const sp_wire_force force = {(float)force_n};
     (void)now_ns;
     const uint32_t count = sp_wire_send_force(&self->sequence, &force, bytes);
-    const int put = sp_link_put(link->fd, bytes, count);
+    const int put = sp_link_write_bytes(link->fd, bytes, count);
     if (put < 0) {
         return SP_LINK_GONE;
     }

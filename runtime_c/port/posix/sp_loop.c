@@ -10,7 +10,7 @@ static const uint64_t first_sample_ns = 200000000; /* longest wait for it before
 /* How long a period stays open for its sample, if that is more than one period. What holds samples
  * back is mostly a USB host, which hands them over once a ms; the scene's watchdog must not hear of
  * silence much later. */
-static const uint64_t owed_ns = 2000000;
+static const uint64_t max_open_ns = 2000000;
 
 static void accept_requests(sp_loop *self)
 {
@@ -22,17 +22,17 @@ static void accept_requests(sp_loop *self)
         self->connected = 1;
         self->waiting_count = 0;
         self->motion.measured_n = (double)NAN;
-        sp_loop_watch_anew(self);
+        sp_loop_reset_rate_window(self);
         self->arming_ns = 0;
         if (!next->ready) {
-            sp_loop_make_ready(self);
+            sp_loop_arm_device(self);
         }
     }
     if (atomic_exchange(&self->want_reset, 0)) {
         self->reset_next = 1;
         self->tripped = 0;
         if (self->link != NULL) {
-            sp_loop_make_ready(self);
+            sp_loop_arm_device(self);
         }
     }
     const int pause = self->want_pause;
@@ -61,13 +61,14 @@ static void first_deadline(sp_loop *self)
 {
     self->deadline_ns = sp_loop_now();
     if (!self->link->ready) {
-        sp_loop_make_ready(self);
+        sp_loop_arm_device(self);
     }
     if (self->link->fd >= 0) {
         /* What came first may have waited for long; what comes after it has just come. */
-        sp_loop_listen(self, self->deadline_ns + first_sample_ns, 1);
-        sp_loop_listen(self, sp_loop_now() + 2 * self->period_ns, self->waiting_count + 1);
-        sp_loop_use(self, self->waiting_count - (self->waiting_count > 0));
+        sp_loop_wait_for_samples(self, self->deadline_ns + first_sample_ns, 1);
+        sp_loop_wait_for_samples(self, sp_loop_now() + 2 * self->period_ns,
+                                 self->waiting_count + 1);
+        sp_loop_consume_samples(self, self->waiting_count - (self->waiting_count > 0));
         self->deadline_ns = sp_loop_now() + self->period_ns / 4;
     }
     self->start_ns = self->deadline_ns;
@@ -80,10 +81,10 @@ static void first_deadline(sp_loop *self)
 static void *run(void *argument)
 {
     sp_loop *self = (sp_loop *)argument;
-    self->got = sp_realtime_ask(self->config.priority, self->config.cpu);
+    self->got = sp_realtime_request(self->config.priority, self->config.cpu);
     first_deadline(self);
     while (!self->reason) {
-        sp_loop_listen(self, self->deadline_ns, 0);
+        sp_loop_wait_for_samples(self, self->deadline_ns, 0);
         accept_requests(self);
         if (self->want_stop) {
             self->reason = SP_STOP_ASKED;
@@ -92,7 +93,7 @@ static void *run(void *argument)
         const uint64_t now_ns = sp_loop_now();
         const uint64_t late_ns = now_ns > self->deadline_ns ? now_ns - self->deadline_ns : 0;
         const int behind = late_ns >= self->period_ns;
-        sp_loop_look_for_samples(self, late_ns);
+        sp_loop_collect_samples(self, late_ns);
         if (self->reason) {
             break;
         }
@@ -105,7 +106,7 @@ static void *run(void *argument)
     }
     sp_loop_stop_device(self);
     if (self->reason == SP_STOP_ASKED || self->reason == SP_STOP_TIME) {
-        sp_loop_settle(self);
+        sp_loop_close_open_periods(self);
     }
     self->over = 1;
     return NULL;
@@ -126,15 +127,17 @@ int sp_loop_start(sp_loop *loop, const sp_loop_config *config, sp_link *link)
     loop->ring.rows = config->rows;
     loop->ring.mask = config->capacity - 1;
     loop->period_ns = (uint64_t)(1e9 * config->period_s + 0.5);
-    const uint64_t owed = owed_ns / loop->period_ns;
-    loop->max_owed = owed < 1 ? 1 : owed > MAX_OWED ? MAX_OWED : (int)owed;
+    const uint64_t open_periods = max_open_ns / loop->period_ns;
+    loop->max_open = open_periods < 1                  ? 1
+                     : open_periods > MAX_OPEN_PERIODS ? MAX_OPEN_PERIODS
+                                                       : (int)open_periods;
     loop->motion.measured_n = (double)NAN;
     loop->link = link;
     loop->connected = 1;
     return pthread_create(&loop->thread, NULL, run, loop);
 }
 
-void sp_loop_ask_stop(sp_loop *loop)
+void sp_loop_request_stop(sp_loop *loop)
 {
     loop->want_stop = 1;
 }
@@ -164,7 +167,7 @@ void sp_loop_attach(sp_loop *loop, sp_link *link)
     loop->next_link = link;
 }
 
-void sp_loop_sense(sp_loop *loop, double measured_n)
+void sp_loop_set_measured_force(sp_loop *loop, double measured_n)
 {
     loop->sensed_n = measured_n;
     loop->sensed_ns = sp_loop_now();

@@ -48,7 +48,7 @@ enum {                     /* bits of sp_row.call */
                               period had begun */
 };
 
-enum { SP_GOT_FIFO = 1, SP_GOT_LOCKED = 2, SP_GOT_SLACK = 4, SP_GOT_CPU = 8 };
+enum { SP_GRANTED_FIFO = 1, SP_GRANTED_LOCKED = 2, SP_GRANTED_SLACK = 4, SP_GRANTED_CPU = 8 };
 
 typedef struct {         /* one period; doubles throughout, so that a table of rows is a matrix */
     double time_s;       /* when the tick began, since the first deadline */
@@ -78,7 +78,7 @@ typedef struct {
     double max_depth_m;
     int32_t latched_note;
     int32_t reversed; /* the device pulls for a positive force: it is sent with the other sign */
-    int32_t sensed;   /* what is measured comes by sp_loop_sense, not with the samples */
+    int32_t sensed; /* what is measured comes by sp_loop_set_measured_force, not with the samples */
     int32_t priority; /* of SCHED_FIFO; 0: do not ask for it */
     int32_t cpu;      /* to run on, or negative */
     sp_row *rows;     /* the ring, `capacity` of them, a power of two */
@@ -114,7 +114,7 @@ uint32_t sp_loop_size(void);
 /* Start the thread on a link: 0, or an error of pthread_create. All memory stays the caller's and
  * must live until sp_loop_join. */
 int sp_loop_start(sp_loop *loop, const sp_loop_config *config, sp_link *link);
-void sp_loop_ask_stop(sp_loop *loop);
+void sp_loop_request_stop(sp_loop *loop);
 /* Wait for its end: 1, or 0 where that was done before. */
 int sp_loop_join(sp_loop *loop);
 /* Zero force and no calls until resumed; the scene is reset then. */
@@ -124,7 +124,7 @@ void sp_loop_reset(sp_loop *loop);
 void sp_loop_attach(sp_loop *loop, sp_link *link);
 /* A force sensor beside the device measured this, just now; from any thread. Where nothing came for
  * 100 ms, or never, rows have NaN. */
-void sp_loop_sense(sp_loop *loop, double measured_n);
+void sp_loop_set_measured_force(sp_loop *loop, double measured_n);
 void sp_loop_get_status(sp_loop *loop, sp_loop_state *state);
 /* Copy up to n rows that were not drained yet; how many. One thread only. */
 uint32_t sp_loop_drain(sp_loop *loop, sp_row *rows, uint32_t n);

@@ -17,7 +17,7 @@ uint64_t sp_loop_now(void)
     return (uint64_t)time.tv_sec * 1000000000u + (uint64_t)time.tv_nsec;
 }
 
-void sp_loop_lose_link(sp_loop *self)
+void sp_loop_on_disconnect(sp_loop *self)
 {
     self->link = NULL;
     self->tripped_before_disconnect = self->latched || self->tripped;
@@ -25,7 +25,7 @@ void sp_loop_lose_link(sp_loop *self)
     self->disconnects++;
 }
 
-void sp_loop_trip(sp_loop *self)
+void sp_loop_on_device_trip(sp_loop *self)
 {
     if (!self->tripped) {
         self->tripped = 1;
@@ -33,20 +33,20 @@ void sp_loop_trip(sp_loop *self)
     }
 }
 
-void sp_loop_make_ready(sp_loop *self)
+void sp_loop_arm_device(sp_loop *self)
 {
     self->link->reset(self->link, sp_loop_now());
     self->arming_ns = self->link->ready ? 0 : sp_loop_now();
 }
 
-int sp_loop_at_work(sp_loop *self)
+int sp_loop_may_call_scene(sp_loop *self)
 {
     if (self->arming_ns && self->link != NULL) {
         if (self->link->ready) {
             self->arming_ns = 0;
         } else if (sp_loop_now() - self->arming_ns > max_arming_ns) {
             self->arming_ns = 0;
-            sp_loop_trip(self);
+            sp_loop_on_device_trip(self);
         }
     }
     return !self->paused && !self->tripped && !self->arming_ns;
@@ -61,7 +61,7 @@ void sp_loop_stop_device(sp_loop *self)
         self->link->released = 1;
         const int put = self->link->write(self->link, now_ns, 0.0);
         if (put == SP_LINK_GONE) {
-            sp_loop_lose_link(self);
+            sp_loop_on_disconnect(self);
         } else if (put <= 0) {
             taken++;
         } else if (now_ns >= end_ns) {

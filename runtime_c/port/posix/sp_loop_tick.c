@@ -31,7 +31,7 @@ static void take_sample(sp_loop *self, uint64_t now_ns, int fresh)
     row->age_s = (double)NAN;
     if (fresh) {
         self->motion = self->waiting[0];
-        sp_loop_use(self, 1);
+        sp_loop_consume_samples(self, 1);
         row->age_s = 1e-9 * (double)(int64_t)(now_ns - self->motion.arrived_ns);
     } else if (self->link == NULL) {
         self->motion.measured_n = (double)NAN; /* what a device that is gone last measured is old */
@@ -92,7 +92,7 @@ static void check_limits(sp_loop *self)
 {
     const sp_row *row = &self->row;
     const double max_n = self->config.max_force_n;
-    if (self->reason || !sp_loop_at_work(self)) {
+    if (self->reason || !sp_loop_may_call_scene(self)) {
         return;
     }
     if (is_beyond(row->returned_n, max_n) ||
@@ -103,17 +103,17 @@ static void check_limits(sp_loop *self)
     }
 }
 
-void sp_loop_watch_anew(sp_loop *self)
+void sp_loop_reset_rate_window(sp_loop *self)
 {
     memset(self->was_idle, 0, sizeof self->was_idle);
     self->idle_count = 0;
     self->idle_run = 0;
 }
 
-void sp_loop_forgive(sp_loop *self, int surplus)
+void sp_loop_uncount_idle(sp_loop *self, int surplus)
 {
-    for (int back = 1; back <= WATCHED && surplus > 0; back++) {
-        uint8_t *idle = &self->was_idle[(self->watched_at + WATCHED - back) % WATCHED];
+    for (int back = 1; back <= RATE_WINDOW && surplus > 0; back++) {
+        uint8_t *idle = &self->was_idle[(self->window_index + RATE_WINDOW - back) % RATE_WINDOW];
         surplus -= *idle;
         self->idle_count -= *idle;
         *idle = 0;
@@ -123,16 +123,16 @@ void sp_loop_forgive(sp_loop *self, int surplus)
 /* Too few samples are not the motion: the force would be that of another one. */
 static void check_rate(sp_loop *self)
 {
-    if (self->reason || self->link == NULL || !sp_loop_at_work(self)) {
+    if (self->reason || self->link == NULL || !sp_loop_may_call_scene(self)) {
         return;
     }
     const int idle = ((int)self->row.call & SP_CALL_IDLE) != 0;
     self->idle_run = idle ? self->idle_run + 1 : 0;
-    const int counted = idle && self->idle_run <= COUNTED_RUN;
-    self->idle_count += counted - self->was_idle[self->watched_at];
-    self->was_idle[self->watched_at] = (uint8_t)counted;
-    self->watched_at = (self->watched_at + 1) % WATCHED;
-    if (self->idle_count >= MAX_IDLE) {
+    const int counted = idle && self->idle_run <= MAX_COUNTED_RUN;
+    self->idle_count += counted - self->was_idle[self->window_index];
+    self->was_idle[self->window_index] = (uint8_t)counted;
+    self->window_index = (self->window_index + 1) % RATE_WINDOW;
+    if (self->idle_count >= MAX_IDLE_IN_WINDOW) {
         self->reason = SP_STOP_RATE;
     }
 }
@@ -141,7 +141,7 @@ static void check_rate(sp_loop *self)
  * be, which does not wait; whether it is zero by that. */
 static int send_force(sp_loop *self, int behind, int *put)
 {
-    const int silent = self->reason || !sp_loop_at_work(self);
+    const int silent = self->reason || !sp_loop_may_call_scene(self);
     const double force_n = silent ? 0.0 : self->row.returned_n;
     *put = 1;
     if (self->link != NULL && (silent || !behind)) {
@@ -151,20 +151,20 @@ static int send_force(sp_loop *self, int behind, int *put)
         if (*put == 0) {
             self->sent_n = force_n;
         } else if (*put == SP_LINK_GONE) {
-            sp_loop_lose_link(self);
+            sp_loop_on_disconnect(self);
         } else if (*put == SP_LINK_TRIPPED) {
-            sp_loop_trip(self);
+            sp_loop_on_device_trip(self);
         }
     }
     return silent;
 }
 
 /* The scene's call of a period, and its limits. */
-static void call_of(sp_loop *self, const sp_period *period, uint64_t now_ns, int fresh)
+static void run_period(sp_loop *self, const sp_period *period, uint64_t now_ns, int fresh)
 {
     begin_row(self, period);
     take_sample(self, now_ns, fresh);
-    if (!sp_loop_at_work(self)) {
+    if (!sp_loop_may_call_scene(self)) {
         self->row.call = SP_CALL_NONE;
         self->row.returned_n = 0.0;
         self->row.position_m = fresh ? self->motion.position_m : self->row.position_m;
@@ -187,11 +187,11 @@ static void put_row(sp_loop *self, const sp_period *period, double sent_n, int c
 }
 
 /* A period that was left open, and in which the last force was sent again. */
-static void settle_owed(sp_loop *self, const sp_period *period, uint64_t now_ns, int fresh)
+static void close_open_period(sp_loop *self, const sp_period *period, uint64_t now_ns, int fresh)
 {
     const int before = self->reason;
     int put;
-    call_of(self, period, now_ns, fresh);
+    run_period(self, period, now_ns, fresh);
     if (self->reason != before) {
         (void)send_force(self, 0, &put);
         put_row(self, period, self->sent_n, SP_CALL_SILENT | (put ? SP_CALL_UNSENT : 0), fresh);
@@ -200,53 +200,57 @@ static void settle_owed(sp_loop *self, const sp_period *period, uint64_t now_ns,
     }
 }
 
-static void settle_current(sp_loop *self, const sp_period *period, int behind, int fresh)
+static void close_current_period(sp_loop *self, const sp_period *period, int behind, int fresh)
 {
     int put;
-    call_of(self, period, period->begin_ns, fresh);
+    run_period(self, period, period->begin_ns, fresh);
     const int silent = send_force(self, behind, &put);
     put_row(self, period, self->sent_n, (silent ? SP_CALL_SILENT : 0) | (put ? SP_CALL_UNSENT : 0),
             fresh);
 }
 
 /* Whether a sample may still come for a period without one. */
-static int may_owe(sp_loop *self)
+static int may_stay_open(sp_loop *self)
 {
-    return self->link != NULL && self->link->fd >= 0 && !self->reset_next && sp_loop_at_work(self);
+    return self->link != NULL && self->link->fd >= 0 && !self->reset_next &&
+           sp_loop_may_call_scene(self);
 }
 
 /* Rows for the oldest open periods: first for `idle` of them without a sample, then for those that
  * have one waiting. */
-static void settle(sp_loop *self, int count, int idle, uint64_t now_ns)
+static void close_open_periods(sp_loop *self, int count, int idle, uint64_t now_ns)
 {
     const int before = self->reason;
     for (int i = 0; i < count && self->reason == before; i++) {
-        settle_owed(self, &self->owed[i], now_ns, i >= idle);
+        close_open_period(self, &self->open_periods[i], now_ns, i >= idle);
     }
-    self->owed_count -= count;
-    memmove(self->owed, self->owed + count, (size_t)self->owed_count * sizeof *self->owed);
+    self->open_count -= count;
+    memmove(self->open_periods, self->open_periods + count,
+            (size_t)self->open_count * sizeof *self->open_periods);
 }
 
 int sp_loop_tick(sp_loop *self, int behind)
 {
     sp_period now = {.begin_ns = sp_loop_now(), .deadline_ns = self->deadline_ns};
     const int fresh = self->waiting_count > 0;
-    if (!fresh && may_owe(self)) {
+    if (!fresh && may_stay_open(self)) {
         int put;
-        settle(self, self->owed_count == self->max_owed, MAX_OWED, now.begin_ns);
+        close_open_periods(self, self->open_count == self->max_open, MAX_OPEN_PERIODS,
+                           now.begin_ns);
         (void)send_force(self, behind, &put);
         now.sent_n = self->sent_n;
-        self->owed[self->owed_count++] = now;
+        self->open_periods[self->open_count++] = now;
         return fresh;
     }
-    settle(self, self->owed_count, self->owed_count + 1 - self->waiting_count, now.begin_ns);
+    close_open_periods(self, self->open_count, self->open_count + 1 - self->waiting_count,
+                       now.begin_ns);
     if (!self->reason) {
-        settle_current(self, &now, behind, self->waiting_count > 0);
+        close_current_period(self, &now, behind, self->waiting_count > 0);
     }
     return fresh;
 }
 
-void sp_loop_settle(sp_loop *self)
+void sp_loop_close_open_periods(sp_loop *self)
 {
-    settle(self, self->owed_count, MAX_OWED, sp_loop_now());
+    close_open_periods(self, self->open_count, MAX_OPEN_PERIODS, sp_loop_now());
 }

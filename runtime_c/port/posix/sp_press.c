@@ -9,11 +9,11 @@ static double next_command(sp_press *press)
     return press->at < press->n ? press->command_n[press->at++] : 0.0;
 }
 
-static int push(sp_press *press, double motor_n, double *force_n)
+static int apply_motor_force(sp_press *press, double motor_n, double *force_n)
 {
     const double limited_n = fmin(fmax(motor_n, -press->max_force_n), press->max_force_n);
-    press->motor_n[press->tick % SP_PRESS_PAST] = limited_n;
-    press->past_n[press->tick % SP_PRESS_PAST] = press->tool_n;
+    press->motor_n[press->tick % SP_PRESS_HISTORY] = limited_n;
+    press->past_n[press->tick % SP_PRESS_HISTORY] = press->tool_n;
     press->tick++;
     press->latched = press->latched || !isfinite(motor_n) || press->fault != SP_PRESS_NO_FAULT;
     *force_n = press->latched ? brake_n(press) : -limited_n;
@@ -23,7 +23,8 @@ static int push(sp_press *press, double motor_n, double *force_n)
 /* The tool moves on by what it was pushed with. */
 static void predict(sp_press *press)
 {
-    const double motor_n = press->motor_n[(press->tick - 1u - press->motor_late) % SP_PRESS_PAST];
+    const double motor_n =
+        press->motor_n[(press->tick - 1u - press->motor_late) % SP_PRESS_HISTORY];
     const double push_n = press->seen ? motor_n - press->tool_n : 0.0;
     const double change_mps = press->dt_s * push_n / press->mass_kg;
     press->tool_m += press->dt_s * (press->tool_mps + 0.5 * change_mps);
@@ -44,11 +45,12 @@ static void correct(sp_press *press, double position_m)
 }
 
 /* What the motor gives that does not reach the object; the sensor's moment is an earlier one. */
-static void compare(sp_press *press)
+static void update_resistance(sp_press *press)
 {
-    const double past_n = press->sensor_late == 0u
-                              ? press->tool_n
-                              : press->past_n[(press->tick - press->sensor_late) % SP_PRESS_PAST];
+    const double past_n =
+        press->sensor_late == 0u
+            ? press->tool_n
+            : press->past_n[(press->tick - press->sensor_late) % SP_PRESS_HISTORY];
     const double new_n =
         isfinite(press->measured_n) ? past_n - press->measured_n - press->resistance_n : 0.0;
     const double max_n = 0.5 * press->max_force_n;
@@ -56,7 +58,7 @@ static void compare(sp_press *press)
         fmin(fmax(press->resistance_n + press->resistance_share * new_n, -max_n), max_n);
 }
 
-static double observed_n(const sp_press *press)
+static double observer_force_n(const sp_press *press)
 {
     return press->resistance_n - press->damping_nspm * press->tool_mps;
 }
@@ -84,12 +86,12 @@ static int follow_command(sp_press *press, double position_m, double *force_n)
     if (press->mass_kg > 0.0) {
         predict(press);
         correct(press, position_m);
-        compare(press);
-        motor_n += observed_n(press);
+        update_resistance(press);
+        motor_n += observer_force_n(press);
     } else {
         motor_n += feedback_n(press, command_n);
     }
-    return push(press, motor_n, force_n);
+    return apply_motor_force(press, motor_n, force_n);
 }
 
 /* Time goes on without a sample: the command does too, for a while. */
@@ -100,9 +102,9 @@ static int wait_for_sample(sp_press *press, double dt_s, double *force_n)
     press->latched = press->latched || press->silent_s > press->watchdog_s;
     if (press->mass_kg > 0.0) {
         predict(press);
-        motor_n += observed_n(press);
+        motor_n += observer_force_n(press);
     }
-    return push(press, motor_n, force_n);
+    return apply_motor_force(press, motor_n, force_n);
 }
 
 /* A position that is no number is no sample. */
@@ -127,5 +129,5 @@ void sp_press_reset(sp_press *press)
     press->silent_s = 0.0;
     press->seen = 0;
     press->latched = 0;
-    forget_watch(press);
+    reset_faults(press);
 }

@@ -17,14 +17,14 @@
 #include <stdint.h>
 
 /* springpot declarations begin */
-#define SP_PRESS_PAST 64u /* ticks: more than any delay */
-#define SP_PRESS_SLOPE 5u /* positions that a speed is of */
+#define SP_PRESS_HISTORY 64u      /* ticks: more than any delay */
+#define SP_PRESS_SPEED_SAMPLES 5u /* positions that a speed is of */
 
 enum { /* what ended a press */
        SP_PRESS_NO_FAULT = 0,
-       SP_PRESS_FAST = 1,
-       SP_PRESS_UNLIKE = 2, /* motor and sensor */
-       SP_PRESS_RINGS = 3
+       SP_PRESS_OVERSPEED = 1,
+       SP_PRESS_SENSOR_MISMATCH = 2, /* motor and sensor */
+       SP_PRESS_OSCILLATES = 3
 };
 
 typedef struct {
@@ -41,7 +41,7 @@ typedef struct {
     double pole;             /* of the observer, of which all three are the same */
     double resistance_share; /* of a tick, of the newest sample */
     uint32_t motor_late;     /* ticks */
-    uint32_t sensor_late;    /* ticks behind the observer, below SP_PRESS_PAST */
+    uint32_t sensor_late;    /* ticks behind the observer, below SP_PRESS_HISTORY */
     double watchdog_s;
     int32_t latched_note;
     double measured_n;
@@ -50,16 +50,16 @@ typedef struct {
     double tool_mps;
     double tool_n;       /* on the tool, of object and resistance */
     double resistance_n; /* half of max_force_n at most */
-    double motor_n[SP_PRESS_PAST];
-    double past_n[SP_PRESS_PAST]; /* tool_n */
+    double motor_n[SP_PRESS_HISTORY];
+    double past_n[SP_PRESS_HISTORY]; /* tool_n */
     uint32_t tick;
     double silent_s;
     int32_t seen; /* a position */
     int32_t latched;
     double max_mps; /* into the object; 0: nothing is watched */
     int32_t fault;
-    double place_m[SP_PRESS_SLOPE]; /* and when; the newest is the `places`th */
-    uint32_t place_tick[SP_PRESS_SLOPE];
+    double place_m[SP_PRESS_SPEED_SAMPLES]; /* and when; the newest is the `places`th */
+    uint32_t place_tick[SP_PRESS_SPEED_SAMPLES];
     uint32_t places;
     double speed_mps;
     double braked_s;

@@ -22,9 +22,9 @@ enum { SP_PRESS_TURNS = 10 };
 /* The speed over the last positions; ticks without one count in the time. */
 static inline void measure_speed(sp_press *press, double position_m)
 {
-    const uint32_t at = press->places % SP_PRESS_SLOPE; /* where the oldest one is */
+    const uint32_t at = press->places % SP_PRESS_SPEED_SAMPLES; /* where the oldest one is */
     const uint32_t ticks = press->tick - press->place_tick[at];
-    press->speed_mps = press->places >= SP_PRESS_SLOPE && ticks > 0u
+    press->speed_mps = press->places >= SP_PRESS_SPEED_SAMPLES && ticks > 0u
                            ? (position_m - press->place_m[at]) / ((double)ticks * press->dt_s)
                            : 0.0;
     press->place_m[at] = position_m;
@@ -32,13 +32,13 @@ static inline void measure_speed(sp_press *press, double position_m)
     press->places++;
 }
 
-static inline int is_unlike(sp_press *press)
+static inline int has_sensor_mismatch(sp_press *press)
 {
     if (press->tick == 0u || !isfinite(press->measured_n)) {
         return 0;
     }
     const double share = press->dt_s / press_mean_s;
-    const double motor_n = press->motor_n[(press->tick - 1u) % SP_PRESS_PAST];
+    const double motor_n = press->motor_n[(press->tick - 1u) % SP_PRESS_HISTORY];
     press->mean_motor_n += share * (motor_n - press->mean_motor_n);
     press->mean_measured_n += share * (press->measured_n - press->mean_measured_n);
     const double greater_n = fmax(fabs(press->mean_motor_n), fabs(press->mean_measured_n));
@@ -49,7 +49,7 @@ static inline int is_unlike(sp_press *press)
 }
 
 /* Turns faster than any command's, again and again. */
-static inline int is_ringing(sp_press *press)
+static inline int is_oscillating(sp_press *press)
 {
     const int way = press->speed_mps > press_turn_mps    ? 1
                     : press->speed_mps < -press_turn_mps ? -1
@@ -69,11 +69,11 @@ static inline void watch(sp_press *press, double position_m)
     if (press->max_mps == 0.0 || press->latched) {
         return;
     }
-    const int unlike = is_unlike(press);
-    const int rings = is_ringing(press);
-    press->fault = press->speed_mps > press->max_mps ? SP_PRESS_FAST
-                   : unlike                          ? SP_PRESS_UNLIKE
-                   : rings                           ? SP_PRESS_RINGS
+    const int unlike = has_sensor_mismatch(press);
+    const int rings = is_oscillating(press);
+    press->fault = press->speed_mps > press->max_mps ? SP_PRESS_OVERSPEED
+                   : unlike                          ? SP_PRESS_SENSOR_MISMATCH
+                   : rings                           ? SP_PRESS_OSCILLATES
                                                      : SP_PRESS_NO_FAULT;
 }
 
@@ -81,14 +81,14 @@ static inline void watch(sp_press *press, double position_m)
 static inline double brake_n(sp_press *press)
 {
     const double share = press->max_mps > 0.0 ? press->speed_mps / press->max_mps : 0.0;
-    const int brakes = press->fault == SP_PRESS_FAST && press->silent_s == 0.0 &&
+    const int brakes = press->fault == SP_PRESS_OVERSPEED && press->silent_s == 0.0 &&
                        press->braked_s < press_max_brake_s && share > press_slow &&
                        share < press_false;
     press->braked_s = brakes ? press->braked_s + press->dt_s : press_max_brake_s;
     return brakes ? press->max_force_n * fmin(share, 1.0) : 0.0;
 }
 
-static inline void forget_watch(sp_press *press)
+static inline void reset_faults(sp_press *press)
 {
     press->fault = SP_PRESS_NO_FAULT;
     press->places = 0u;

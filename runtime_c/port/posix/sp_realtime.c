@@ -10,23 +10,23 @@
 
 #include "sp_loop.h"
 
-int32_t sp_realtime_ask(int32_t priority, int32_t cpu)
+int32_t sp_realtime_request(int32_t priority, int32_t cpu)
 {
     int32_t got = 0;
     if (priority <= 0) {
         return 0;
     }
     /* Locking takes a tenth of a second, in which nobody else shall wait. */
-    got |= mlockall(MCL_CURRENT) == 0 ? SP_GOT_LOCKED : 0;
+    got |= mlockall(MCL_CURRENT) == 0 ? SP_GRANTED_LOCKED : 0;
     const struct sched_param param = {.sched_priority = priority};
-    got |= pthread_setschedparam(pthread_self(), SCHED_FIFO, &param) == 0 ? SP_GOT_FIFO : 0;
+    got |= pthread_setschedparam(pthread_self(), SCHED_FIFO, &param) == 0 ? SP_GRANTED_FIFO : 0;
 #if defined(__linux__)
-    got |= prctl(PR_SET_TIMERSLACK, 1UL) == 0 ? SP_GOT_SLACK : 0;
+    got |= prctl(PR_SET_TIMERSLACK, 1UL) == 0 ? SP_GRANTED_SLACK : 0;
     if (cpu >= 0) {
         cpu_set_t set;
         CPU_ZERO(&set);
         CPU_SET((unsigned)cpu, &set);
-        got |= pthread_setaffinity_np(pthread_self(), sizeof set, &set) == 0 ? SP_GOT_CPU : 0;
+        got |= pthread_setaffinity_np(pthread_self(), sizeof set, &set) == 0 ? SP_GRANTED_CPU : 0;
     }
 #else
     (void)cpu;

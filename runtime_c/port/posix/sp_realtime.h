@@ -4,6 +4,6 @@
 
 #include <stdint.h>
 
-int32_t sp_realtime_ask(int32_t priority, int32_t cpu);
+int32_t sp_realtime_request(int32_t priority, int32_t cpu);
 
 #endif

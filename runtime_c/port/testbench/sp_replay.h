@@ -21,9 +21,9 @@ void sp_replay_calls(void *step, void *idle, void *reset, void *state, uint32_t 
 
 /* Time each of n ticks, ns, one every period_s (s), with `cold_bytes` of other memory read in
  * between. Returns 0, or the error of the clock. */
-int sp_pace(void *step, void *state, uint32_t n, const sp_real *position_m,
-            const sp_real *velocity_mps, double period_s, uint8_t *cold, uint64_t cold_bytes,
-            double *tick_ns);
+int sp_replay_time_ticks(void *step, void *state, uint32_t n, const sp_real *position_m,
+                         const sp_real *velocity_mps, double period_s, uint8_t *cold,
+                         uint64_t cold_bytes, double *tick_ns);
 /* springpot declarations end */
 
 #endif

@@ -98,7 +98,7 @@ uint32_t sp_wire_encode(const sp_wire_frame *frame, uint8_t *bytes)
 }
 
 /* Undo COBS within `bytes`; 0 where they are none. */
-static uint32_t uncobs(uint8_t *bytes, uint32_t size)
+static uint32_t cobs_decode(uint8_t *bytes, uint32_t size)
 {
     uint32_t next = 0;
     for (uint32_t i = 0; i < size; i++) {
@@ -114,21 +114,21 @@ static uint32_t uncobs(uint8_t *bytes, uint32_t size)
     return next == size && size > 0 ? size - 1 : 0;
 }
 
-enum { SEEN = 32 }; /* the newest of which it is known whether they came */
+enum { SEQUENCE_WINDOW = 32 }; /* the newest of which it is known whether they came */
 
-static int place(sp_wire_receiver *receiver, const sp_wire_frame *frame)
+static int classify_sequence(sp_wire_receiver *receiver, const sp_wire_frame *frame)
 {
     const uint32_t sequence = frame->sequence;
     const uint32_t ahead = sequence - receiver->newest;
     const uint32_t behind = receiver->newest - sequence;
-    const int is_hello = frame->type == SP_WIRE_TYPE_HELLO && behind >= SEEN;
+    const int is_hello = frame->type == SP_WIRE_TYPE_HELLO && behind >= SEQUENCE_WINDOW;
     if (receiver->seen == 0 || (is_hello && ahead >= 0x80000000u)) {
         receiver->seen = 0xffffffffu; /* nothing before the first frame of a start is missing */
     } else if (ahead != 0 && ahead < 0x80000000u) {
         receiver->gaps += ahead - 1;
-        receiver->seen = ahead < SEEN ? receiver->seen << ahead | 1u : 1u;
+        receiver->seen = ahead < SEQUENCE_WINDOW ? receiver->seen << ahead | 1u : 1u;
     } else {
-        if (behind > 0 && behind < SEEN && !(receiver->seen >> behind & 1u)) {
+        if (behind > 0 && behind < SEQUENCE_WINDOW && !(receiver->seen >> behind & 1u)) {
             receiver->seen |= 1u << behind;
             receiver->gaps--; /* it was late, not missing */
         }
@@ -138,10 +138,10 @@ static int place(sp_wire_receiver *receiver, const sp_wire_frame *frame)
     return SP_WIRE_NEW;
 }
 
-static int whole(sp_wire_receiver *receiver, sp_wire_frame *frame)
+static int decode_frame(sp_wire_receiver *receiver, sp_wire_frame *frame)
 {
     uint8_t *plain = receiver->bytes;
-    const uint32_t size = uncobs(plain, receiver->used);
+    const uint32_t size = cobs_decode(plain, receiver->used);
     uint32_t crc;
     if (size < SP_WIRE_HEAD + SP_WIRE_CRC) {
         return 0;
@@ -172,7 +172,7 @@ int sp_wire_receive(sp_wire_receiver *receiver, uint8_t byte, sp_wire_frame *fra
         return SP_WIRE_NONE;
     }
     const int empty = receiver->used == 0;
-    const int good = !receiver->overlong && !empty && whole(receiver, frame);
+    const int good = !receiver->overlong && !empty && decode_frame(receiver, frame);
     receiver->used = 0;
     receiver->overlong = 0;
     if (!good) {
@@ -187,7 +187,7 @@ int sp_wire_receive(sp_wire_receiver *receiver, uint8_t byte, sp_wire_frame *fra
         return SP_WIRE_NONE;
     }
     receiver->frames++;
-    return place(receiver, frame);
+    return classify_sequence(receiver, frame);
 }
 
 void sp_wire_restart(sp_wire_receiver *receiver)

@@ -23,8 +23,8 @@ from springpot.codegen.scene import Coupling, Smoothing
 from springpot.host.native.compiler import compiler_version, find_compiler, machine_metadata
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.rf_fd import depth_scale, fitted_forest
-from springpot.trainer.models.training_set import training_set
+from springpot.trainer.models.rf_fd import compute_depth_scale, fit_forest
+from springpot.trainer.models.training_set import build_training_set
 
 OBJECT = "ecoflex-00-30"
 STRETCH = 500
@@ -43,11 +43,11 @@ def rows_of(folder: Path, recordings: Any, judges: Any) -> tuple[list[Row], Any,
     rbf = fit_model("rbf-fd", OBJECT, recordings, options).model
     hammerstein = fit_model("hammerstein", OBJECT, recordings, options).model
     assert isinstance(exact.features, FirBank)
-    data = training_set(recordings, options.smooth_s)
+    data = build_training_set(recordings, options.smooth_s)
     chosen = data.rows(None, options.seed)
-    scale = depth_scale(data.trained.max_m)
+    scale = compute_depth_scale(data.trained.max_m)
     values = scale * data.features(exact.features, chosen)
-    ensemble = fitted_forest(options, values.astype(np.float32), data.force_n(chosen))
+    ensemble = fit_forest(options, values.astype(np.float32), data.force_n(chosen))
     plain = {"coupling": Coupling(mode="off"), "smoothing": Smoothing(0.0)}
     rows = [
         literal_row(ensemble, scale, exact.features, folder / "literal"),

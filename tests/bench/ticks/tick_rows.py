@@ -144,7 +144,7 @@ class Stepper:
         """Time of each of `ticks` ticks on deadlines with disturbed caches, ns."""
         tick_ns = np.empty(ticks)
         array = self._port.array
-        error = self._port.c.sp_pace(
+        error = self._port.c.sp_replay_time_ticks(
             self._step, self._state, ticks, array(self._positions[:ticks]),
             array(self._velocities[:ticks]), period_s, array(cold), len(cold), array(tick_ns),
         )  # fmt: skip

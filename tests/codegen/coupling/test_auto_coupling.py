@@ -13,10 +13,10 @@ from scipy.linalg import expm
 
 from springpot.codegen.coupling import auto
 from springpot.codegen.coupling.gains import is_unit_error
-from springpot.codegen.coupling.linear_loop import CHECKED, Hand, LinearLoop
+from springpot.codegen.coupling.linear_loop import CHECKED_HANDS, Hand, LinearLoop
 from springpot.codegen.coupling.loop_device import LoopDevice
 from springpot.codegen.scene import Coupling
-from springpot.codegen.stages.windows import TIME_S
+from springpot.codegen.stages.windows import LOWPASS_TAU_S
 
 STEP_M = 10e-6  # of an encoder
 MANY = pytest.mark.parametrize("count", [6, pytest.param(12, marks=pytest.mark.long)])
@@ -32,7 +32,7 @@ def drawn(rng: np.random.Generator) -> tuple[float, float, LoopDevice]:
 
 
 def chosen(stiffness_npm: float, rate_hz: float, device: LoopDevice) -> auto.CouplingChoice:
-    return auto.choose_coupling(stiffness_npm, 1.0 / rate_hz, device, 1.0, Coupling())
+    return auto.select_coupling(stiffness_npm, 1.0 / rate_hz, device, 1.0, Coupling())
 
 
 @pytest.mark.parametrize(
@@ -50,7 +50,7 @@ def test_a_better_loop_is_never_felt_softer(seed: int) -> None:
         (more * rate_hz, device),
         (rate_hz, replace(device, mass_kg=more * device.mass_kg)),
         (rate_hz, replace(device, viscous_nspm=more * device.viscous_nspm)),
-        (rate_hz, device.later(-1) if device.delay_samples else device),
+        (rate_hz, device.with_delay(-1) if device.delay_samples else device),
     ]
     for faster_hz, other in better:
         assert chosen(stiffness_npm, faster_hz, other).felt_npm >= 0.95 * felt_npm
@@ -71,9 +71,9 @@ def held_proxies(count: int) -> list[tuple[float, float, LoopDevice, auto.Coupli
 def holds(stiffness_npm: float, rate_hz: float, device: LoopDevice, proxy: Coupling) -> bool:
     """Say whether a quarter of the damping is left, with every hand and softer object."""
     loads_npm = stiffness_npm * auto.STIFFNESS_MARGIN_PROXY * np.geomspace(0.01, 1.0, 8)
-    for hand, more in CHECKED:
-        loop = LinearLoop(1.0 / rate_hz, proxy, hand, device.later(more))
-        decay_per_s = auto.DAMPING_LEFT * (hand.damping_nspm + device.viscous_nspm) / 2.0
+    for hand, more in CHECKED_HANDS:
+        loop = LinearLoop(1.0 / rate_hz, proxy, hand, device.with_delay(more))
+        decay_per_s = auto.MIN_DAMPING_FRACTION * (hand.damping_nspm + device.viscous_nspm) / 2.0
         decay_per_s /= hand.mass_kg + device.mass_kg
         if loop.swing_radius(loads_npm).max() > np.exp(-decay_per_s / rate_hz):
             return False
@@ -107,9 +107,9 @@ def test_a_choice_is_quiet_with_an_encoder_and_can_be_stated(count: int) -> None
     for stiffness_npm, rate_hz, device, choice in held_proxies(count):
         assert not is_unit_error(choice.coupling)
         assert holds(stiffness_npm, rate_hz, device, choice.coupling)
-        for hand, more in CHECKED:
+        for hand, more in CHECKED_HANDS:
             speed_mps = held_speed_mps(
-                stiffness_npm, rate_hz, device.later(more), choice.coupling, hand
+                stiffness_npm, rate_hz, device.with_delay(more), choice.coupling, hand
             )
             assert speed_mps < 1.2e-3
 
@@ -137,11 +137,11 @@ def held_speed_mps(
     meant_m = at_m + force_n / hand.stiffness_npm
     x, v, proxy_m, proxy_mps, seen_mps = at_m, 0.05, force_n / stiffness_npm, 0.0, 0.0
     before_m, queue, speeds = STEP_M * round(x / STEP_M), [force_n] * device.delay_samples, []
-    decay_s = 2.0 * mass_kg / (auto.DAMPING_LEFT * damping_nspm)
+    decay_s = 2.0 * mass_kg / (auto.MIN_DAMPING_FRACTION * damping_nspm)
     ticks = round(15.0 * decay_s * rate_hz)
     for tick in range(ticks):
         seen_m = STEP_M * round(x / STEP_M)
-        seen_mps += dt_s / (dt_s + TIME_S) * ((seen_m - before_m) / dt_s - seen_mps)
+        seen_mps += dt_s / (dt_s + LOWPASS_TAU_S) * ((seen_m - before_m) / dt_s - seen_mps)
         before_m, rest_m = seen_m, -stiffness_npm * max(proxy_m, 0.0) / k
         apart_m, apart_mps = proxy_m - seen_m, proxy_mps - seen_mps
         queue.append(-k * apart_m - b * apart_mps)

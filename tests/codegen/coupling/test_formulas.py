@@ -12,11 +12,16 @@ from scipy.linalg import expm
 from scipy.signal import cont2discrete
 
 from springpot.codegen.coupling import gains
-from springpot.codegen.coupling.auto import STIFFNESS_MARGIN_PROXY, choose_coupling
-from springpot.codegen.coupling.linear_loop import CHECKED, DESIGN_HAND, HAND_MODELS, LinearLoop
+from springpot.codegen.coupling.auto import STIFFNESS_MARGIN_PROXY, select_coupling
+from springpot.codegen.coupling.linear_loop import (
+    CHECKED_HANDS,
+    DESIGN_HAND,
+    HAND_MODELS,
+    LinearLoop,
+)
 from springpot.codegen.coupling.loop_device import DEVICE_DAMPING_NSPM, DEVICE_MASS_KG, LoopDevice
 from springpot.codegen.errors import UnsafeError
-from springpot.codegen.proxy_motion import Coupled
+from springpot.codegen.proxy_motion import VirtualCoupling
 from springpot.codegen.scene import Coupling
 from springpot.runtime_c.paths import SIM
 
@@ -57,7 +62,7 @@ def ticked(state: np.ndarray, coupling: Coupling, stiffness_npm: float) -> np.nd
     numerator, denominator, _ = cont2discrete(low_pass, dt_s, method="backward_diff")
     x, v, before, v_before, *proxy = state
     v_held = -denominator[1] * v_before + numerator.sum() * (x - before) / dt_s
-    couple = Coupled(gains.couple_config(coupling, dt_s, np.float64))
+    couple = VirtualCoupling(gains.build_couple_config(coupling, dt_s, np.float64))
     couple.proxy = (proxy[0], proxy[1])
     force = couple.force(x, v_held, stiffness_npm * (proxy[0] if coupling.mode == "proxy" else x))
     moved = expm(system * dt_s)[:2] @ [x, v, force]
@@ -81,8 +86,10 @@ def test_the_radius_is_that_of_a_loop_put_together_otherwise(
 @pytest.mark.parametrize("stiffness_npm", [2000.0, 5300.0, 5400.0, 9000.0])
 def test_off_reaches_as_far_as_the_damping_of_the_least_stable_hand(stiffness_npm: float) -> None:
     """A held spring in ticks takes b > K (dt/2 + delay) of damping, of hand and device."""
-    limit_npm = min((hand.damping_nspm + 4.0) / (5e-4 + 1e-3 * more) for hand, more in CHECKED)
-    choice = choose_coupling(stiffness_npm, 1e-3, LoopDevice(), 1.0, Coupling())
+    limit_npm = min(
+        (hand.damping_nspm + 4.0) / (5e-4 + 1e-3 * more) for hand, more in CHECKED_HANDS
+    )
+    choice = select_coupling(stiffness_npm, 1e-3, LoopDevice(), 1.0, Coupling())
     assert (choice.coupling.mode == "off") is (1.25 * stiffness_npm < limit_npm)
 
 
@@ -93,7 +100,7 @@ PAPER = Coupling(mode="tool")
 def test_transition_is_the_matrix_exponential(k: float, b: float, m: float, dt: float) -> None:
     exact = expm(np.array([[0.0, 1.0], [-k / m, -b / m]]) * dt)
     scale = np.abs(exact).max()
-    np.testing.assert_allclose(gains.transition(k, b, m, dt), exact, atol=1e-9 * scale)
+    np.testing.assert_allclose(gains.state_transition(k, b, m, dt), exact, atol=1e-9 * scale)
 
 
 def test_moves_like_an_independent_two_body_integration() -> None:
@@ -104,7 +111,7 @@ def test_moves_like_an_independent_two_body_integration() -> None:
     x = 0.004 * (1 - np.cos(2 * np.pi * 3 * time_s))
     v = np.append(np.diff(x) / dt_s, 0.0)  # the tool moves straight within a tick
     pushed_n = 2.0 + np.sin(2 * np.pi * 7 * time_s)
-    couple = Coupled(gains.couple_config(PAPER, dt_s, np.float64))
+    couple = VirtualCoupling(gains.build_couple_config(PAPER, dt_s, np.float64))
     forces = [couple.force(*row) for row in zip(x, v, pushed_n, strict=True)]
     state = np.array([x[0], v[0]])
     for i in range(ticks - 1):
@@ -149,7 +156,7 @@ def test_the_exact_step_is_stable_at_any_gains() -> None:
     near = rng.uniform(size=sets) < 0.5
     size = 4.0 * 10.0 ** rng.normal(0.0, 0.05, sets) / (2.0 * b * dt / m + k * dt**2 / m)
     size = np.where(near, size, 1.0)
-    steps = np.stack(list(map(gains.transition, k * size, b * size, m, dt)))
+    steps = np.stack(list(map(gains.state_transition, k * size, b * size, m, dt)))
     assert np.abs(np.linalg.eigvals(steps)).max() < 1.0 + 1e-9
 
 
@@ -181,13 +188,13 @@ def test_what_auto_picks_is_stable_with_every_hand_or_says_that_it_is_not(seed: 
     rng = np.random.default_rng(seed)
     rate_hz, stiffness_npm = 10.0 ** rng.uniform(1.8, 3.7), 10.0 ** rng.uniform(2.5, 4.7)
     device = LoopDevice(delay_samples=int(rng.integers(0, 3)))
-    choice = choose_coupling(stiffness_npm, 1.0 / rate_hz, device, 1.0, Coupling())
+    choice = select_coupling(stiffness_npm, 1.0 / rate_hz, device, 1.0, Coupling())
     assert choice.why.startswith(f"{choice.coupling.mode}: auto: ")
     assert choice.felt_npm <= stiffness_npm
     proxy = choice.coupling.mode == "proxy"
     loops = [
-        LinearLoop(1.0 / rate_hz, choice.coupling, hand, device.later(more))
-        for hand, more in CHECKED
+        LinearLoop(1.0 / rate_hz, choice.coupling, hand, device.with_delay(more))
+        for hand, more in CHECKED_HANDS
     ]
     # The choice looks at eight stiffnesses, this at a hundred: between them it may miss a little.
     most = STIFFNESS_MARGIN_PROXY if proxy else 1.0

@@ -11,7 +11,7 @@ import pytest
 from support.c import golden_forces
 from support.c.single import every_plan, plan_of, write_single
 
-from springpot.codegen.plan import Plan, planned_headers
+from springpot.codegen.plan import Plan, list_headers
 from springpot.runtime_c.paths import SOURCE
 
 WARNINGS = ("-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
@@ -72,7 +72,7 @@ def test_no_warning_for_any_kind_at_any_level(tmp_path: Path) -> None:
     units: set[str] = set()
     turns = zip(cycle(LEVELS), cycle((FOUND[::3], FOUND[1:3])), strict=False)
     for plan, (level, languages) in zip(every_plan("host"), turns, strict=False):
-        units.update(planned_headers(plan))
+        units.update(list_headers(plan))
         require_clean(plan, tmp_path / plan.scene.name, level, languages)
     assert units == {file.name for file in SOURCE.glob("*.h")}
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 from support.c.golden_scenes import folder_of, soft_pad
 
-from springpot.host.native.scene_library import built
+from springpot.host.native.scene_library import build_and_load
 
 SOFT_PAD = folder_of("soft_pad")
 
@@ -25,7 +25,7 @@ def test_a_compiler_alone_gives_the_forces_of_every_tick(tmp_path: Path) -> None
     pictures = np.arange(1 - ticks, ticks * (len(words) - 1) + 1) / ticks
     along_m = np.interp(pictures, range(len(words)), 1e-3 * depth_m)
     plan = soft_pad()
-    force_n = built(plan).new_state().run(along_m, np.gradient(along_m, plan.dt_s))[0]
+    force_n = build_and_load(plan).new_state().run(along_m, np.gradient(along_m, plan.dt_s))[0]
     assert given_n.max() > 3.0 and np.abs(given_n - force_n[ticks - 1 :: ticks]).max() < 2e-3
 
 

@@ -11,19 +11,19 @@ from support.paths import C_TESTS
 
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.forest import (
-    forest_force,
-    quantisation_over,
-    quantised_leaves,
-    rounded,
-    used_features,
+    find_used_features,
+    fit_quantisation,
+    predict_forest_n,
+    quantise_leaves,
+    to_bins,
 )
 from springpot.codegen.model.regressors import Forest, Quantisation
 from springpot.codegen.stages.compact_forest import CompactForest, compact_forest
 from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import shared_library
 from springpot.runtime_c.paths import INCLUDE, SOURCE
+from springpot.trainer.models.ensembles import convert_forest
 from springpot.trainer.models.fit import PAPER_LEAF, PAPER_TREES
-from springpot.trainer.models.rf_fd import forest_ir
 
 HARNESS = C_TESTS / "forest_harness.c"
 N_FEATURES = 10
@@ -94,15 +94,15 @@ def assert_same_leaves(
     model, features: np.ndarray, quantisation: Quantisation | None = None
 ) -> None:
     """Every way of traversal; rounded: the forest was fitted on whole steps."""
-    forest = dataclasses.replace(forest_ir(model), quantisation=quantisation)
+    forest = dataclasses.replace(convert_forest(model), quantisation=quantisation)
     marked = labelled(forest)
     expected = marked.value_n[model.apply(features) + forest.roots].sum(axis=1).astype(np.uint32)
-    used = np.ascontiguousarray(features[:, used_features(forest)])
-    leaves = quantised_leaves(marked)
+    used = np.ascontiguousarray(features[:, find_used_features(forest)])
+    leaves = quantise_leaves(marked)
     compact = compact_forest(marked, leaves)
     for simd in variants():
         np.testing.assert_array_equal(c_sums(compact, used, simd), expected)
-    np.testing.assert_array_equal(forest_force(marked, leaves, features, np.float64), expected)
+    np.testing.assert_array_equal(predict_forest_n(marked, leaves, features, np.float64), expected)
 
 
 @pytest.mark.few(1)
@@ -110,7 +110,7 @@ def assert_same_leaves(
 @pytest.mark.parametrize("trees", [1, 13, 30])
 def test_same_leaves_as_scikit_learn_near_every_threshold(kind: type, trees: int) -> None:
     model = fitted(trees=trees, leaf=3, rows=2000, kind=kind)
-    assert_same_leaves(model, near_thresholds(forest_ir(model), np.random.default_rng(2)))
+    assert_same_leaves(model, near_thresholds(convert_forest(model), np.random.default_rng(2)))
 
 
 # Trees, and rows that are compared: a fifth of the paper's forest, and all of it.
@@ -121,7 +121,7 @@ SIZES = [(PAPER_TREES // 5, 200_000), (PAPER_TREES, 1_000_000)]
 @pytest.mark.parametrize(("trees", "rows"), SIZES)
 def test_same_leaves_as_scikit_learn_at_the_papers_size(trees: int, rows: int) -> None:
     model = fitted(trees=trees, leaf=PAPER_LEAF, rows=9770)
-    near = near_thresholds(forest_ir(model), np.random.default_rng(3))
+    near = near_thresholds(convert_forest(model), np.random.default_rng(3))
     away = random_features(rows - len(near), 3)
     assert_same_leaves(model, np.concatenate([near, away]))
 
@@ -130,20 +130,20 @@ def test_same_leaves_as_scikit_learn_at_the_papers_size(trees: int, rows: int) -
 @pytest.mark.parametrize(("trees", "rows"), SIZES)
 def test_same_leaves_as_scikit_learn_on_rounded_features(trees: int, rows: int) -> None:
     features = random_features(9770, 5)
-    quantisation = quantisation_over(features.astype(np.float64))
-    steps = rounded(quantisation, features)
+    quantisation = fit_quantisation(features.astype(np.float64))
+    steps = to_bins(quantisation, features)
     model = fitted(trees=trees, leaf=PAPER_LEAF, rows=9770, features=steps)
-    inner = forest_ir(model)
+    inner = convert_forest(model)
     near = np.floor(near_thresholds(inner, np.random.default_rng(8)))
-    away = rounded(quantisation, random_features(rows - len(near), 11))
+    away = to_bins(quantisation, random_features(rows - len(near), 11))
     assert_same_leaves(model, np.clip(np.concatenate([near, away]), 0, 65535), quantisation)
 
 
 def test_force_is_the_mean_of_the_leaves_within_the_stated_rounding() -> None:
     model = fitted(trees=11, leaf=5, rows=1500)
-    forest = forest_ir(model)
-    features, leaves = random_features(3000, 4), quantised_leaves(forest)
-    force_n = forest_force(forest, leaves, features, np.float64)
+    forest = convert_forest(model)
+    features, leaves = random_features(3000, 4), quantise_leaves(forest)
+    force_n = predict_forest_n(forest, leaves, features, np.float64)
     span_n = np.ptp(forest.value_n[forest.feature < 0])
     assert np.abs(force_n - model.predict(features)).max() <= leaves.error_n
     assert leaves.error_n == pytest.approx(span_n / 2**17, rel=1e-4)
@@ -154,17 +154,17 @@ def test_too_many_features_are_refused() -> None:
     features = rng.normal(size=(400, 16)).astype(np.float32)
     model = RandomForestRegressor(n_estimators=20, random_state=0).fit(features, features.sum(1))
     with pytest.raises(UsageError, match="16 features"):
-        compact_forest(forest_ir(model), quantised_leaves(forest_ir(model)))
+        compact_forest(convert_forest(model), quantise_leaves(convert_forest(model)))
 
 
 def test_ranks_are_those_of_a_whole_search_however_far_a_feature_jumps() -> None:
     model = fitted(trees=20, leaf=2, rows=3000)
-    forest = labelled(forest_ir(model))
-    leaves = quantised_leaves(forest)
+    forest = labelled(convert_forest(model))
+    leaves = quantise_leaves(forest)
     compact, rng = compact_forest(forest, leaves), np.random.default_rng(13)
     slow = np.cumsum(rng.normal(scale=1e-3, size=(3000, N_FEATURES)), axis=0)
     jumps = rng.normal(size=(3000, N_FEATURES)) * (rng.random((3000, 1)) < 0.1)
     features = np.ascontiguousarray((slow + jumps).astype(np.float32))
-    expected = forest_force(forest, leaves, features, np.float64)
+    expected = predict_forest_n(forest, leaves, features, np.float64)
     for simd in variants():
         np.testing.assert_array_equal(c_sums(compact, features, simd), expected)

@@ -17,7 +17,7 @@ from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import model_bytes, model_hash, read_model
 from springpot.codegen.scene import Guard
-from springpot.host.native.scene_library import built
+from springpot.host.native.scene_library import build_and_load
 
 KIND = "rf-fd"
 
@@ -137,7 +137,7 @@ POWER_OF_TWO = 8.0  # exact, so that every decision is the same
 def forces(model: Model, *motions_m: np.ndarray) -> list[np.ndarray]:
     asked = replace(scene(), guard=Guard(outside="fallback"))
     plan = make_plan(model, asked, accept_unsafe=True)
-    library = built(plan)
+    library = build_and_load(plan)
     return [library.new_state().run(x, np.zeros_like(x))[0] for x in motions_m]
 
 

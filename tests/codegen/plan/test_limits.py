@@ -41,10 +41,10 @@ def scene(**guard: Any) -> Scene:
 def test_what_a_hand_may_do_is_believed(
     trained: TrainedRange, rate_hz: float, surface: bool
 ) -> None:
-    guard = limits.guard_config(model(trained), 0.02, ticks(rate_hz, surface))
+    guard = limits.build_guard_config(model(trained), 0.02, ticks(rate_hz, surface))
     fastest_mps = max(1.0, 8.0 * trained.max_mps)
-    assert limits.max_mps(model(trained)) == fastest_mps
-    assert guard.jump_m == near(max(1e-3, fastest_mps / rate_hz))  # no encoder's noise jumps
+    assert limits.compute_max_mps(model(trained)) == fastest_mps
+    assert guard.max_step_m == near(max(1e-3, fastest_mps / rate_hz))  # no encoder's noise jumps
     far_m = max(0.1, 10.0 * max(-trained.min_m, trained.max_m))
     assert (guard.min_m, guard.max_m) == (-10.0 if surface else -far_m, far_m)
 
@@ -54,7 +54,7 @@ def test_a_new_place_is_believed_before_the_watchdog_latches(
     trained: TrainedRange, rate_hz: float, watchdog_ticks: float
 ) -> None:
     """Two samples that agree at least, five at most."""
-    guard = limits.guard_config(model(trained), watchdog_ticks / rate_hz, ticks(rate_hz))
+    guard = limits.build_guard_config(model(trained), watchdog_ticks / rate_hz, ticks(rate_hz))
     assert 2 <= guard.resync_ticks <= 5 and guard.resync_ticks < watchdog_ticks
     assert guard.resync_ticks == 5 or guard.resync_ticks + 2 > watchdog_ticks - 1e-9
 
@@ -64,16 +64,16 @@ def test_a_watchdog_waits_20_ms_or_three_ticks_and_one_bad_sample_never_latches(
     rate_hz: float,
 ) -> None:
     tick_ms = 1e3 / rate_hz
-    assert limits.watchdog_s_of(scene(), 1.0 / rate_hz) == near(max(0.02, 3e-3 * tick_ms))
+    assert limits.watchdog_timeout_s(scene(), 1.0 / rate_hz) == near(max(0.02, 3e-3 * tick_ms))
     fewest_ms = 2.5 * tick_ms
-    stated = limits.watchdog_s_of(scene(watchdog_ms=fewest_ms * 1.0001), 1.0 / rate_hz)
+    stated = limits.watchdog_timeout_s(scene(watchdog_ms=fewest_ms * 1.0001), 1.0 / rate_hz)
     assert stated == near(1e-3 * fewest_ms, rel=1e-3)
     with pytest.raises(UsageError, match="or one bad sample latches") as refused:
-        limits.watchdog_s_of(scene(watchdog_ms=fewest_ms * 0.9999), 1.0 / rate_hz)
+        limits.watchdog_timeout_s(scene(watchdog_ms=fewest_ms * 0.9999), 1.0 / rate_hz)
     assert f"give at least {3 * tick_ms:g}," in str(refused.value)
-    assert limits.watchdog_s_of(scene(watchdog_ms=2.5), 1e-3) == 0.0025
-    silence = limits.silence_config(0.02, ticks(rate_hz))
-    assert silence.dt_s * silence.per_dt == near(1.0) and silence.dt_s == 1.0 / rate_hz
+    assert limits.watchdog_timeout_s(scene(watchdog_ms=2.5), 1e-3) == 0.0025
+    silence = limits.build_silence_config(0.02, ticks(rate_hz))
+    assert silence.dt_s * silence.rate_hz == near(1.0) and silence.dt_s == 1.0 / rate_hz
     with pytest.raises(FrozenInstanceError):
         silence.dt_s = 0.0  # type: ignore[misc]
     assert silence.watchdog_s - 0.02 == near(0.5 / rate_hz)
@@ -81,7 +81,7 @@ def test_a_watchdog_waits_20_ms_or_three_ticks_and_one_bad_sample_never_latches(
 
 def test_the_stated_limit_is_one_of_pulls_too() -> None:
     pulls = TrainedRange(0.0, 0.01, 0.1, -5.0, 5.0)
-    output = limits.output_config(model(pulls), scene(max_force_n=2.0), ticks(1000.0, False))
+    output = limits.build_output_config(model(pulls), scene(max_force_n=2.0), ticks(1000.0, False))
     assert (output.min_n, output.max_n) == (-2.0, 2.0)
 
 
@@ -91,14 +91,14 @@ def test_forces_that_leave(
 ) -> None:
     """A fifth more than was trained, unless it is stated; what has a surface never pulls."""
     limited = scene(max_force_n=stated_n)
-    output = limits.output_config(model(trained), limited, ticks(rate_hz, surface))
+    output = limits.build_output_config(model(trained), limited, ticks(rate_hz, surface))
     peak_n = trained.max_n if surface else max(abs(trained.max_n), abs(trained.min_n))
     assert output.max_n == (stated_n or near(1.2 * peak_n))
     if surface:
         assert output.min_n == 0.0
     else:
         assert output.min_n == near(max(-output.max_n, min(0.0, 1.2 * trained.min_n)))
-    for config in (output, limits.guard_config(model(trained), 0.02, ticks(rate_hz))):
+    for config in (output, limits.build_guard_config(model(trained), 0.02, ticks(rate_hz))):
         with pytest.raises(FrozenInstanceError):
             config.max_n = 0.0  # type: ignore[misc]
     # It grows to its maximum in 4 ms, by 1.5 N a millisecond at least, and by as much in a tick.
@@ -116,5 +116,5 @@ def test_a_model_that_never_pushes_out_is_refused_with_what_turns_it_round(max_n
     without_force = TrainedRange(0.0, 0.01, 0.1, min_n=0.0, max_n=0.0)
     for trained, surface in ((of_surface, True), (without_force, False)):
         with pytest.raises(DataError, match=r"never push out \(.* N\): turn the sign round") as no:
-            limits.output_config(model(trained), scene(), ticks(1000.0, surface))
+            limits.build_output_config(model(trained), scene(), ticks(1000.0, surface))
         assert f"(maximum {trained.max_n:g} N)" in str(no.value)

@@ -11,7 +11,7 @@ from support.small import scene
 
 from springpot.codegen.make_plan import make_plan
 from springpot.host.native.replay import Replay
-from springpot.host.native.scene_library import built
+from springpot.host.native.scene_library import build_and_load
 
 ENCODER_M = 10e-6
 PRESS_TICKS = 500
@@ -35,7 +35,7 @@ def test_noise_of_an_encoder_moves_a_resting_force_as_the_model_says(
     """All that stands between model and hand changes nothing: the bits are the model's."""
     plan = make_plan(golden_forces.model("hammerstein"), scene())
     position_m = resting(0.6 * plan.model.trained.max_m, noise_steps, ticks).astype(plan.dtype)
-    force_n, notes = Replay(built(plan)).run(position_m, np.zeros_like(position_m))
+    force_n, notes = Replay(build_and_load(plan)).run(position_m, np.zeros_like(position_m))
     settled_n, slope_npm = force_n[PRESS_TICKS + 50_000 :], plan.stiffness_npm
     assert not notes[PRESS_TICKS:].any()
     step_n = np.abs(np.diff(settled_n)).max()

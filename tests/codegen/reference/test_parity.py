@@ -13,15 +13,15 @@ from support.small import DT_S, press, scene, small_model, training, wandering
 from springpot import Recording
 from springpot.codegen import reference as codegen_reference
 from springpot.codegen.arrays import Samples
-from springpot.codegen.emit.golden import backward_velocity, golden_positions
+from springpot.codegen.emit.golden import differentiate, golden_positions
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.notes import CLAMPED, HELD, LATCHED, LIMITED, OUTSIDE, RAMPED, RESYNC
 from springpot.codegen.plan import Plan
 from springpot.codegen.reference import run_reference
 from springpot.codegen.scene import Coupling
-from springpot.codegen.stages.model_stages import Stages, model_force
-from springpot.codegen.tool_motion import SILENCE_WORTH
-from springpot.host.native.scene_library import built
+from springpot.codegen.stages.model_stages import Stages, compute_model_force
+from springpot.codegen.tool_motion import SILENCE_PAYBACK
+from springpot.host.native.scene_library import build_and_load
 from springpot.host.validation.compared import proxy_positions
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
@@ -74,7 +74,7 @@ def test_the_proxy_of_the_c_makes_one_pass_do_and_proves_nothing_by_itself() -> 
     position = wandering(5, 1200).astype(plan.dtype)
     velocity = np.zeros_like(position)
     force_n, notes = require_same_bits(plan, position, velocity, find=True)
-    predicted_m = proxy_positions(plan, built(plan), position, velocity)
+    predicted_m = proxy_positions(plan, build_and_load(plan), position, velocity)
     for predicted in (predicted_m, 0.9 * predicted_m):
         found = run_reference(plan, position, velocity, predicted)
         np.testing.assert_array_equal(found.force_n, force_n)
@@ -82,7 +82,7 @@ def test_the_proxy_of_the_c_makes_one_pass_do_and_proves_nothing_by_itself() -> 
 
 
 def test_two_halves_give_what_the_whole_gives() -> None:
-    motion, library = press(2.0), built(plan_of("tool"))
+    motion, library = press(2.0), build_and_load(plan_of("tool"))
     state = library.new_state()
     halves = [state.run(part)[0] for part in (motion[:217], motion[217:])]
     np.testing.assert_array_equal(np.concatenate(halves), library.new_state().run(motion)[0])
@@ -103,9 +103,9 @@ def test_a_stiff_objects_proxy_is_proven_in_bounded_work(monkeypatch: pytest.Mon
 
     def counted(stages: Stages, motion: dict[str, np.ndarray], *others: Any) -> np.ndarray:
         lengths.append(len(motion["clipped"]))
-        return model_force(stages, motion, *others)
+        return compute_model_force(stages, motion, *others)
 
-    monkeypatch.setattr(codegen_reference, "model_force", counted)
+    monkeypatch.setattr(codegen_reference, "compute_model_force", counted)
     require_same_bits(plan, position, find=True)
     n = len(position)
     assert len(lengths) > n / 4, "the object is not stiff enough for this test"
@@ -145,7 +145,7 @@ def gaps(plan: Plan, ticks: int, seed: int) -> np.ndarray:
     while i < ticks - longest:
         gap = int(rng.integers(1, longest + 1))
         lost[i : i + gap] = True
-        i += gap + int(gap / SILENCE_WORTH) + int(rng.integers(1, 60))
+        i += gap + int(gap / SILENCE_PAYBACK) + int(rng.integers(1, 60))
     return lost
 
 
@@ -164,7 +164,7 @@ def test_the_reference_gives_the_same_bits_with_the_devices_own_velocity() -> No
     plan = silent_plan("hammerstein", "proxy", device="device")
     assert plan.needs_device_velocity
     position = strokes(plan, 700, low=-0.1).astype(plan.dtype)
-    velocity = backward_velocity(position, plan.dt_s)
+    velocity = differentiate(position, plan.dt_s)
     position[gaps(plan, 700, 2)] = np.nan
     velocity[300:304] = np.inf
     _, notes = require_same_bits(plan, position, velocity, find=True)

@@ -15,7 +15,7 @@ from springpot.codegen.notes import LATCHED
 from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import shared_library
 from springpot.host.native.replay import Replay
-from springpot.host.native.scene_library import built
+from springpot.host.native.scene_library import build_and_load
 from springpot.runtime_c.paths import INCLUDE
 
 CALLS = 100_000_000 if os.environ.get("SPRINGPOT_SOAK") else 1_000_000
@@ -50,7 +50,7 @@ def found_in(
     chosen = replace(chosen, device=replace(chosen.device, velocity=velocity))
     plan = make_plan(replace(golden_forces.model(name), contact=contact), chosen)
     tool = harness("float" if number == "float32" else "double")
-    found, library = tool.ffi.new("hostile_found *"), built(plan)
+    found, library = tool.ffi.new("hostile_found *"), build_and_load(plan)
     state, told = library.new_state(), tool.ffi.new("hostile_scene *")
     for call in ("step", "idle", "reset"):
         setattr(told, call, tool.ffi.cast("void *", library.address(call)))
@@ -94,7 +94,7 @@ def test_a_source_that_misses_every_third_sample_ends_within_a_tenth_of_a_second
     depth_m = 0.8 * plan.model.trained.max_m
     position_m = depth_m * np.minimum(np.arange(400) / 300, 1.0)
     position_m[300::3] = 0.0
-    library = built(plan)
+    library = build_and_load(plan)
     force_n, notes = Replay(library).run(position_m.astype(plan.dtype), np.zeros(400, plan.dtype))
     ended = int(np.flatnonzero(notes & LATCHED)[0])
     assert 300 < ended <= 400

@@ -15,16 +15,16 @@ from springpot.codegen.stages.exponentials import fast_fir_stage
 from springpot.codegen.stages.windows import fir_stage
 from springpot.host.emission.emission import emit
 from springpot.host.native.scene_library import SceneLibrary
-from springpot.trainer.features import equivalent_taps, fast_fir_bank, imitation_error
+from springpot.trainer.features import compute_response_error, compute_taps, fit_fast_fir_bank
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.rf_fd import PAPER_ORDERS, PAPER_TAPS, fractional_features
+from springpot.trainer.models.rf_fd import PAPER_ORDERS, PAPER_TAPS, build_fractional_features
 
 COLUMNS = np.arange(len(PAPER_ORDERS))
 
 
 def paper_bank() -> FirBank:
-    return fractional_features(DT_S, None)
+    return build_fractional_features(DT_S, None)
 
 
 def hand_motion(seconds: float) -> np.ndarray:
@@ -36,16 +36,16 @@ def hand_motion(seconds: float) -> np.ndarray:
 
 def test_the_fast_window_is_the_window() -> None:
     bank = paper_bank()
-    fast = fast_fir_bank(bank)
-    assert imitation_error(bank, fast) < 1e-4
-    assert equivalent_taps(fast).shape == bank.taps.shape == (PAPER_TAPS, len(PAPER_ORDERS))
+    fast = fit_fast_fir_bank(bank)
+    assert compute_response_error(bank, fast) < 1e-4
+    assert compute_taps(fast).shape == bank.taps.shape == (PAPER_TAPS, len(PAPER_ORDERS))
     worse = dataclasses.replace(fast, weights=fast.weights * 1.01)
-    assert imitation_error(bank, worse) > 9e-3
+    assert compute_response_error(bank, worse) > 9e-3
 
 
 @pytest.mark.parametrize("dtype", [np.float32, np.float64])
 def test_the_fast_window_is_within_its_error_in_the_number_of_the_scene(dtype: type) -> None:
-    bank, fast = paper_bank(), fractional_features(DT_S, None, "fir-fast")
+    bank, fast = paper_bank(), build_fractional_features(DT_S, None, "fir-fast")
     depth, starts = hand_motion(12.0).astype(dtype), np.array([0, 4000])
     found = fast_fir_stage(fast, COLUMNS, DT_S, dtype).reference(depth, starts)
     wanted = fir_stage(bank, COLUMNS, DT_S, np.float64).reference(depth.astype(np.float64), starts)

@@ -11,14 +11,14 @@ from support.c.same_bits import require_same_bits
 
 from springpot import Model
 from springpot.codegen.make_plan import make_plan
-from springpot.codegen.model.formulas import curve_nodes, curve_place, curve_values
+from springpot.codegen.model.formulas import evaluate_curves, integrate_slopes, locate_on_curve
 from springpot.codegen.model.passive import Damage, Memory
-from springpot.codegen.plan import planned_headers
+from springpot.codegen.plan import list_headers
 from springpot.codegen.reference import run_reference
-from springpot.codegen.stages.passive.beside import steepest_n
-from springpot.codegen.stages.passive.maxwell import branch_steps
+from springpot.codegen.stages.passive.beside import bound_damage_slopes_n
+from springpot.codegen.stages.passive.maxwell import group_branches
 from springpot.codegen.stages.stage import SceneTicks
-from springpot.host.native.scene_library import built
+from springpot.host.native.scene_library import build_and_load
 
 CURVE_N = np.linspace(0.5, 3.0, 9)
 LAWS: dict[str, dict[str, Any]] = {
@@ -109,12 +109,14 @@ def test_half_the_time_step_gives_nearly_the_same_force(law: str, share: float) 
 @pytest.mark.parametrize("power", [1, 3])
 def test_a_straight_curve_of_damage_is_bound_by_its_steepest(power: int) -> None:
     straight = Damage(np.zeros(1), np.array([power]), np.ones((1, 9)))  # v (v/M)^power, at v = M
-    np.testing.assert_allclose(steepest_n(straight), 1.0 + power)
+    np.testing.assert_allclose(bound_damage_slopes_n(straight), 1.0 + power)
 
 
 def test_curves_are_straight_beyond_the_last_node() -> None:
     u = np.linspace(0.8, 1.5, 71)
-    values = curve_values(curve_nodes(np.linspace(1.0, 2.0, 9)[None]), curve_place(u, 9))
+    values = evaluate_curves(
+        integrate_slopes(np.linspace(1.0, 2.0, 9)[None]), locate_on_curve(u, 9)
+    )
     bends = np.diff(values[:, 0], 2)
     np.testing.assert_allclose(bends[u[1:-1] < 0.995], 1e-4)
     np.testing.assert_allclose(bends[u[1:-1] > 1.005], 0.0, atol=1e-12)
@@ -139,7 +141,7 @@ def test_hours_of_relaxation_are_those_of_float64(ticks: float) -> None:
     held_m = np.concatenate([small.press(1.0)[:500], np.full(400_000, small.press(1.0)[499])])
     drops_n = []
     for number in ("float32", "float64"):
-        library = built(make_plan(model, small.scene(number=number), accept_unsafe=True))
+        library = build_and_load(make_plan(model, small.scene(number=number), accept_unsafe=True))
         force_n = library.new_state().run(held_m)[0]
         drops_n.append(float(force_n[5000]) - float(force_n[-1]))
     assert drops_n[1] > 5e-3 and abs(drops_n[0] / drops_n[1] - 1) < 2e-3
@@ -148,14 +150,14 @@ def test_hours_of_relaxation_are_those_of_float64(ticks: float) -> None:
 @pytest.mark.parametrize(("ratio", "double"), [(3.0, False), (16.0, True), (1 / 16, True)])
 def test_what_is_slow_at_one_depth_alone_is_kept_in_double(ratio: float, double: bool) -> None:
     passive = replace(slow_model(0.5e5).hammerstein, n_by_depth=2, rate_ratio=ratio)
-    steps = branch_steps(passive, SceneTicks(small.DT_S, np.float32))[0]
+    steps = group_branches(passive, SceneTicks(small.DT_S, np.float32))[0]
     assert any(step.double for step in steps) is double
 
 
 @pytest.mark.slow
 def test_only_slow_branches_bring_doubles() -> None:
     names = {
-        limit: set(planned_headers(make_plan(slow_model(limit), small.scene(), accept_unsafe=True)))
+        limit: set(list_headers(make_plan(slow_model(limit), small.scene(), accept_unsafe=True)))
         for limit in (0.99e5, 1.01e5)
     }
     assert names[1.01e5] - names[0.99e5] == {"sp_slow_poles.h"}

@@ -10,15 +10,15 @@ from support.c.same_bits import checked_library
 from support.small import damage, flow, passive_model, press, scene, wandering
 
 from springpot import Model, Recording
-from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.emit.golden import differentiate
 from springpot.codegen.errors import DataError
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.model_file import model_bytes
 from springpot.codegen.model.passive import Hammerstein
-from springpot.codegen.model.places import Places, amounts_at
+from springpot.codegen.model.places import Places, interpolate_amounts
 from springpot.codegen.plan import state_bytes
 from springpot.codegen.reference import run_reference
-from springpot.host.native.scene_library import SceneLibrary, built
+from springpot.host.native.scene_library import SceneLibrary, build_and_load
 from springpot.trainer.models.predict import predict_n
 
 SOFT, STIFF = (0.0, -0.01), (0.01, 0.01)
@@ -53,7 +53,9 @@ def with_places(passive: Hammerstein, places: Places) -> Hammerstein:
 
 def of_place(passive: Hammerstein, place_m: tuple[float, float]) -> Hammerstein:
     places = passive.places
-    amount = amounts_at(places.amounts, places.first_m, 1.0 / places.step_m, np.array(place_m))
+    amount = interpolate_amounts(
+        places.amounts, places.first_m, 1.0 / places.step_m, np.array(place_m)
+    )
     return passive.with_slopes(amount @ places.slopes_n)
 
 
@@ -81,7 +83,7 @@ def test_same_bits_as_the_reference(law: str, materials: int, mode: str, number:
     position = np.concatenate([1.2 * press(4.0), wandering(3)[:400], *[press(8.0)] * 12])
     position[130:134] = np.nan
     position = position.astype(plan.dtype)
-    velocity, rng = backward_velocity(position, plan.dt_s), np.random.default_rng(1)
+    velocity, rng = differentiate(position, plan.dt_s), np.random.default_rng(1)
     ticks = [100, 300, *range(640, len(position) - 125, 125)]  # most of them just before a press
     corners = [*map(tuple, rng.uniform(-0.02, 0.03, (12, 2)).tolist()), (0.02, 0.01), (9.0, 9.0)]
     places, library = list(zip(ticks, corners, strict=True)), checked_library(plan)
@@ -98,11 +100,11 @@ def test_same_bits_as_the_reference(law: str, materials: int, mode: str, number:
 def test_a_place_is_taken_once_the_tool_is_off_the_object(there: tuple[float, float]) -> None:
     plan = make_plan(placed(), scene(number="float64"))
     again = np.concatenate([np.zeros(20), press(1.0)])
-    position, library = np.concatenate([press(1.0), again]), built(plan)
-    velocity = backward_velocity(position, plan.dt_s)
+    position, library = np.concatenate([press(1.0), again]), build_and_load(plan)
+    velocity = differentiate(position, plan.dt_s)
     before, _ = called(library, position, velocity, [(0, SOFT)])
     later, _ = called(library, position, velocity, [(0, SOFT), (len(press(1.0)) // 2, there)])
-    fresh, _ = called(library, again, backward_velocity(again, plan.dt_s), [(0, there)])
+    fresh, _ = called(library, again, differentiate(again, plan.dt_s), [(0, there)])
     half = len(press(1.0))
     np.testing.assert_array_equal(later[:half], before[:half])
     np.testing.assert_array_equal(later[half:], fresh)
@@ -110,8 +112,8 @@ def test_a_place_is_taken_once_the_tool_is_off_the_object(there: tuple[float, fl
 
 def test_a_reset_keeps_the_place() -> None:
     plan = make_plan(placed(), scene(number="float64"))
-    position, library = np.concatenate([np.zeros(20), press(1.0)]), built(plan)
-    fresh, _ = called(library, position, backward_velocity(position, plan.dt_s), [(0, SOFT)])
+    position, library = np.concatenate([np.zeros(20), press(1.0)]), build_and_load(plan)
+    fresh, _ = called(library, position, differentiate(position, plan.dt_s), [(0, SOFT)])
     state = library.new_state()
     state.place(SOFT)
     state.run(position[:200], np.zeros(200))

@@ -2,11 +2,11 @@ constants of this scene */
 
 static const sp_silence_config silence = {
     0.001f,  /* dt_s */
-    1000.0f, /* per_dt */
+    1000.0f, /* rate_hz */
     0.0205f, /* watchdog_s */
 };
 static const sp_guard_config guard = {
-    0.0014693231f, /* jump_m */
+    0.0014693231f, /* max_step_m */
     -10.0f,        /* min_m */
     0.119984604f,  /* max_m */
     5,             /* resync_ticks */
@@ -69,9 +69,9 @@ static const float stop_radius[1] = {
 };
 static const sp_hammerstein_config passive = {
     2.3093101e-07f, /* origin_m */
-    83.34563f,      /* per_span */
+    83.34563f,      /* u_per_m */
     0.0f,           /* bias_n */
-    9,              /* n_pieces */
+    9,              /* n_intervals */
     4,              /* n_branches */
     1,              /* n_stops */
 };
@@ -91,32 +91,32 @@ static const float velocity_weight = 0.2f;
 static void restart(sp_state *state, float position)
 {
     const float penetration = position > (float)0 ? position : (float)0;
-    const float penetration_u = sp_hammerstein_share(&passive, penetration);
+    const float penetration_u = sp_hammerstein_u(&passive, penetration);
     sp_hammerstein_rest(&passive, &passive_tables, penetration_u,
                         state->penetration_before, state->penetration_held, state->penetration_play);
     state->penetration_surface.u = penetration_u;
     state->penetration_surface.force_n = (float)0;
     sp_tool_velocity_rest(&state->tool_velocity, position);
     sp_couple_release(&state->couple);
-    sp_output_restart(&output, &state->output);
+    sp_output_begin_ramp(&output, &state->output);
 }
 
 /* One tick with the tool at `position`; returns the model's force, N. */
-SP_APART float tick(sp_state *state, float position, int *notes)
+SP_NOINLINE float tick(sp_state *state, float position, int *notes)
 {
     const float position_mps =
         sp_tool_velocity(&state->tool_velocity, rate_hz, velocity_weight, position);
     const float proxy =
-        position > (float)0 ? sp_guard_within(&guard, sp_couple_place(&state->couple, position, position_mps)) : position;
+        position > (float)0 ? sp_guard_clamp(&guard, sp_couple_proxy_position(&state->couple, position, position_mps)) : position;
     const float penetration = proxy > (float)0 ? proxy : (float)0;
     (void)sp_range_clip(&range, penetration, notes);
-    const float penetration_tool = sp_hammerstein_share(&passive, penetration);
+    const float penetration_tool = sp_hammerstein_u(&passive, penetration);
     const float penetration_u =
-        sp_surface_at(stiffest, passive.n_pieces, &state->penetration_surface, penetration_tool);
-    const sp_curve_place penetration_place = sp_curve_at(penetration_u, passive.n_pieces);
+        sp_surface_model_u(stiffest, passive.n_intervals, &state->penetration_surface, penetration_tool);
+    const sp_curve_position penetration_place = sp_curve_locate(penetration_u, passive.n_intervals);
     float penetration_branch[4];
     sp_curve(branches, 4, penetration_place, penetration_branch);
-    sp_poles_apart(branch_loss, 4,
+    sp_poles_separate(branch_loss, 4,
         penetration_branch, state->penetration_before, state->penetration_held);
     const float penetration_held_n =
         sp_hammerstein_force(&passive, &passive_tables, penetration_u, penetration_place,
@@ -129,10 +129,10 @@ SP_APART float tick(sp_state *state, float position, int *notes)
     if (position > (float)0) {
         force = penetration_passive_n;
         force = sp_contact_onset(per_onset, proxy, force);
-        force = sp_couple_force(&couple, &state->couple, position, position_mps, force);
+        force = sp_couple_step(&couple, &state->couple, position, position_mps, force);
     } else {
         sp_couple_release(&state->couple);
-        sp_output_free(&state->output);
+        sp_output_end_ramp(&state->output);
     }
     return force;
 }
@@ -141,19 +141,19 @@ SP_APART float tick(sp_state *state, float position, int *notes)
 static int hold(sp_state *state, float dt_s, float share, float *force_n)
 {
     int notes = SP_NOTE_HELD;
-    const float latched = sp_silence_passed(&silence, &state->silence, dt_s);
-    float given_n = share * sp_output_clamp(&output, state->output.given_n, &notes);
-    state->output.given_n = given_n;
+    const float latched = sp_silence_no_sample(&silence, &state->silence, dt_s);
+    float last_n = share * sp_output_clamp(&output, state->output.last_n, &notes);
+    state->output.last_n = last_n;
     if (state->silence.latched) {
         notes = 0;
-        given_n = sp_output_fall(&output, &state->output, latched, &notes);
+        last_n = sp_output_fall_latched(&output, &state->output, latched, &notes);
     }
-    *force_n = given_n;
+    *force_n = last_n;
     return notes;
 }
 
 /* The `left` ticks without a sample before this one, a step each. */
-SP_RARE void make_up(sp_state *state, float position, float step,
+SP_COLD void make_up(sp_state *state, float position, float step,
                      float ticks, uint32_t left)
 {
     /* At a constant acceleration from the velocity before: the damper would feel a kink. */
@@ -162,7 +162,7 @@ SP_RARE void make_up(sp_state *state, float position, float step,
     for (; left > 0; left--) {
         const float curve = bend * (ticks - (float)left);
         const float way = (float)left * (step + curve);
-        const float at = sp_guard_within(&guard, position - way);
+        const float at = sp_guard_clamp(&guard, position - way);
         int ignored = 0;
         (void)tick(state, at, &ignored);
     }
@@ -173,24 +173,24 @@ int sp_step(sp_state *state, float position_m, float velocity_mps, float *force_
     if (state == NULL || force_n == NULL) {
         return SP_ERROR_NULL;
     }
-    if (state->begun != SP_GUARD_BEGUN) {
+    if (state->begun != SP_STATE_MAGIC) {
         return SP_ERROR_STATE;
     }
     uint32_t left = 0;
     float ticks = (float)1;
     if (state->silence.silent_s > (float)0) {
-        left = sp_silence_missed(&silence, &state->silence, silence.dt_s);
+        left = sp_silence_missed_ticks(&silence, &state->silence, silence.dt_s);
         ticks = (float)(left + 1);
     }
     (void)velocity_mps;
     int notes = 0;
-    const float before = state->guard.good_m;
+    const float before = state->guard.last_good_m;
     const float position =
-        sp_guard_position(&guard, &state->guard, ticks, position_m, &notes);
+        sp_guard_accept(&guard, &state->guard, ticks, position_m, &notes);
     if (notes & SP_NOTE_HELD) {
-        return hold(state, silence.dt_s, sp_guard_share(&guard, &state->guard, position_m), force_n);
+        return hold(state, silence.dt_s, sp_guard_held_fraction(&guard, &state->guard, position_m), force_n);
     }
-    sp_silence_heard(&state->silence, silence.dt_s);
+    sp_silence_good_sample(&state->silence, silence.dt_s);
     float way = position - before;
     if (notes & SP_NOTE_RESYNC) {
         restart(state, position);
@@ -203,11 +203,11 @@ int sp_step(sp_state *state, float position_m, float velocity_mps, float *force_
     }
     const float force = tick(state, position, &notes);
     if (state->silence.latched) {
-        (void)sp_output_fall(&output, &state->output, (float)1, &notes);
+        (void)sp_output_fall_latched(&output, &state->output, (float)1, &notes);
     } else {
-        (void)sp_output_force(&output, &state->output, left > 0, (float)1, force, &notes);
+        (void)sp_output_limit(&output, &state->output, left > 0, (float)1, force, &notes);
     }
-    *force_n = state->output.given_n;
+    *force_n = state->output.last_n;
     return notes;
 }
 
@@ -230,10 +230,10 @@ int sp_idle(sp_state *state, float dt_s, float *force_n)
     if (state == NULL || force_n == NULL) {
         return SP_ERROR_NULL;
     }
-    if (state->begun != SP_GUARD_BEGUN) {
+    if (state->begun != SP_STATE_MAGIC) {
         return SP_ERROR_STATE;
     }
-    if (!sp_is_time(dt_s)) {
+    if (!sp_is_valid_dt(dt_s)) {
         return SP_ERROR_TIME_STEP;
     }
     return hold(state, dt_s, (float)1, force_n);
@@ -243,7 +243,7 @@ void sp_init(sp_state *state)
 {
     if (state != NULL) {
         (void)memset(state, 0, sizeof *state);
-        state->begun = SP_GUARD_BEGUN;
+        state->begun = SP_STATE_MAGIC;
     }
 }
 
@@ -264,7 +264,7 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"35a9c72db53df16f9eb9a5d68b0f97461048b4595782e79454b4f3af280ecbeb\", \"scene\": \"proxy\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [2.3093100251531682e-07, 0.011998460459983215], \"speed_mps\": 0.18366538639667027, \"force_n\": [-7.121525591458066e-15, 9.129659751043853]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"b8b905aa568fe9de535596b060c18f040ddc72374add881f2e9419e05a4d2f5f\", \"scene\": \"proxy\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [2.3093100251531682e-07, 0.011998460459983215], \"speed_mps\": 0.18366538639667027, \"force_n\": [-7.121525591458066e-15, 9.129659751043853]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

@@ -2,11 +2,11 @@ constants of this scene */
 
 static const sp_silence_config silence = {
     0.001f,  /* dt_s */
-    1000.0f, /* per_dt */
+    1000.0f, /* rate_hz */
     0.0205f, /* watchdog_s */
 };
 static const sp_guard_config guard = {
-    0.001f, /* jump_m */
+    0.001f, /* max_step_m */
     -10.0f, /* min_m */
     0.1f,   /* max_m */
     5,      /* resync_ticks */
@@ -95,11 +95,11 @@ static void restart(sp_state *state, float position)
     int ignored = 0;
     const float clipped = sp_range_clip(&range, penetration, &ignored);
     sp_window_fill(state->history, &state->newest, N_TAPS, clipped);
-    sp_output_restart(&output, &state->output);
+    sp_output_begin_ramp(&output, &state->output);
 }
 
 /* One tick with the tool at `position`; returns the model's force, N. */
-SP_APART float tick(sp_state *state, float position, int *notes)
+SP_NOINLINE float tick(sp_state *state, float position, int *notes)
 {
     const float penetration = position > (float)0 ? position : (float)0;
     const float clipped = sp_range_clip(&range, penetration, notes);
@@ -114,12 +114,12 @@ SP_APART float tick(sp_state *state, float position, int *notes)
         for (uint32_t i = 0; i < N_FEATURES; i++) {
             bins[i + 1] = state->bins[i];
         }
-        const uint32_t leaf_sum = sp_forest_fastest(&forest, bins, state->simd);
+        const uint32_t leaf_sum = sp_forest_sum_simd(&forest, bins, state->simd);
         const float model_n = forest_bias_n + (float)leaf_sum * leaf_step_n;
         force = model_n;
         force = sp_contact_onset(per_onset, position, force);
     } else {
-        sp_output_free(&state->output);
+        sp_output_end_ramp(&state->output);
     }
     return force;
 }
@@ -128,23 +128,23 @@ SP_APART float tick(sp_state *state, float position, int *notes)
 static int hold(sp_state *state, float dt_s, float share, float *force_n)
 {
     int notes = SP_NOTE_HELD;
-    const float latched = sp_silence_passed(&silence, &state->silence, dt_s);
-    float given_n = share * sp_output_clamp(&output, state->output.given_n, &notes);
-    state->output.given_n = given_n;
+    const float latched = sp_silence_no_sample(&silence, &state->silence, dt_s);
+    float last_n = share * sp_output_clamp(&output, state->output.last_n, &notes);
+    state->output.last_n = last_n;
     if (state->silence.latched) {
         notes = 0;
-        given_n = sp_output_fall(&output, &state->output, latched, &notes);
+        last_n = sp_output_fall_latched(&output, &state->output, latched, &notes);
     }
-    *force_n = given_n;
+    *force_n = last_n;
     return notes;
 }
 
 /* The `left` ticks without a sample before this one, a step each. */
-SP_RARE void make_up(sp_state *state, float position, float step,
+SP_COLD void make_up(sp_state *state, float position, float step,
                      uint32_t left)
 {
     for (; left > 0; left--) {
-        const float at = sp_guard_within(&guard, position - (float)left * step);
+        const float at = sp_guard_clamp(&guard, position - (float)left * step);
         int ignored = 0;
         (void)tick(state, at, &ignored);
     }
@@ -155,24 +155,24 @@ int sp_step(sp_state *state, float position_m, float velocity_mps, float *force_
     if (state == NULL || force_n == NULL) {
         return SP_ERROR_NULL;
     }
-    if (state->begun != SP_GUARD_BEGUN) {
+    if (state->begun != SP_STATE_MAGIC) {
         return SP_ERROR_STATE;
     }
     uint32_t left = 0;
     float ticks = (float)1;
     if (state->silence.silent_s > (float)0) {
-        left = sp_silence_missed(&silence, &state->silence, silence.dt_s);
+        left = sp_silence_missed_ticks(&silence, &state->silence, silence.dt_s);
         ticks = (float)(left + 1);
     }
     (void)velocity_mps;
     int notes = 0;
-    const float before = state->guard.good_m;
+    const float before = state->guard.last_good_m;
     const float position =
-        sp_guard_position(&guard, &state->guard, ticks, position_m, &notes);
+        sp_guard_accept(&guard, &state->guard, ticks, position_m, &notes);
     if (notes & SP_NOTE_HELD) {
-        return hold(state, silence.dt_s, sp_guard_share(&guard, &state->guard, position_m), force_n);
+        return hold(state, silence.dt_s, sp_guard_held_fraction(&guard, &state->guard, position_m), force_n);
     }
-    sp_silence_heard(&state->silence, silence.dt_s);
+    sp_silence_good_sample(&state->silence, silence.dt_s);
     float way = position - before;
     if (notes & SP_NOTE_RESYNC) {
         restart(state, position);
@@ -185,11 +185,11 @@ int sp_step(sp_state *state, float position_m, float velocity_mps, float *force_
     }
     const float force = tick(state, position, &notes);
     if (state->silence.latched) {
-        (void)sp_output_fall(&output, &state->output, (float)1, &notes);
+        (void)sp_output_fall_latched(&output, &state->output, (float)1, &notes);
     } else {
-        (void)sp_output_force(&output, &state->output, 0, (float)1, force, &notes);
+        (void)sp_output_limit(&output, &state->output, 0, (float)1, force, &notes);
     }
-    *force_n = state->output.given_n;
+    *force_n = state->output.last_n;
     return notes;
 }
 
@@ -212,10 +212,10 @@ int sp_idle(sp_state *state, float dt_s, float *force_n)
     if (state == NULL || force_n == NULL) {
         return SP_ERROR_NULL;
     }
-    if (state->begun != SP_GUARD_BEGUN) {
+    if (state->begun != SP_STATE_MAGIC) {
         return SP_ERROR_STATE;
     }
-    if (!sp_is_time(dt_s)) {
+    if (!sp_is_valid_dt(dt_s)) {
         return SP_ERROR_TIME_STEP;
     }
     return hold(state, dt_s, (float)1, force_n);
@@ -225,7 +225,7 @@ void sp_init(sp_state *state)
 {
     if (state != NULL) {
         (void)memset(state, 0, sizeof *state);
-        state->begun = SP_GUARD_BEGUN;
+        state->begun = SP_STATE_MAGIC;
         state->simd = sp_forest_simd();
     }
 }
@@ -247,7 +247,7 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"8f976953cba78121199621cc53672b34797d9e5d803fd4bac0f846dd25714a0d\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"41755ab93f5520f5b9d88c8ca0a6eddd539dc02338325ff4b47ee792141130cc\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

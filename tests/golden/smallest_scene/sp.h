@@ -1,4 +1,4 @@
-/* springpot 0.1.0 8f976953cba78121199621cc53672b34797d9e5d803fd4bac0f846dd25714a0d */
+/* springpot 0.1.0 41755ab93f5520f5b9d88c8ca0a6eddd539dc02338325ff4b47ee792141130cc */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:
@@ -112,21 +112,21 @@ int sp_selftest(void);
  * written, but by the functions above. */
 typedef struct {
     float silent_s; /* since the last good sample; 0 once it is latched */
-    float lost_s;   /* silence that good samples have not yet made up for */
+    float debt_s;   /* silence that good samples have not yet made up for */
     uint32_t latched;
 } sp_silence_state;
 
 typedef struct {
-    float good_m;
-    float suspect_m;
-    uint32_t agreeing;
+    float last_good_m;
+    float candidate_m;
+    uint32_t agreeing_samples;
     uint32_t started;
 } sp_guard_state;
 
 typedef struct {
-    float given_n; /* by the last call: from here the force grows */
-    float share;   /* 0 .. 1, of the model's force that is given */
-    float rise;    /* of the share in a tick */
+    float last_n; /* by the last call: from here the force grows */
+    float share;  /* 0 .. 1, of the model's force that is given */
+    float rise;   /* of the share in a tick */
 } sp_output_state;
 
 struct sp_state {
@@ -156,7 +156,7 @@ static inline int sp_advance(sp_state *state, float seconds, float position_m, f
         return SP_ERROR_TIME_STEP;
     }
     const uint32_t ticks = (uint32_t)(seconds / SP_DT_S + (float)0.5);
-    const float from_m = state->guard.started ? state->guard.good_m : position_m;
+    const float from_m = state->guard.started ? state->guard.last_good_m : position_m;
     for (uint32_t tick = 1; tick <= ticks; tick++) {
         const float share = (float)tick / (float)ticks;
         const int its_notes = sp_step(state, from_m + share * (position_m - from_m),

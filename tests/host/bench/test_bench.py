@@ -17,7 +17,7 @@ from springpot.codegen.errors import UsageError
 from springpot.host.bench import bench as bench_module
 from springpot.host.bench import front
 from springpot.host.bench.bench import Bench, holdout, run_bench
-from springpot.host.bench.front import pareto
+from springpot.host.bench.front import pareto_front
 from springpot.host.bench.measure import Candidate, default_sweep
 from springpot.host.emission.boards import BOARDS, missing
 from springpot.host.ensemble import ensemble_data, from_ensemble
@@ -123,7 +123,7 @@ def test_the_front() -> None:
 
     points = [point(1.0, 10.0, 100), point(1.1, 10.0, 100), point(2.0, 5.0, 100),
               point(2.1, 6.0, 90), point(2.1, 6.0, None), point(1.0, 10.0, 100)]  # fmt: skip
-    assert pareto(points) == [True, False, True, True, False, True]
+    assert pareto_front(points) == [True, False, True, True, False, True]
 
 
 def test_holdout_keeps_the_strongest_for_training() -> None:

@@ -14,7 +14,7 @@ from support.in_process import spring
 from support.small import damage, fitted, flow, model_file, passive_model, press, recording
 
 from springpot.codegen.emit.files import emit_files
-from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.emit.golden import differentiate
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.passive import Memory
@@ -104,7 +104,7 @@ def test_ten_branches_and_three_stops_take_640_instructions_and_4400_bytes(tmp_p
     chosen = target_scene("cortex-m4f")
     emission = emit(chosen, model, tmp_path / "c", accept_unsafe=True)
     position = long_motion().astype(np.float32)
-    calls = steps(position, backward_velocity(position, 1e-3))
+    calls = steps(position, differentiate(position, 1e-3))
     batch = run_batch(tmp_path / "c", BOARDS["mps2-an386"], calls)
     restarts = (batch.notes & RESYNC) != 0
     most = int(batch.instructions[~restarts & ~after_silence(batch.notes)].max())
@@ -146,7 +146,7 @@ def test_same_bits_on_every_board(tmp_path: Path, variant: str, shape: str) -> N
     model = model_file(tmp_path, model_of(variant))
     emit(target_scene("cortex-m4f", **SHAPES[shape]), model, tmp_path / "c", accept_unsafe=True)
     position = long_motion().astype(np.float32)
-    velocity = backward_velocity(position, 1e-3)
+    velocity = differentiate(position, 1e-3)
     force_n, notes = Replay(SceneLibrary(tmp_path / "c")).run(position, velocity)
     assert np.ptp(force_n) > 1.0
     assert np.bitwise_or.reduce(notes) & 4, "the fallback outside was not visited"
@@ -164,7 +164,7 @@ def test_idle_reset_and_doubles_are_the_same_too(tmp_path: Path, board: str, num
     emit(chosen, model_file(tmp_path, fitted("rf-fd")), tmp_path / "c", accept_unsafe=True)
     real = np.float32 if number == "float32" else np.float64
     position = long_motion()[:1500].astype(real)
-    rows = steps(position, backward_velocity(position, 1e-3))
+    rows = steps(position, differentiate(position, 1e-3))
     rows["dt_s"], call = 1e-3, rows["call"]
     call[400:450] = CALL_IDLE  # longer than the watchdog waits
     call[600] = CALL_RESET

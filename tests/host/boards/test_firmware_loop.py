@@ -18,8 +18,8 @@ from springpot.host.emission.boards import (
     TRANSDUCER,
     build_batch,
     build_firmware,
-    compiler_of,
     emulate,
+    find_board_compiler,
 )
 from springpot.host.emission.emission import emit
 from springpot.host.native.c_library import CLibrary
@@ -130,7 +130,7 @@ def test_gcc_and_clang_of_the_target(tmp_path: Path, board: str, mode: str) -> N
     emit(target_scene(target, mode=mode), model_file(tmp_path), tmp_path / "c")
     assert build_firmware(tmp_path / "c", BOARDS[board], tmp_path / "f", strict=True).exists()
     build_batch(tmp_path / "c", BOARDS[board], tmp_path / "f")
-    compiler = compiler_of(BOARDS[board])
+    compiler = find_board_compiler(BOARDS[board])
     report = subprocess.run([*compiler.compiler, *compiler.flags, "-E", "-x", "c", "-M", "-"],
                             input="#include <math.h>\n", capture_output=True, text=True,
                             check=True).stdout  # fmt: skip

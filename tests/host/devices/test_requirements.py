@@ -10,16 +10,21 @@ from support.messages import refusing
 
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.codegen.scene import Device
-from springpot.host.devices.device import DeviceRequirements, at_most, requirements_of, too_weak
+from springpot.host.devices.device import (
+    DeviceRequirements,
+    requirements_from_keys,
+    round_down,
+    weakness_sentence,
+)
 from springpot.host.devices.drivers import Address, open_device, parse_device
 from springpot.host.devices.virtual import parse_url
 
 
 @given(st.floats(1e-9, 1e9))
 def test_a_limit_has_three_digits_and_is_within_what_it_limits(value: float) -> None:
-    named = float(at_most(value))
+    named = float(round_down(value))
     assert named <= value * (1 + 1e-11) and named > value * (1 - 0.0101)
-    assert named == float(f"{named:.3g}") and at_most(named) == at_most(value)
+    assert named == float(f"{named:.3g}") and round_down(named) == round_down(value)
 
 
 # Of every key of [device] that a driver reads: a value that is not its default.
@@ -35,12 +40,12 @@ def test_a_driver_gets_the_keys_of_the_scene_as_they_stand() -> None:
         "senses": True, "examined": True,
     }  # fmt: skip
     device = Device(surface_mm=3.0, mass_kg=5.0, **KEYS)
-    required = requirements_of(device, **asked)
+    required = requirements_from_keys(device, **asked)
     assert dataclasses.asdict(required) == {**KEYS, **asked, "surface_m": pytest.approx(0.003)}
 
 
 def test_without_keys_nothing_is_scaled_turned_moved_or_held_up() -> None:
-    required = requirements_of(Device(), rate_hz=1000.0, watchdog_s=0.02, max_n=12.0)
+    required = requirements_from_keys(Device(), rate_hz=1000.0, watchdog_s=0.02, max_n=12.0)
     assert required == DeviceRequirements(1000.0, 0.02, 12.0)
     assert dataclasses.asdict(required) == {
         "rate_hz": 1000.0, "watchdog_s": 0.02, "max_n": 12.0, "presses": False,
@@ -57,7 +62,9 @@ def test_a_device_that_is_too_weak_is_refused_with_the_key_that_limits_the_force
     required = DeviceRequirements(1000.0, 0.02, 12.0)
     line = "x://: gives 5.678 N and the scene up to 12 N: set guard.max_force_n = 5.67"
     for other in ("", ", or take another gear"):
-        error = too_weak("x://", "gives 5.678 N", required, 5.678, *([other] if other else []))
+        error = weakness_sentence(
+            "x://", "gives 5.678 N", required, 5.678, *([other] if other else [])
+        )
         assert isinstance(error, DeviceError) and str(error) == line + other
 
 

@@ -10,9 +10,9 @@ from support.small import scene
 
 from springpot import Model, Recording, Scene
 from springpot.codegen.errors import UsageError
-from springpot.codegen.make_plan import FELT_SHARE, make_plan
+from springpot.codegen.make_plan import MIN_FELT_FRACTION, make_plan
 from springpot.codegen.scene import Coupling, Runtime
-from springpot.host.emission.result import felt_notices, rate_notices
+from springpot.host.emission.result import coupling_notices, rate_notices
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 
@@ -36,12 +36,15 @@ def with_rate(rate_hz: float | None, mode: str = "auto") -> Scene:
 @pytest.mark.parametrize("stiff", [0.5, 1.0, 2.5])
 def test_the_rate_that_is_named_gives_what_is_said(stiff: float) -> None:
     model = fitted("hammerstein", 200.0, stiff)
-    *_, notice = felt_notices(make_plan(model, with_rate(200.0)))
+    *_, notice = coupling_notices(make_plan(model, with_rate(200.0)))
     named = re.search(r"rate_hz = (\d+) gives ([\d.]+) N/mm", notice)
     assert named is not None, notice
     plan = make_plan(model, with_rate(float(named[1])))
     assert f"{1e-3 * plan.coupling.felt_npm:.3g}" == named[2]
-    assert plan.coupling.felt_npm >= FELT_SHARE * plan.stiffness_npm and felt_notices(plan) == []
+    assert (
+        plan.coupling.felt_npm >= MIN_FELT_FRACTION * plan.stiffness_npm
+        and coupling_notices(plan) == []
+    )
 
 
 @pytest.mark.few(1)
@@ -49,7 +52,7 @@ def test_the_rate_that_is_named_gives_what_is_said(stiff: float) -> None:
 def test_a_slow_recording_is_rendered_at_1000_hz_where_it_must(stiff: float) -> None:
     model = fitted("hammerstein", 200.0, stiff)
     plan = make_plan(model, with_rate(None))
-    held = not felt_notices(make_plan(model, with_rate(200.0)))
+    held = not coupling_notices(make_plan(model, with_rate(200.0)))
     assert 1 / plan.dt_s == pytest.approx(200.0 if held else 1000.0)
     assert held == (rate_notices(plan) == []) == (stiff < 0.1)
 
@@ -58,7 +61,7 @@ def test_a_slow_recording_is_rendered_at_1000_hz_where_it_must(stiff: float) -> 
 @pytest.mark.parametrize("rate_hz", [40.0, 60.0, 90.0, 200.0, 1000.0])
 def test_a_loop_that_no_coupling_holds_for_every_hand_is_said(rate_hz: float) -> None:
     plan = make_plan(fitted("hammerstein", 200.0), with_rate(rate_hz), accept_unsafe=True)
-    said = any("stable with every hand" in notice for notice in felt_notices(plan))
+    said = any("stable with every hand" in notice for notice in coupling_notices(plan))
     assert said == (not plan.coupling.every_hand)
     assert not said or rate_hz < 150.0
 
@@ -66,9 +69,9 @@ def test_a_loop_that_no_coupling_holds_for_every_hand_is_said(rate_hz: float) ->
 @pytest.mark.slow
 def test_a_stated_coupling_is_measured_too() -> None:
     soft = replace(with_rate(1000.0), coupling=Coupling("proxy", 500.0, 5.0, 0.05))
-    *_, notice = felt_notices(make_plan(fitted("hammerstein", 200.0), soft))
+    *_, notice = coupling_notices(make_plan(fitted("hammerstein", 200.0), soft))
     assert "the scene states that coupling" in notice
-    assert felt_notices(make_plan(fitted("hammerstein", 200.0), with_rate(1000.0, "off"))) == []
+    assert coupling_notices(make_plan(fitted("hammerstein", 200.0), with_rate(1000.0, "off"))) == []
 
 
 def test_recordings_slower_than_any_loop_are_rendered() -> None:

@@ -24,7 +24,7 @@ from springpot.codegen.model.regressors import Forest
 from springpot.host import ensemble as own
 from springpot.host.ensemble import ensemble_data, from_ensemble, require_same_data
 from springpot.trainer.features import feature_values
-from springpot.trainer.models.ensembles import ensemble_ir
+from springpot.trainer.models.ensembles import convert_ensemble
 from springpot.trainer.models.predict import regressor_force
 
 FOREST, EXTRA = ensemble.RandomForestRegressor, ensemble.ExtraTreesRegressor
@@ -106,7 +106,7 @@ def test_the_c_of_a_regressor_gives_its_predictions(regressor, kind, monkeypatch
     given_n, _ = require_same_bits(make_plan(model, scene("float64"), True), position_m)
     require_same_bits(make_plan(model, scene("float32"), True), wandering(1))
     values = feature_values(model.features, position_m, model.dt_s, np.arange(len(position_m)))
-    scale = own.depth_scale(model.trained.max_m)
+    scale = own.compute_depth_scale(model.trained.max_m)
     differs = np.abs(given_n - np.maximum(fitted.predict(scale * values), 0.0)) / given_n.max()
     differs = differs[position_m > 0.1 * DEPTH_M]  # nearer to the surface the force fades in
     if isinstance(model.regressor, Forest):  # leaves of 16 bits; a scaler's rounding moves few rows
@@ -125,7 +125,7 @@ def test_boosted_trees_of_others_decide_as_they_did_at_every_threshold(made_by):
     its = SimpleNamespace(**BOOSTED_ELSEWHERE[made_by])
     booster = StoredBooster(dump=its.dump, dump_model=lambda: its.dump)
     parts = {"booster_": booster, "get_booster": lambda self: booster, **vars(its)}
-    forest = ensemble_ir(type(its.kind, (), parts | {"intercept_": np.array(its.intercept)})())
+    forest = convert_ensemble(type(its.kind, (), parts | {"intercept_": np.array(its.intercept)})())
     given_n = regressor_force(forest, np.array(its.values))
     np.testing.assert_allclose(given_n, its.force_n, atol=5e-5 * max(its.force_n))
 

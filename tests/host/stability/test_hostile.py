@@ -15,7 +15,7 @@ from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.reference import run_reference
 from springpot.codegen.scene import Coupling
 from springpot.host.native.c_library import load_c
-from springpot.host.native.scene_library import SceneLibrary, built
+from springpot.host.native.scene_library import SceneLibrary, build_and_load
 from springpot.host.simulation.hand_loop import HAND_SUBSTEPS, Operator, held_tool
 from springpot.host.simulation.objects import HAND_NAMES
 from springpot.runtime_c.paths import PORT_TESTBENCH, SIM
@@ -58,7 +58,7 @@ def test_the_force_is_right_again_within_the_stated_ticks(kind: str, mode: str) 
     dirty = clean.copy()
     begin, end = 600, 618  # shorter than the watchdog waits
     dirty[begin:end] = rng.choice([np.nan, np.inf, -np.inf, 1e30, 1e-42, 0.05], end - begin)
-    library = built(plan)
+    library = build_and_load(plan)
     right_n, _ = library.new_state().run(clean)
     found_n, _ = library.new_state().run(dirty)
     assert np.all(np.isfinite(found_n))
@@ -85,7 +85,7 @@ def test_float32_stays_beside_float64(kind: str, share: float) -> None:
     phases = np.random.default_rng(2).uniform(0, 6, 4)
     plans = [make_plan(model, scene(number=n), accept_unsafe=True) for n in ("float32", "float64")]
     chunk, errors = min(100_000, DRIFT_TICKS // 4), []
-    single, double = built(plans[0]), built(plans[1])
+    single, double = build_and_load(plans[0]), build_and_load(plans[1])
     one, other = single.new_state(), double.new_state()
     for begin in range(0, DRIFT_TICKS, chunk):
         time_s = np.arange(begin, begin + chunk)[:, None] * DT_S
@@ -144,7 +144,7 @@ def test_hours_of_pressing_give_no_energy_and_do_not_drift(hand: str, mode: str)
     reach_m = depth_m + 8.0 / {"mid": 400.0, "firm": 5000.0, "light": 50.0}[hand]
     max_mps = 1.5 * reach_m / 0.1  # a stroke of 0.1 s
     bound_j = 2.0 * plan.coupling.felt_npm * max_mps * plan.dt_s * 1.3 * reach_m
-    library, ticks = built(plan), round(PRESS_S / plan.dt_s)
+    library, ticks = build_and_load(plan), round(PRESS_S / plan.dt_s)
     found = pressed(library, Operator(hand), ticks, plan.dt_s, reach_m)
     assert found["not_finite"] == 0 and found["latched"] == 0
     assert found["presses"] > 0.1 * PRESS_S and found["max_returned_j"] <= bound_j

@@ -10,8 +10,8 @@ import pytest
 from springpot.host.simulation.hand_loop import Scenario, Trace
 from springpot.host.simulation.scenarios import Case
 from springpot.host.stability.closed_loop import Outcome, Vibration
-from springpot.host.stability.losses import Losses
-from springpot.host.stability.verdict import Grade, judge, judged_cases, why_unbounded
+from springpot.host.stability.losses import SampleLossEffects
+from springpot.host.stability.verdict import Grade, grade_outcome, refusal_reason, worst_by_case
 
 WHOLE = ("hold", "tap-4hz", "fast", "deep", "long-hold", "stiff")
 LOSING = ("lost-1", "lost-10-fast", "rate-50", "rate-10-fast")
@@ -35,7 +35,7 @@ def outcome(case: str, hand: str = "mid", delay: int = 0, **changed: Any) -> Out
     return Outcome(**found | changed)
 
 
-FAULTLESS = Losses(
+FAULTLESS = SampleLossEffects(
     growth_n=0.0, error_n=0.1, above_n=0.1, allowed_n=0.5, returned_j=-1e-4,
     clean_returned_j=-1e-4, stored_j=0.05,
 )  # fmt: skip
@@ -78,12 +78,12 @@ def usual(*instead: Outcome) -> list[Outcome]:
     ],
 )
 def test_grades(found: Outcome, grade: Grade, words: str) -> None:
-    judged = judge(found)
+    judged = grade_outcome(found)
     assert judged.grade == grade and words in judged.words
 
 
 def test_the_gravest_hand_speaks_for_a_case() -> None:
-    cases = judged_cases(usual(outcome("hold", "light", 1, hf_speed_mps=5e-3)))
+    cases = worst_by_case(usual(outcome("hold", "light", 1, hf_speed_mps=5e-3)))
     assert (cases[0].outcome.case, cases[0].outcome.hand) == ("hold", "light")
     assert [item.outcome.case for item in cases[-2:]] == ["rate-50", "rate-10-fast"]
     assert len(cases) == len(WHOLE + LOSING)
@@ -105,5 +105,5 @@ def test_the_gravest_hand_speaks_for_a_case() -> None:
 )
 def test_every_outcome_that_is_not_bounded_is_refused_by_name(found: Outcome, named: str) -> None:
     """The light hand one sample late, and four times the trained speed, are no exceptions."""
-    why = why_unbounded("pad", usual(found))
+    why = refusal_reason("pad", usual(found))
     assert (named in why) if named else why == ""

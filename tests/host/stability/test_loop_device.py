@@ -9,15 +9,15 @@ from truth import SimulatedHand
 
 from springpot import Model, Scene, SpringpotError
 from springpot.codegen.coupling.linear_loop import HAND_MODELS, Hand
-from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE, LoopDevice, loop_device
+from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE, LoopDevice, build_loop_device
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.model import TrainedRange
 from springpot.codegen.model.passive import Hammerstein
 from springpot.codegen.plan import Plan
 from springpot.codegen.scene import Coupling, Device, Runtime
-from springpot.host.native.scene_library import built
+from springpot.host.native.scene_library import build_and_load
 from springpot.host.simulation.hand_loop import HandLoop, Operator, Scenario
-from springpot.host.simulation.scenarios import Workspace, pressing, smooth
+from springpot.host.simulation.scenarios import Workspace, minimum_jerk_rise, press_scenario
 from springpot.host.stability.check import stability
 from springpot.host.stability.linear import scene_loop
 
@@ -67,13 +67,13 @@ def rings(plan: Plan, hand: Hand) -> bool:
     time_s = np.arange(round(END_S / plan.dt_s)) * plan.dt_s
     at_m = 0.5 * SPAN_M
     held_n = plan.stiffness_npm * at_m
-    intended_m = (at_m + held_n / hand.stiffness_npm) * smooth(time_s / RISEN_S)
+    intended_m = (at_m + held_n / hand.stiffness_npm) * minimum_jerk_rise(time_s / RISEN_S)
     kicked = (time_s >= KICK_S) & (time_s < KICK_S + 0.002)
     intended_m[kicked] += 0.08 * held_n / hand.stiffness_npm
     n = len(time_s)
     scenario = Scenario(np.full(n, plan.dt_s), intended_m, np.full(n, np.nan), np.zeros(n),
                         np.zeros(n, dtype=np.uint8))  # fmt: skip
-    trace = HandLoop(built(plan)).run(scenario, Operator(hand.name, plan.loop_device))
+    trace = HandLoop(build_and_load(plan)).run(scenario, Operator(hand.name, plan.loop_device))
     speed_mps = np.abs(trace.velocity_mps)
     first = speed_mps[(time_s > KICK_S + 0.1) & (time_s < KICK_S + 0.8)].max()
     return bool(speed_mps[time_s > END_S - 0.7].max() > first)
@@ -103,7 +103,7 @@ def test_the_loop_of_the_c_rings_from_the_predicted_stiffness_on(
      (0.0013, 1000.0, 2), (0.007, 4000.0, 28), (0.02, 8000.0, 160)],
 )  # fmt: skip
 def test_a_delay_is_rounded_up_to_ticks(delay_s: float, rate_hz: float, ticks: int) -> None:
-    assert loop_device(Device(delay_s=delay_s), 1.0 / rate_hz).delay_samples == ticks
+    assert build_loop_device(Device(delay_s=delay_s), 1.0 / rate_hz).delay_samples == ticks
 
 
 def test_auto_couples_for_the_scenes_device() -> None:
@@ -197,10 +197,12 @@ def test_a_hand_pushes_against_the_friction_while_it_moves() -> None:
     plans = [elastic_plan(500.0, 1000.0, Device(coulomb_n=coulomb_n)) for coulomb_n in (1e-9, 3.0)]
 
     def motion(t: np.ndarray) -> np.ndarray:
-        return 0.01 * smooth(t / 0.5)
+        return 0.01 * minimum_jerk_rise(t / 0.5)
 
     none, rubbed = (
-        pressing(Workspace.of(plan), motion, lambda x: 500.0 * x, HAND_MODELS[0], 1.0).intended_m
+        press_scenario(
+            Workspace.of(plan), motion, lambda x: 500.0 * x, HAND_MODELS[0], 1.0
+        ).intended_m
         for plan in plans
     )
     np.testing.assert_allclose((rubbed - none)[100:400], 3.0 / 400.0, rtol=1e-3)

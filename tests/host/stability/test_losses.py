@@ -15,11 +15,11 @@ from springpot.codegen.make_plan import make_plan
 from springpot.codegen.plan import Plan
 from springpot.host.native.c_library import CLibrary
 from springpot.host.native.compiler import shared_library
-from springpot.host.native.scene_library import SceneLibrary, built
+from springpot.host.native.scene_library import SceneLibrary, build_and_load
 from springpot.host.simulation import cases
 from springpot.host.simulation.hand_loop import HandLoop
-from springpot.host.stability.closed_loop import Outcome, lossy_outcomes, rendered
-from springpot.host.stability.losses import Losses, losses_of
+from springpot.host.stability.closed_loop import Outcome, rendered, sample_loss_outcomes
+from springpot.host.stability.losses import SampleLossEffects, compare_with_lossless
 from springpot.runtime_c.paths import INCLUDE
 
 UNSAID = ("lost-1", "lost-2", "lost-10")
@@ -43,7 +43,7 @@ def plan_of(mode: str) -> Plan:
 @cache
 def outcomes(mode: str, loop: type[HandLoop] = HandLoop) -> dict[str, Outcome]:
     plan = plan_of(mode)
-    found = lossy_outcomes(rendered(plan, built(plan), loop), DESIGN_HAND, 0)
+    found = sample_loss_outcomes(rendered(plan, build_and_load(plan), loop), DESIGN_HAND, 0)
     return {outcome.case: outcome for outcome in found}
 
 
@@ -87,7 +87,7 @@ def test_losses_come_at_every_phase_and_leave_time_to_make_up(
     assert ticks / (apart[0] - ticks) < 5 / 32  # sp_silence.h: good ticks make up for it
     assert apart[0] * dt_s > 0.029
     distinct = min(len(begins), round(cycle_ticks))
-    assert cases.phase_gap(begins, cycle_ticks) < max(2.5 / distinct, 1.01 / cycle_ticks)
+    assert cases.largest_phase_gap(begins, cycle_ticks) < max(2.5 / distinct, 1.01 / cycle_ticks)
 
 
 def test_what_is_lost_and_at_which_rates() -> None:
@@ -96,7 +96,9 @@ def test_what_is_lost_and_at_which_rates() -> None:
     def force(position_m: np.ndarray) -> np.ndarray:
         return np.zeros_like(position_m)
 
-    found = {case.name: case.scenario for case, _ in cases.losing_cases(plan, force, DESIGN_HAND)}
+    found = {
+        case.name: case.scenario for case, _ in cases.sample_loss_cases(plan, force, DESIGN_HAND)
+    }
     assert set(found) == set(outcomes("off")) and len(found) == 16
     for suffix in cases.SPEEDS:
         assert set(found["lost-10" + suffix].dropped) == {cases.TAKEN, cases.LOST}
@@ -107,7 +109,7 @@ def test_what_is_lost_and_at_which_rates() -> None:
             assert taken == pytest.approx(share / 100, abs=0.01)
 
 
-def judged_after(change: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> Losses:
+def judged_after(change: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> SampleLossEffects:
     """Losses of `lost-2`, its force changed; change takes force and ticks since the last loss."""
     plan, outcome = plan_of("off"), outcomes("off")["lost-2"]
     lost = np.flatnonzero(outcome.played.scenario.dropped == cases.LOST)
@@ -115,7 +117,9 @@ def judged_after(change: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> Loss
     since = at - lost[np.maximum(np.searchsorted(lost, at, side="right") - 1, 0)]
     force_n = change(outcome.trace.force_n.copy(), since)
     trace = replace(outcome.trace, force_n=force_n)
-    return losses_of(plan, built(plan), outcome.played.scenario, trace, outcome.trace)
+    return compare_with_lossless(
+        plan, build_and_load(plan), outcome.played.scenario, trace, outcome.trace
+    )
 
 
 def test_each_property_sees_what_breaks_it() -> None:

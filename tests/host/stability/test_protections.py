@@ -30,16 +30,16 @@ from springpot.codegen.notes import HELD, LATCHED
 from springpot.codegen.plan import Plan
 from springpot.codegen.scene import Device, Guard, Runtime
 from springpot.host.native.replay import Replay
-from springpot.host.native.scene_library import built
-from springpot.host.simulation.cases import held_case
+from springpot.host.native.scene_library import build_and_load
+from springpot.host.simulation.cases import hold_case
 from springpot.host.simulation.hand_loop import HandLoop, Operator
 from springpot.host.simulation.scenarios import Workspace
-from springpot.host.stability.closed_loop import Rendered
+from springpot.host.stability.closed_loop import BuiltScene
 
 NEVER = 1e9
 WITHOUT: dict[str, Callable[[Plan], Plan]] = {
     "slew": lambda plan: replace(plan, output=replace(plan.output, slew_n=plan.dtype(NEVER))),
-    "jump": lambda plan: replace(plan, guard=replace(plan.guard, jump_m=plan.dtype(NEVER))),
+    "jump": lambda plan: replace(plan, guard=replace(plan.guard, max_step_m=plan.dtype(NEVER))),
     "watchdog": lambda plan: replace(
         plan, silence=replace(plan.silence, watchdog_s=plan.dtype(NEVER))
     ),
@@ -65,7 +65,7 @@ def rendered(plan: Plan, names: tuple[str, ...]) -> Forces:
         return forces
 
     plans = {"": plan} | {name: WITHOUT[name](plan) for name in names}
-    return {name: along(Replay(built(one))) for name, one in plans.items()}
+    return {name: along(Replay(build_and_load(one))) for name, one in plans.items()}
 
 
 def rising(depth_m: float, n: int, dt_s: float) -> Samples:
@@ -115,11 +115,11 @@ def test_no_protection_moves_what_any_hand_holds(rate_hz: float, stiffer: float)
     plan = make_plan(golden_forces.model("hammerstein").stiffened(stiffer), chosen)
     names = ("slew", "jump", "resync", "watchdog")
     plans = [plan, *(WITHOUT[name](plan) for name in names)]
-    scenes = [Rendered(one, HandLoop(library), library, library)
-              for one in plans for library in [built(one)]]  # fmt: skip
+    scenes = [BuiltScene(one, HandLoop(library), library, library)
+              for one in plans for library in [build_and_load(one)]]  # fmt: skip
     for hand in HAND_MODELS:
         case, operator = (
-            held_case(Workspace.of(plan), scenes[0].felt, hand),
+            hold_case(Workspace.of(plan), scenes[0].felt, hand),
             Operator(hand.name, plan.loop_device),
         )
         traces = [one.loop.run(case.scenario, operator) for one in scenes]

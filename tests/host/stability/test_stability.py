@@ -24,15 +24,15 @@ from springpot.codegen.model.model_file import read_model
 from springpot.codegen.plan import Plan
 from springpot.codegen.scene import Coupling, Device, Runtime, Scene
 from springpot.host.emission.emission import emit, read_emission
-from springpot.host.native.scene_library import built
-from springpot.host.simulation.cases import HOLDS, NUDGE_N, NUDGE_S, cases, held_case
-from springpot.host.simulation.scenarios import Workspace, holding, pressing
+from springpot.host.native.scene_library import build_and_load
+from springpot.host.simulation.cases import HOLDS, NUDGE_N, NUDGE_S, cases, hold_case
+from springpot.host.simulation.scenarios import Workspace, hold_motion, press_scenario
 from springpot.host.stability import closed_loop
 from springpot.host.stability.check import Check, Stability, stability
-from springpot.host.stability.closed_loop import Outcome, band_rms, case_outcome, vibration_of
+from springpot.host.stability.closed_loop import Outcome, band_rms, case_outcome, measure_vibration
 from springpot.host.stability.linear import is_stable, require_stable, scene_loop, spectral_radius
-from springpot.host.stability.small_signal import Map, small_signal_map
-from springpot.host.stability.verdict import Fault, Grade, judge, why_unbounded
+from springpot.host.stability.small_signal import SmallSignalMap, small_signal_map
+from springpot.host.stability.verdict import Fault, Grade, grade_outcome, refusal_reason
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 
@@ -76,11 +76,11 @@ def test_every_case_is_bounded_quiet_and_faithful(name: str, kind: str) -> None:
     lossy = [outcome for outcome in found.outcomes if outcome.losses is not None]
     assert len(lossy) == 16 * 4
     for outcome in lossy:
-        judged = judge(outcome)
+        judged = grade_outcome(outcome)
         rare = outcome.case.startswith(("rate-50", "rate-10"))
         assert judged.grade == (Grade.ENDS if rare else judged.grade), judged.words
         assert judged.grade != Grade.BAD, (outcome.case, judged.words)
-    assert not why_unbounded(plan, found.outcomes)
+    assert not refusal_reason(plan, found.outcomes)
     deep_m = max(outcome.max_depth_m for outcome in found.outcomes if outcome.case == "deep")
     assert deep_m < 1.3 * plan.model.trained.max_m
     _agrees_with_the_stiffer_object(found)
@@ -92,7 +92,7 @@ def _is_quiet_and_faithful(outcome: Outcome, quiet_mps: float) -> None:
         return
     assert outcome.fidelity_percent <= 10.0, outcome.as_dict()
     if outcome.case in ("hold", "long-hold"):
-        assert judge(outcome).grade == Grade.GOOD, outcome.as_dict()
+        assert grade_outcome(outcome).grade == Grade.GOOD, outcome.as_dict()
 
 
 def _agrees_with_the_stiffer_object(found: Stability) -> None:
@@ -111,7 +111,7 @@ def test_no_active_cells_for_passive_models_and_the_default_forest(name: str, ki
     model = stored_model(name) if kind == "hammerstein" else simulated_model(name, kind, 100)
     guard = dataclasses.replace(PLAIN.guard, max_force_n=1000.0)
     plan = make_plan(model, dataclasses.replace(PLAIN, guard=guard))
-    found = small_signal_map(plan, built(plan), 0)
+    found = small_signal_map(plan, build_and_load(plan), 0)
     assert found.active(outside=False) == (0, 30) and found.active(outside=True) == (0, 18)
 
 
@@ -119,9 +119,9 @@ def test_no_active_cells_for_passive_models_and_the_default_forest(name: str, ki
 def test_the_map_finds_the_negative_control_and_a_delay() -> None:
     """Past positions act with negative damping; a sample of delay makes any model active."""
     plan = make_plan(simulated_model("dragon-skin-10", "rf-fd", past=True), PLAIN)
-    assert small_signal_map(plan, built(plan), 0).active(outside=False)[0] >= 3
+    assert small_signal_map(plan, build_and_load(plan), 0).active(outside=False)[0] >= 3
     passive = make_plan(stored_model("dragon-skin-10"), PLAIN)
-    late = small_signal_map(passive, built(passive), 1)
+    late = small_signal_map(passive, build_and_load(passive), 1)
     assert late.active(outside=False)[0] >= 5
     assert late.sin_delta.min() == pytest.approx(-0.46, abs=0.1)
 
@@ -153,7 +153,7 @@ def test_proxy_gives_no_kick_at_contact_or_release() -> None:
     motion = -0.001 + 0.5 * (0.6 * DEPTH_M + 0.001) * taps
     coupled = dataclasses.replace(scene(), coupling=Coupling("proxy", 4000.0, 20.0, 0.02))
     force_n, bare_n = (
-        built(make_plan(small_model(), chosen)).new_state().run(motion)[0]
+        build_and_load(make_plan(small_model(), chosen)).new_state().run(motion)[0]
         for chosen in (coupled, scene())
     )
     assert np.all(force_n[motion <= 0.0] == 0.0)
@@ -208,7 +208,7 @@ def swinging(growth_per_s: float, size_mps: float = 5e-3, frequency_hz: float = 
 
 @pytest.mark.parametrize("growth_per_s", [-0.5, 0.0, 0.05, 0.2, 1.0])
 def test_even_growth_is_that_of_two_thirds_of_a_hold(growth_per_s: float) -> None:
-    found = vibration_of([swinging(growth_per_s)], DT_S)
+    found = measure_vibration([swinging(growth_per_s)], DT_S)
     ratio = np.exp(growth_per_s * HOLD_S * 2.0 / 3.0)
     least = found.growth_ratio * (ratio < 1)
     assert found.growth_ratio == pytest.approx(max(ratio, least), rel=0.02)
@@ -217,19 +217,19 @@ def test_even_growth_is_that_of_two_thirds_of_a_hold(growth_per_s: float) -> Non
 
 def test_a_vibration_that_has_come_to_its_size_grows_no_more() -> None:
     rises = np.minimum(np.arange(round(HOLD_S / DT_S)) * DT_S / 3.0, 1.0) ** 4
-    found = vibration_of([rises * swinging(0.0)], DT_S)
+    found = measure_vibration([rises * swinging(0.0)], DT_S)
     assert found.growth_ratio == pytest.approx(1.0, rel=0.02)
 
 
 @pytest.mark.parametrize("frequency_hz", [0.8, 2.0, 4.5, 14.0])
 def test_slow_vibration_has_its_size(frequency_hz: float) -> None:
-    found = vibration_of([swinging(0.0, 1e-4), swinging(0.0, 5e-3, frequency_hz)], DT_S)
+    found = measure_vibration([swinging(0.0, 1e-4), swinging(0.0, 5e-3, frequency_hz)], DT_S)
     assert found.lf_speed_mps == pytest.approx(5e-3 / np.sqrt(2.0), rel=0.02)
 
 
 def held(plan: Plan, hand: Hand, more_delay: int, name: str = "hold") -> Outcome:
     """The eleven holds, or another case."""
-    found = closed_loop.rendered(plan, built(plan))
+    found = closed_loop.rendered(plan, build_and_load(plan))
     played = next(case for case in cases(plan, found.force, hand) if case.name == name)
     return case_outcome(found, played, hand, more_delay)
 
@@ -240,13 +240,13 @@ def test_a_heavy_device_that_swings_up_slowly_is_seen() -> None:
     assert scene_loop(plan, DESIGN_HAND).spectral_radius(plan.stiffness_npm)[0] < 1.0
     assert scene_loop(plan, LIGHT).spectral_radius(plan.stiffness_npm)[0] > 1.0
     outcome = held(plan, LIGHT, 1)
-    assert judge(outcome).grade == Grade.BAD and outcome.vibration.grows
+    assert grade_outcome(outcome).grade == Grade.BAD and outcome.vibration.grows
     speeds = [outcome.trace.velocity_mps[part] for part in outcome.played.still]
-    first = next(speed for speed in speeds if vibration_of([speed], plan.dt_s).grows)
+    first = next(speed for speed in speeds if measure_vibration([speed], plan.dt_s).grows)
     power = np.abs(np.fft.rfft(first * np.hanning(len(first))))
     assert np.fft.rfftfreq(len(first), plan.dt_s)[power.argmax()] == pytest.approx(3.0, abs=0.7)
     quiet = held(plan, DESIGN_HAND, 0)
-    assert judge(quiet).grade == Grade.GOOD and not quiet.vibration.grows
+    assert grade_outcome(quiet).grade == Grade.GOOD and not quiet.vibration.grows
 
 
 def test_a_tool_deeper_than_it_may_come_is_not_bounded(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -263,9 +263,9 @@ def test_each_hold_begins_with_a_nudge() -> None:
     def force(position_m: np.ndarray) -> np.ndarray:
         return 500.0 * position_m
 
-    found = held_case(space, force, LIGHT)
-    motion, seconds = holding(space, HOLDS, 12.0)
-    plain = pressing(space, motion, force, LIGHT, seconds)
+    found = hold_case(space, force, LIGHT)
+    motion, seconds = hold_motion(space, HOLDS, 12.0)
+    plain = press_scenario(space, motion, force, LIGHT, seconds)
     push_n = LIGHT.stiffness_npm * (found.scenario.intended_m - plain.intended_m)
     begins = np.flatnonzero(np.diff(push_n) > 0.4 * NUDGE_N)
     assert len(begins) == len(HOLDS)
@@ -276,7 +276,9 @@ def test_each_hold_begins_with_a_nudge() -> None:
 def test_a_linear_loop_that_is_unstable_is_refused_whatever_the_closed_one_did() -> None:
     plan = make_plan(passive_model().stiffened(100.0), scene(mode="off"), accept_unsafe=True)
     with pytest.raises(UnsafeError, match="the loop is unstable"):
-        Stability(Check(plan, 2.0, Map(*[np.ones((1, 1))] * 3), None), plan, ()).require_bounded()
+        Stability(
+            Check(plan, 2.0, SmallSignalMap(*[np.ones((1, 1))] * 3), None), plan, ()
+        ).require_bounded()
 
 
 @pytest.mark.slow
@@ -295,7 +297,7 @@ def test_past_positions_vibrate_between_the_depths_that_were_looked_at_before() 
     options = FitOptions(trees=20, past_positions=True, smooth_s=0.025)
     plan = make_plan(fit_model("rf-fd", "x", paper_presses("dragon-skin-10"), options).model, PLAIN)
     outcome = held(plan, LIGHT, 1)
-    assert Fault.LOUD in judge(outcome).faults
+    assert Fault.LOUD in grade_outcome(outcome).faults
     speeds = [
         band_rms(outcome.trace.velocity_mps[part], plan.dt_s, 0.5) for part in outcome.played.still
     ]

@@ -9,7 +9,7 @@ from support.small_study import planned_study
 
 from springpot.codegen.errors import DataError, UsageError
 from springpot.host.study.definition import LOWER_BOUND, RENDERED, UPPER_BOUND, read_study
-from springpot.host.study.plan import growing_table, make_orders, read_plan, write_plan
+from springpot.host.study.plan import append_only_table, make_orders, read_plan, write_plan
 
 PAPER = ROOT / "host" / "scenes" / "paper-study.toml"
 
@@ -66,7 +66,7 @@ ROWS = [["01", 'a "word", and\u00e9'], ["01", "70"]]
 
 def test_a_table_cut_at_any_byte_loses_no_whole_row(tmp_path: Path) -> None:
     file = tmp_path / "t.csv"
-    with growing_table(file, COLUMNS) as (rows, append):
+    with append_only_table(file, COLUMNS) as (rows, append):
         assert rows == []
         for row in ROWS:
             append(row)
@@ -75,7 +75,7 @@ def test_a_table_cut_at_any_byte_loses_no_whole_row(tmp_path: Path) -> None:
     for cut in range(len(whole) + 1):
         file.write_bytes(whole[:cut])
         left = max(0, whole[:cut].count(b"\n") - 1)
-        with growing_table(file, COLUMNS) as (rows, append):
+        with append_only_table(file, COLUMNS) as (rows, append):
             assert [list(row.values()) for row in rows] == ROWS[:left]
             for row in ROWS[left:]:
                 append(row)

@@ -21,13 +21,18 @@ from springpot.codegen.scene import Coupling, Runtime
 from springpot.host.emission.emission import emit
 from springpot.host.metrics import accuracy, just_noticeable_n, start_up_ramp
 from springpot.host.validation import compared
-from springpot.host.validation.compared import at_samples, at_ticks, bits_differ, samples_of
-from springpot.host.validation.seen import known_among, seen_by
+from springpot.host.validation.compared import (
+    count_different_bits,
+    resample_to_samples,
+    resample_to_ticks,
+    samples_at_ticks,
+)
+from springpot.host.validation.seen import count_training_recordings, known_among
 from springpot.host.validation.store import validation_rows
 from springpot.host.validation.validation import Validation, validate
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.predict import limited_each_n, predict_n
+from springpot.trainer.models.predict import predict_limited_n, predict_n
 from springpot.trainer.recordings.recording_file import read_recording
 
 
@@ -43,7 +48,7 @@ def validated(folder: Path, mode: str, details: dict[str, object] | None = None)
     emit(chosen, folder / "m.spm", folder / "c")
     found = validate(folder / "c", recordings, paced_s=0.0)
     pairs = zip(recordings, found.ramped, strict=True)
-    errors = [(limited_each_n(model, [item])[0] - item.force_n)[ramp:] for item, ramp in pairs]
+    errors = [(predict_limited_n(model, [item])[0] - item.force_n)[ramp:] for item, ramp in pairs]
     assert found.model_rmse_n == pytest.approx(rms(np.concatenate(errors)), rel=1e-9)
     return found
 
@@ -74,7 +79,7 @@ def test_the_model_alone_is_judged_on_the_samples_of_the_scene(tmp_path: Path) -
     three = sorted((found.accuracy.rmse_n, found.model_rmse_n, found.rendering_n))
     assert three[2] <= (three[0] + three[1]) * (1.0 + 1e-9)
     pairs = zip(begun, found.ramped, strict=True)
-    errors = [(limited_each_n(model, [item])[0] - item.force_n)[ramp:] for item, ramp in pairs]
+    errors = [(predict_limited_n(model, [item])[0] - item.force_n)[ramp:] for item, ramp in pairs]
     assert found.model_rmse_n == pytest.approx(rms(np.concatenate(errors)), rel=1e-9)
 
 
@@ -84,13 +89,13 @@ def test_there_and_back_is_the_recording(own_hz: float, tick_hz: float) -> None:
     generator = np.random.default_rng(1)
     position_m, force_n = np.cumsum(generator.normal(size=(2, 300)), axis=1)
     own = Recording("x", 1e-4 * position_m, force_n, 1 / own_hz)
-    ticked = at_ticks(own, 1 / tick_hz)
-    back_n = at_samples(ticked.force_n, own, 1 / tick_hz)
+    ticked = resample_to_ticks(own, 1 / tick_hz)
+    back_n = resample_to_samples(ticked.force_n, own, 1 / tick_hz)
     whole, steepest = tick_hz % own_hz == 0, np.abs(np.diff(force_n)).max()
     last = -1 if not whole else None  # a last sample between two ticks has no tick behind it
     assert np.abs(back_n - force_n)[:last].max() <= (1e-9 if whole else steepest)
-    assert samples_of(len(ticked.force_n), own, 1 / tick_hz) == pytest.approx(300, abs=1)
-    assert at_ticks(own, 1 / own_hz) is own
+    assert samples_at_ticks(len(ticked.force_n), own, 1 / tick_hz) == pytest.approx(300, abs=1)
+    assert resample_to_ticks(own, 1 / own_hz) is own
 
 
 def test_the_error_is_that_at_the_recorded_samples(tmp_path: Path) -> None:
@@ -126,8 +131,8 @@ def cut(item: Recording) -> Recording:
 def test_a_name_hides_nothing_and_a_cut_cannot_be_known(smooth_s: float) -> None:
     """Also where the fit saw the recordings smoothed."""
     model = fit_model("hammerstein", "m", training(), FitOptions(smooth_s=smooth_s)).model
-    assert seen_by(model, [training()[0], renamed(training()[1]), NEW]) == 2
-    assert seen_by(model, [cut(training()[0])]) == 0
+    assert count_training_recordings(model, [training()[0], renamed(training()[1]), NEW]) == 2
+    assert count_training_recordings(model, [cut(training()[0])]) == 0
     spiky = replace(NEW, force_n=NEW.force_n + 30.0 * (np.arange(len(NEW.force_n)) == 200))
     assert known_among({check_recordings([spiky]).checked[0].content_hash}, [spiky]) == 1
 
@@ -136,7 +141,10 @@ def test_two_training_recordings_of_one_name_are_both_seen() -> None:
     """Folders of two days may hold the same names."""
     twins = [replace(item, name="press") for item in training()[:2]]
     model = fit_model("hammerstein", "x", [*twins, *training()[2:4]], FitOptions()).model
-    assert seen_by(model, twins) == 2 and len(check_recordings(twins).recordings) == 2
+    assert (
+        count_training_recordings(model, twins) == 2
+        and len(check_recordings(twins).recordings) == 2
+    )
     speeds = {figures["max_speed_mps"] for figures in check_recordings(twins).recordings}
     assert len(speeds) == 2
 
@@ -283,6 +291,6 @@ def test_an_interval_holds_the_mean_in_19_of_20_draws() -> None:
 def test_one_bit_is_a_difference(dtype: type[np.float32] | type[np.float64]) -> None:
     """See one bit: "0 ticks differ" stands on it."""
     one = np.array([0.0, 1.0, 3.5], dtype=dtype)
-    assert not bits_differ(one, one.copy()).any()
-    assert bits_differ(one, np.nextafter(one, dtype(9.0))).all()
-    assert bits_differ(one, np.array([-0.0, 1.0, 3.5], dtype=dtype)).sum() == 1
+    assert not count_different_bits(one, one.copy()).any()
+    assert count_different_bits(one, np.nextafter(one, dtype(9.0))).all()
+    assert count_different_bits(one, np.array([-0.0, 1.0, 3.5], dtype=dtype)).sum() == 1

@@ -29,8 +29,8 @@ _FOREST = ProvedScene("past-positions", "off", "float32")
 _RADIAL = ProvedScene("rbf-fd", "off", "float32")
 
 DEFECTS = (
-    Defect("an index one too far", "sp_curve.h", "nodes + place.piece * 2 * n_curves",
-           "nodes + (place.piece + 1) * 2 * n_curves"),
+    Defect("an index one too far", "sp_curve.h", "nodes + place.interval * 2 * n_curves",
+           "nodes + (place.interval + 1) * 2 * n_curves"),
     Defect("a forest's step one too far", "sp_forest.h", "(step >> SP_FOREST_SLOT_BITS) + right",
            "(step >> SP_FOREST_SLOT_BITS) + 2 * right + 1", _FOREST),
     Defect("a bin looked for one too far", "sp_bins.h", "from < begin_max ? from : begin_max",
@@ -53,11 +53,11 @@ DEFECTS = (
            "return x == x && x > (sp_real)0 && x <= SP_REAL_MAX;", "return x > (sp_real)0;"),
     Defect("a curve left without a value", "sp_curve.h", "        values[i] = value[i]",
            "        values[0] = value[i]"),
-    Defect("a sum that begins anywhere", "sp_taps.h", "sum[SP_TAPS_SUMS] = {0};",
-           "sum[SP_TAPS_SUMS];", _RADIAL),
+    Defect("a sum that begins anywhere", "sp_taps.h", "sum[SP_TAPS_LANES] = {0};",
+           "sum[SP_TAPS_LANES];", _RADIAL),
     Defect("a pole that grows", "sp_poles.h", "h + (rise - loss * h)", "h + (rise + loss * h)"),
-    Defect("a piece of a curve beyond the last", "sp_curve.h", "(sp_real)(n_pieces - 1u)",
-           "(sp_real)(n_pieces + 1u)"),
+    Defect("a piece of a curve beyond the last", "sp_curve.h", "(sp_real)(n_intervals - 1u)",
+           "(sp_real)(n_intervals + 1u)"),
     Defect("a device's velocity that is no number let through", "sp_guard_velocity.h",
            "return v == v &&", "return v != v ||", _DEVICE),
 )  # fmt: skip

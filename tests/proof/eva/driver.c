@@ -53,7 +53,7 @@ static void any_call(void)
     const sp_real high_n = low_n + piece_n;
     const sp_real most_n = (high_n > zero ? high_n : zero) + output.slew_n;
     const sp_real lower_n = (low_n < zero ? low_n : zero) - output.slew_n;
-    if (state.output.given_n >= low_n && state.output.given_n <= high_n) {
+    if (state.output.last_n >= low_n && state.output.last_n <= high_n) {
         (void)call(anything(), &force_n);
         //@ assert growth: force_n <= most_n;
         //@ assert pull: force_n >= lower_n;
@@ -70,8 +70,8 @@ static void latched_call(void)
     const sp_real low_n = output.min_n + (sp_real)piece * piece_n;
     const sp_real high_n = low_n + piece_n;
     const sp_real down_n = high_n - output.fall_n;
-    if (state.silence.latched == 1u && state.output.given_n >= low_n &&
-        state.output.given_n <= high_n && down_n > (sp_real)0) {
+    if (state.silence.latched == 1u && state.output.last_n >= low_n &&
+        state.output.last_n <= high_n && down_n > (sp_real)0) {
         (void)sp_step(&state, anything(), anything(), &force_n);
         //@ assert fall: force_n <= down_n;
         //@ assert latch: state.silence.latched == 1;

@@ -12,13 +12,13 @@ from itertools import product
 
 import numpy as np
 
-from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.emit.golden import differentiate
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import read_model, write_model
 from springpot.codegen.scene import Coupling, Guard, Runtime, Scene, Smoothing
 from springpot.host.native.replay import Replay
-from springpot.host.native.scene_library import built
+from springpot.host.native.scene_library import build_and_load
 from support.paths import TESTS
 from support.small import fitted
 
@@ -71,7 +71,7 @@ def replayed(name: str, number: str, mode: str) -> tuple[np.ndarray, np.ndarray]
     """Forces, N, and notes of one model in one scene, built here; each (n,)."""
     plan = make_plan(model(name), scene(name, number, mode), accept_unsafe=True)
     position = motion_m().astype(plan.dtype)
-    return Replay(built(plan)).run(position, backward_velocity(position, plan.dt_s))
+    return Replay(build_and_load(plan)).run(position, differentiate(position, plan.dt_s))
 
 
 def force_hash(force_n: np.ndarray, notes: np.ndarray) -> str:

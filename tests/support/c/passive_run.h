@@ -6,8 +6,8 @@
 
 /* springpot declarations begin */
 typedef struct {
-    double origin_m, per_span, bias_n;
-    uint32_t n_pieces, n_branches, n_stops, n_constant, n_cubic, n_flow, n_linear, n_damage;
+    double origin_m, u_per_m, bias_n;
+    uint32_t n_intervals, n_branches, n_stops, n_constant, n_cubic, n_flow, n_linear, n_damage;
     int recovers, pulls;
     const double *spring, *branches, *loss, *depth_loss, *stops, *radius, *flow_loss, *flow_n;
     const uint8_t *flow_function;

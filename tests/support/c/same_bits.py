@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 
 from springpot.codegen.emit.files import emit_files
-from springpot.codegen.emit.golden import backward_velocity
+from springpot.codegen.emit.golden import differentiate
 from springpot.codegen.plan import Plan, state_bytes
 from springpot.codegen.reference import run_reference
 from springpot.host.native.replay import Replay
@@ -33,7 +33,7 @@ def require_same_bits(
     where, which decides how long it takes and never what it gives.
     """
     position = position_m.astype(plan.dtype)
-    velocity = backward_velocity(position, plan.dt_s) if velocity_mps is None else velocity_mps
+    velocity = differentiate(position, plan.dt_s) if velocity_mps is None else velocity_mps
     library = checked_library(plan)
     assert library.state_bytes == state_bytes(plan)
     force_n, notes = Replay(library).run(position, velocity)

@@ -20,7 +20,7 @@ from typing import NoReturn
 import numpy as np
 from truth import ObjectMotion, SimulatedHand
 
-from springpot.codegen.files import written_aside
+from springpot.codegen.files import atomic_write
 from springpot.host.simulation.objects import OBJECTS, SimulatedObject
 
 
@@ -122,7 +122,7 @@ class Port:
     def open(self) -> None:
         self.master, slave = pty.openpty()
         tty.setraw(slave)
-        with written_aside(self.path) as new:
+        with atomic_write(self.path) as new:
             new.symlink_to(os.ttyname(slave))
             os.close(slave)
             os.set_blocking(self.master, False)

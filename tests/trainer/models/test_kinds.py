@@ -16,7 +16,7 @@ from springpot import Recording, predict, train
 from springpot.codegen.arrays import rms
 from springpot.codegen.make_plan import make_plan
 from springpot.host.metrics import accuracy
-from springpot.host.native.scene_library import built
+from springpot.host.native.scene_library import build_and_load
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.folds import geometric_mean
@@ -32,7 +32,7 @@ def test_the_c_predicts_what_the_model_predicts(variant: str) -> None:
     item = recording("new", press(1.7, 0.010))
     # What the model gives, whether a hand paid for it or not.
     chosen = scene(number="float64")
-    force_n, _ = built(make_plan(model, chosen)).new_state().run(item.position_m)
+    force_n, _ = build_and_load(make_plan(model, chosen)).new_state().run(item.position_m)
     predicted_n = predict_n(model, item)
     inside = item.position_m > 0.002  # below the onset, where contact shapes the force
     # Trees may take the other branch where a feature rounds differently.
@@ -55,8 +55,8 @@ def test_every_kind_beats_a_plain_spring_and_carries_a_passive_part() -> None:
 def test_a_fit_keeps_to_one_thread_of_every_blas() -> None:
     """scipy's is loaded late: with more threads a fit took ten times as long on a busy machine."""
     code = """import springpot.trainer.kinds as kinds, support.small, threadpoolctl
-fit, libraries = kinds._fit_of_entry, threadpoolctl.threadpool_info
-kinds._fit_of_entry = lambda *given: (fit(*given), print(libraries()))[0]
+fit, libraries = kinds._fit_entry_point, threadpoolctl.threadpool_info
+kinds._fit_entry_point = lambda *given: (fit(*given), print(libraries()))[0]
 support.small.passive_model()"""
     env = {name: its for name, its in os.environ.items() if not name.endswith("_NUM_THREADS")}
     found = subprocess.check_output([sys.executable, "-c", code], cwd=TESTS, env=env, text=True)

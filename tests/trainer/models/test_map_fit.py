@@ -15,18 +15,18 @@ from support.small import DT_S, passive_model, press, scene
 from springpot import Model, Recording
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.model_file import write_model
-from springpot.codegen.model.places import amounts_at
+from springpot.codegen.model.places import interpolate_amounts
 from springpot.host.emission.emission import emit
 from springpot.host.recording.protocols import load_protocol
 from springpot.host.recording.session import open_press_device, record_session
 from springpot.host.validation.validation import validate
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.passive.map_fit import _alike, _rows
-from springpot.trainer.models.passive.map_problem import MapProblem, grid_of
+from springpot.trainer.models.passive.map_fit import _rescale_sites, _site_normal_equations
+from springpot.trainer.models.passive.map_problem import MapProblem, build_grid
 from springpot.trainer.models.passive.passive_terms import plain_terms
 from springpot.trainer.models.predict import predict_n
-from springpot.trainer.models.training_set import training_set
+from springpot.trainer.models.training_set import build_training_set
 from springpot.trainer.recordings.recording_file import read_recordings
 
 Site = tuple[float, float]
@@ -82,13 +82,13 @@ def test_other_kinds_few_sites_and_missing_places_are_refused() -> None:
 
 
 def test_sites_of_any_amount_show_one_law() -> None:
-    data = training_set([pressed(site, False) for site in SITES], 0.0)
+    data = build_training_set([pressed(site, False) for site in SITES], 0.0)
     pairs = zip(data.recordings, data.depths_m, strict=True)
     of_sites = [replace(data, recordings=(one,), depths_m=(depth_m,)) for one, depth_m in pairs]
     amounts = np.array([one.force_n.max() for one in data.recordings])
-    alike = _alike(of_sites, range(len(SITES)), amounts)
+    alike = _rescale_sites(of_sites, range(len(SITES)), amounts)
     assert [one.force_n.max() for one in alike.recordings] == pytest.approx([amounts.mean()] * 6)
-    its = _rows(of_sites[5], plain_terms(of_sites[5], 9), 1e-4)
+    its = _site_normal_equations(of_sites[5], plain_terms(of_sites[5], 9), 1e-4)
     assert its.square == pytest.approx(np.sum(data.recordings[5].force_n ** 2), rel=1e-3)  # N^2
 
 
@@ -98,12 +98,12 @@ def test_a_second_material_has_to_earn_it_at_sites_left_out() -> None:
 
     site, grid = SimpleNamespace(rmse=lambda its: its[0]), SimpleNamespace(weights=np.eye(6))
     known: Any = SimpleNamespace(sites=[site] * 6, grid=grid, fitted=fitted)
-    assert MapProblem._left_out_n(known, 1, seed=0) == 0.0  # no site knows itself
+    assert MapProblem._cross_validated_rmse_n(known, 1, seed=0) == 0.0  # no site knows itself
     for second_n, count in ((0.95, 1), (0.85, 2)):
-        its: Any = SimpleNamespace(_left_out_n=lambda k, _, n=second_n: (1.0, n)[k - 1])
+        its: Any = SimpleNamespace(_cross_validated_rmse_n=lambda k, _, n=second_n: (1.0, n)[k - 1])
         assert MapProblem.chosen(its, 0) == (count, (1.0, second_n)[count - 1])
     wide = [(0.01 * i, 0.01 * j) for i in range(4) for j in range(2)]
-    assert grid_of(wide).nodes == (10, 3)  # as close in x as in y
+    assert build_grid(wide).nodes == (10, 3)  # as close in x as in y
 
 
 @cache
@@ -152,13 +152,15 @@ def smooth_lump(at_m: np.ndarray, rng: np.random.Generator) -> np.ndarray:
 
 def error(sites: list[tuple[float, float]], seed: int, finer: int) -> float:
     """How far a map of least squares and least bend is off between the sites, RMS."""
-    grid = grid_of(sites, finer)
+    grid = build_grid(sites, finer)
     seen = smooth_lump(np.array(sites), np.random.default_rng(seed))
     true = smooth_lump(DENSE_M, np.random.default_rng(seed))
     rough = ROUGH * finer**2 * grid.roughness
     nodes = np.linalg.solve(grid.weights.T @ grid.weights + rough, grid.weights.T @ seen)
     of_nodes = nodes.reshape(*grid.nodes, 1)
-    found = [amounts_at(of_nodes, grid.first_m, 1.0 / grid.step_m, at)[0] for at in DENSE_M]
+    found = [
+        interpolate_amounts(of_nodes, grid.first_m, 1.0 / grid.step_m, at)[0] for at in DENSE_M
+    ]
     return float(np.sqrt(np.mean((np.array(found) - true) ** 2)))
 
 

@@ -22,14 +22,14 @@ from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.passive import passive_fit
 from springpot.trainer.models.passive.nonnegative import normal_equations, sparse_solve
-from springpot.trainer.models.passive.passive_force import model_along, with_memory
-from springpot.trainer.models.passive.passive_terms import plain_terms, to_model
-from springpot.trainer.models.passive.start import with_start
-from springpot.trainer.models.passive.term_values import term_columns
+from springpot.trainer.models.passive.passive_force import simulate_passive, store_memory
+from springpot.trainer.models.passive.passive_terms import build_model, plain_terms
+from springpot.trainer.models.passive.start import select_start
+from springpot.trainer.models.passive.term_values import build_design_matrix
 from springpot.trainer.models.predict import predict_n
-from springpot.trainer.models.training_set import training_set
+from springpot.trainer.models.training_set import build_training_set
 from springpot.trainer.recordings.recording_file import read_recordings
-from springpot.trainer.recordings.signals import came_before
+from springpot.trainer.recordings.signals import estimate_history_m
 
 DEPTH_M = 0.01
 MODES = ((0.02, 2.0), (0.2, 1.5), (2.0, 1.5))  # s, N
@@ -62,14 +62,14 @@ def about(share: float, stiffening: float) -> list[Recording]:
 def test_a_fold_without_the_deepest_recording_has_ordinary_weights_and_errors() -> None:
     # Without a penalty on bends: weights of 1e25 on the curves that the fold never reached.
     motions_m = press(0.5, 0.005), press(2.0, 0.005), press(1.0, DEPTH_M)
-    data = training_set([tissue(f"{k}", each, 4.0) for k, each in enumerate(motions_m)], 0.0)
+    data = build_training_set([tissue(f"{k}", each, 4.0) for k, each in enumerate(motions_m)], 0.0)
     peak_n, rows = data.trained.max_n, np.arange(0, data.rows_total, 5)
     for nodes in passive_fit.NODES:
         terms = plain_terms(data, nodes)
-        values, force_n = term_columns(terms, data, rows), data.force_n(rows)
+        values, force_n = build_design_matrix(terms, data, rows), data.force_n(rows)
         for penalty in passive_fit.PENALTIES:
             for held in range(3):
-                out = data.owner(rows) == held
+                out = data.recording_index(rows) == held
                 kept = normal_equations(values[~out], force_n[~out]).penalised(
                     penalty * terms.roughness()
                 )
@@ -91,12 +91,12 @@ def test_a_rise_between_two_trained_depths_goes_on_smoothly(
 
 
 def test_slopes_that_no_row_saw_go_on_as_the_last_ones_seen() -> None:
-    data = training_set([tissue("half", press(1.0, 0.5 * DEPTH_M), 2.0)], smooth_s=0.0)
-    whole = training_set([tissue("whole", press(1.0, DEPTH_M), 2.0)], smooth_s=0.0)
+    data = build_training_set([tissue("half", press(1.0, 0.5 * DEPTH_M), 2.0)], smooth_s=0.0)
+    whole = build_training_set([tissue("whole", press(1.0, DEPTH_M), 2.0)], smooth_s=0.0)
     terms, rows = plain_terms(whole, 9), np.arange(data.rows_total)
-    normal = normal_equations(term_columns(terms, data, rows), data.force_n(rows))
+    normal = normal_equations(build_design_matrix(terms, data, rows), data.force_n(rows))
     weights = sparse_solve(normal.penalised(1e-4 * terms.roughness()), terms.blocks, 0.005)
-    spring_n = to_model(terms, weights).elastic_n
+    spring_n = build_model(terms, weights).elastic_n
     true_n = SPRING_N * 2.0 * np.exp(2.0 * np.linspace(0.0, 1.0, 9)) / np.expm1(2.0)
     assert np.all(spring_n < 2.5 * true_n)
     assert spring_n[-1] > 0.7 * true_n[4]  # where rows end
@@ -110,8 +110,8 @@ def test_an_object_is_pressed_deeper_than_it_was_trained(stiffening: float, deep
     training = [tissue(f"{k}", press(hz, share * DEPTH_M), stiffening)
                 for k, (share, hz) in enumerate(presses)]  # fmt: skip
     model = fit_model("hammerstein", "x", training, FitOptions()).model
-    data = training_set(training, None)
-    level = passive_fit.passive_choice(data, FitOptions())[0].recovering(data)
+    data = build_training_set(training, None)
+    level = passive_fit.select_passive(data, FitOptions())[0].fit_recovery(data)
     assert model.hammerstein is not None
     assert (model.hammerstein.nodes > level.nodes) is (stiffening > 0.0)
     constant = replace(model, hammerstein=level)
@@ -161,7 +161,9 @@ def test_an_object_that_is_damaged_is_fitted_by_damage_and_one_session() -> None
     other = fit_model("hammerstein", "x", apart, FitOptions(smooth_s=0.0))
     assert other.model.hammerstein.starts_conditioned  # found without the times
     assert other.metadata["cv_rmse_n"] < 1.1 * fit.metadata["cv_rmse_n"]
-    at_rest = passive_fit.passive_choice(training_set(apart, 0.0), FitOptions(smooth_s=0.0))[0]
+    at_rest = passive_fit.select_passive(build_training_set(apart, 0.0), FitOptions(smooth_s=0.0))[
+        0
+    ]
     assert fit.metadata["cv_rmse_n"] < 0.25 * at_rest.error_n
 
 
@@ -201,25 +203,27 @@ def choice(law: str, *errors_n: float) -> passive_fit.PassiveChoice:
 def test_a_richer_law_has_to_gain_what_counts(
     plain_n: tuple[float, ...], richer_n: tuple[float, ...], law: str
 ) -> None:
-    assert passive_fit.better(choice("plain", *plain_n), choice("flow", *richer_n)).law == (law,)
+    assert passive_fit.select_richer(choice("plain", *plain_n), choice("flow", *richer_n)).law == (
+        law,
+    )
 
 
 @pytest.mark.parametrize(("covered", "nodes"), [(True, 25), (False, 13)])
 def test_the_finest_curves_alone_need_a_row_between_all_nodes(covered: bool, nodes: int) -> None:
     def laws(count: int) -> Any:
         its = replace(choice("plain", count**-4.0), terms=SimpleNamespace(nodes=count))
-        return SimpleNamespace(covered=covered, choices=lambda _: [its])
+        return SimpleNamespace(covers_every_interval=covered, fit_law=lambda _: [its])
 
-    assert passive_fit._smoothest(laws, ())[1].terms.nodes == nodes
+    assert passive_fit._select_curves(laws, ())[1].terms.nodes == nodes
 
 
 def test_the_error_on_what_is_held_out_is_that_of_a_fit_without_it() -> None:
     """One of three is ten times as stiff: what the two others say misses nine tenths of it."""
     depth_m = press(1.0)
     springs = [Recording(f"{k}", depth_m, k * depth_m, DT_S) for k in (100.0, 100.0, 1000.0)]
-    data = training_set(springs, 0.0)
-    assert with_start(data, FitOptions()) is data  # nothing tells that one goes on
-    choice = passive_fit.passive_choice(data, FitOptions())[0]
+    data = build_training_set(springs, 0.0)
+    assert select_start(data, FitOptions()) is data  # nothing tells that one goes on
+    choice = passive_fit.select_passive(data, FitOptions())[0]
     missed_n = np.sqrt(np.mean((900.0 * depth_m) ** 2))
     assert choice.folds_n.max() == pytest.approx(missed_n, rel=0.02)
 
@@ -278,9 +282,11 @@ def test_without_such_a_sign_a_recording_begins_at_rest() -> None:
     steps_m = np.convolve(np.repeat([3.0, 5.0, 3.0, 1.0] * 3, 400), np.full(50, 0.02), "valid")
     swelling_m = np.sin(np.linspace(0.0, 30.0, 5000)) * np.linspace(0.0, 1.0, 5000)
     for depth_m in (cycles_m, np.append(held_m, cut_m), cut_m[:700], held_m, steps_m, swelling_m):
-        assert not len(came_before(depth_m))
+        assert not len(estimate_history_m(depth_m))
     noisy_m = cut_m + np.random.default_rng(0).normal(0.0, 1e-5, len(cut_m))
-    assert min(len(came_before(noisy_m[k:])) for k in range(0, 700, 100)) > 900  # about a period
+    assert (
+        min(len(estimate_history_m(noisy_m[k:])) for k in range(0, 700, 100)) > 900
+    )  # about a period
 
 
 @pytest.mark.parametrize(("rest_s", "starts"), [(0.05, True), (300.0, False)])
@@ -289,12 +295,12 @@ def test_a_session_is_begun_as_its_later_presses_began(rest_s: float, starts: bo
     slow, depth_m = replace(LETS_GO, tau_s=np.array([1.0, 20.0]), recovers=False), press(2.0)
     timed = [Recording(f"{k}", depth_m, depth_m, DT_S, session="one",
                        start_s=k * (0.5 + rest_s)) for k in range(2)]  # fmt: skip
-    (motion,) = training_set(timed, 0.0).motions
-    forces_n = model_along(slow, motion, DT_S, surface=True)[0]
+    (motion,) = build_training_set(timed, 0.0).motions
+    forces_n = simulate_passive(slow, motion, DT_S, surface=True)[0]
     forces_n += np.random.default_rng(1).normal(0.0, 0.01, len(forces_n))
     felt = [replace(each, force_n=forces_n[begin : begin + len(depth_m)])
             for each, begin in zip(timed, motion.starts, strict=True)]  # fmt: skip
-    found = with_memory(slow, training_set(felt, 0.0))
+    found = store_memory(slow, build_training_set(felt, 0.0))
     assert found.starts_conditioned is starts
     # What is left as the last press begins: minutes later, nothing.
     assert bool(np.abs(found.conditioned.branch_n).max() > 1e-4) is starts

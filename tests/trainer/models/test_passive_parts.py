@@ -14,9 +14,9 @@ from springpot.codegen.model.places import Places
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.passive import growth
 from springpot.trainer.models.passive.nonnegative import normal_equations, sparse_solve
-from springpot.trainer.models.passive.passive_rows import passive_rows
-from springpot.trainer.models.passive.recovery import _Way
-from springpot.trainer.models.training_set import training_set
+from springpot.trainer.models.passive.passive_rows import select_rows
+from springpot.trainer.models.passive.recovery import _SurfaceMotion
+from springpot.trainer.models.training_set import build_training_set
 
 
 def test_what_few_terms_lose_does_not_add_up() -> None:
@@ -33,11 +33,11 @@ def test_what_few_terms_lose_does_not_add_up() -> None:
 def test_a_pull_is_no_error_at_a_surface(surface: bool) -> None:
     depth_m = press(1.0)
     springs = [Recording(f"{k}", depth_m, k * depth_m, DT_S) for k in (100.0, 200.0, 300.0)]
-    rows = replace(passive_rows(training_set(springs, 0.0), FitOptions()), surface=surface)
-    pulled_n = np.full((len(rows.rows), len(rows.held)), -1.0)
+    rows = replace(select_rows(build_training_set(springs, 0.0), FitOptions()), surface=surface)
+    pulled_n = np.full((len(rows.rows), len(rows.held_out)), -1.0)
     families_n, folds_n = rows.errors_n(pulled_n)
     given_n = 0.0 if surface else -1.0
-    owner = rows.out[np.argsort(rows.order)]
+    owner = rows.in_fold[np.argsort(rows.order)]
     missed_n = [np.sqrt(np.mean((given_n - rows.force_n[its]) ** 2)) for its in owner.T]
     np.testing.assert_allclose(folds_n, missed_n)
     assert families_n == pytest.approx([np.exp(np.mean(np.log(missed_n)))])
@@ -54,18 +54,18 @@ def test_laws_of_growth_weigh_by_what_they_foretell_if_one_beats_a_constant_slop
     errors_n: list[list[float]], weights: list[float] | None, monkeypatch: Any
 ) -> None:
     tried = dict(zip((0.85, 0.9, 0.95), errors_n, strict=True))
-    monkeypatch.setattr(growth, "_errors_n", lambda _terms, share, *_: tried[share])
-    monkeypatch.setattr(growth, "reduced", lambda terms, _weights: terms)
+    monkeypatch.setattr(growth, "_extrapolation_rmse_n", lambda _terms, share, *_: tried[share])
+    monkeypatch.setattr(growth, "keep_used_terms", lambda terms, _weights: terms)
     rows: Any = SimpleNamespace(rows=None, peak_n=0.0)
-    data: Any = SimpleNamespace(along_motions=lambda *_: None)
+    data: Any = SimpleNamespace(map_motions=lambda *_: None)
     none: Any = None
-    found = growth.growth_weights(none, none, 1e-3, rows, data)
+    found = growth.estimate_growth_weights(none, none, 1e-3, rows, data)
     assert (found is None) is (weights is None)
     if found is not None and weights is not None:
         np.testing.assert_allclose(found, np.array(weights) / np.sum(weights))
 
 
-ONLY = dict(zip(growth.POWERS, np.eye(4)[1:], strict=True))
+ONLY = dict(zip(growth.SLOPE_POWERS, np.eye(4)[1:], strict=True))
 SLOPES = {
     0.2: lambda u: (0.2 + u) ** 5,
     0.0: lambda u: np.exp(4.0 * u),
@@ -89,7 +89,7 @@ def rich(nodes: int, slope: Any) -> Hammerstein:
 @pytest.mark.parametrize("power", SLOPES)
 def test_curves_go_on_as_they_rise_and_no_force_within_changes(power: float, nodes: int) -> None:
     model = rich(nodes, SLOPES[power])
-    further = growth.continued(model, ONLY[power])
+    further = growth.extrapolate_curves(model, ONLY[power])
     u = np.linspace(0.0, 1.25, further.nodes)
     np.testing.assert_allclose(further.branch_n[1], 1.25 * 0.2 * SLOPES[power](u), rtol=1e-9)
     twice_m = np.concatenate([press(1.0), 0.7 * press(2.0)])
@@ -98,9 +98,9 @@ def test_curves_go_on_as_they_rise_and_no_force_within_changes(power: float, nod
 
 
 def test_what_softens_keeps_its_slope_and_no_slope_grows_beyond_all_bounds() -> None:
-    softens = growth.continued(rich(9, lambda u: 2.0 - u), ONLY[0.2])
+    softens = growth.extrapolate_curves(rich(9, lambda u: 2.0 - u), ONLY[0.2])
     np.testing.assert_array_equal(softens.elastic_n[8:], softens.elastic_n[8])
-    pole = growth.continued(rich(9, lambda u: (1.05 - u) ** -3.0), ONLY[-1 / 3])
+    pole = growth.extrapolate_curves(rich(9, lambda u: (1.05 - u) ** -3.0), ONLY[-1 / 3])
     assert pole.elastic_n[-1] == 8.0 * pole.elastic_n[8]
 
 
@@ -108,11 +108,13 @@ def test_each_place_of_a_map_goes_on_as_its_own_curves_rise() -> None:
     model, soft = rich(9, SLOPES[0.2]), rich(9, lambda u: 1.0 + 0.1 * u)
     amounts = np.array([[[1.0, 0.0], [0.5, 0.5]], [[0.0, 1.0], [0.2, 0.1]]])
     places = Places(np.zeros(2), np.ones(2), amounts, np.stack([model.slopes_n, soft.slopes_n]))
-    found = growth.continued(replace(model.with_slopes(places.most_n), places=places), ONLY[0.2])
+    found = growth.extrapolate_curves(
+        replace(model.with_slopes(places.most_n), places=places), ONLY[0.2]
+    )
     found.require_valid()
     assert found.places is not None
     for own, slopes_n in zip((model, soft), found.places.slopes_n, strict=True):
-        np.testing.assert_array_equal(slopes_n, growth.continued(own, ONLY[0.2]).slopes_n)
+        np.testing.assert_array_equal(slopes_n, growth.extrapolate_curves(own, ONLY[0.2]).slopes_n)
 
 
 def test_the_tool_is_away_where_a_surface_that_recovers_gives_no_force() -> None:
@@ -120,8 +122,8 @@ def test_the_tool_is_away_where_a_surface_that_recovers_gives_no_force() -> None
     slow = replace(model, recovers=True, branch_n=9.0 * model.branch_n)
     depth_m = press(4.0, DEPTH_M, 3)
     force_n = passive_force_n(slow, depth_m, DT_S, surface=True)
-    data = training_set([Recording("x", depth_m, force_n, DT_S)], 0.0)
-    rows = passive_rows(data, FitOptions())
-    away = _Way(slow, rows, data).away
+    data = build_training_set([Recording("x", depth_m, force_n, DT_S)], 0.0)
+    rows = select_rows(data, FitOptions())
+    away = _SurfaceMotion(slow, rows, data).detached
     assert 0.02 < np.mean(away) < 0.5 and np.abs(rows.force_n[away]).max() < 1e-9 * rows.peak_n
-    assert not _Way(replace(slow, recovers=False), rows, data).away.any()
+    assert not _SurfaceMotion(replace(slow, recovers=False), rows, data).detached.any()

@@ -20,12 +20,12 @@ from support.c.passive_run import PassiveC
 from support.small import DT_S, passive_force_n, press, soft_force
 
 from springpot import Recording
-from springpot.codegen.model.formulas import loss_by_depth, play
+from springpot.codegen.model.formulas import compute_depth_loss, play_operator
 from springpot.codegen.model.passive import Damage, Flow, Hammerstein
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.hammerstein import fit_hammerstein
-from springpot.trainer.models.passive.growth import continued
-from springpot.trainer.models.training_set import training_set
+from springpot.trainer.models.passive.growth import extrapolate_curves
+from springpot.trainer.models.training_set import build_training_set
 
 BOUND = 1e-5
 SAMPLES = 1500
@@ -91,10 +91,10 @@ def fitted() -> Hammerstein:
     for share, frequency_hz in product((0.3, 0.7, 1.0), (0.5, 2.0, 5.0)):
         depth_m = press(frequency_hz, share * SPAN_M)
         force_n = soft_force(depth_m) + 150.0 * (
-            depth_m - np.array(play(depth_m, depth_m[0], np.float64(0.002)))
+            depth_m - np.array(play_operator(depth_m, depth_m[0], np.float64(0.002)))
         )
         recordings.append(Recording(f"{share}-{frequency_hz}", depth_m, force_n, DT_S))
-    fit = fit_hammerstein("x", training_set(recordings, smooth_s=0.0), FitOptions())
+    fit = fit_hammerstein("x", build_training_set(recordings, smooth_s=0.0), FitOptions())
     assert len(fit.model.hammerstein.radius_m) > 0 < len(fit.model.hammerstein.tau_s)
     return fit.model.hammerstein
 
@@ -125,7 +125,7 @@ def random_model(seed: int, surface: bool = False) -> Hammerstein:
                       curve_n=weights(damage, n)),
         recovers=surface,
     )  # fmt: skip
-    return continued(model, rng.dirichlet(np.ones(4))) if n > 1 else model
+    return extrapolate_curves(model, rng.dirichlet(np.ones(4))) if n > 1 else model
 
 
 @pytest.mark.slow
@@ -174,7 +174,7 @@ PLANTED: dict[str, tuple[Hammerstein, str, Callable[..., Any]]] = {
     ),
     "a loss below 0": (
         special(**BY_DEPTH), "springpot.codegen.stages.passive.maxwell.loss_by_depth",
-        lambda *given: -1e-3 * loss_by_depth(*given),
+        lambda *given: -1e-3 * compute_depth_loss(*given),
     ),
     "a branch that pulls": (
         special(branch_n=np.outer([-3.0, 1.0, 1.0], np.full(9, 16.0))), "", abs,

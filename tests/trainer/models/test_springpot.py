@@ -133,7 +133,7 @@ def test_a_zener_solid_comes_back_with_its_instant_stiffness() -> None:
 def test_a_fourth_number_has_to_be_worth_it(
     times: float, numbers: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    target = "springpot.trainer.models.springpot._left_out"  # of what is held out: fits, error
+    target = "springpot.trainer.models.springpot._jackknife"  # of what is held out: fits, error
     monkeypatch.setattr(target, lambda _, its: ([its] * 3, times if its.time_s else 1.0))
     assert len(law_of(fitted(1.0, 1.0, 0.3))) == numbers
 

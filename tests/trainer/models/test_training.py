@@ -15,17 +15,22 @@ from support.small import DEPTH_M, DT_S, press, recording, small_fit, training
 from springpot import Recording
 from springpot.codegen.arrays import rms
 from springpot.codegen.errors import DataError
-from springpot.codegen.model.forest import quantised_leaves
+from springpot.codegen.model.forest import quantise_leaves
 from springpot.codegen.model.model_file import model_hash
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models import rbf
-from springpot.trainer.models.depths import motions, pulls
+from springpot.trainer.models.depths import is_adhesive, join_motions
 from springpot.trainer.models.fit import FitOptions
-from springpot.trainer.models.folds import fold_families, held_out_whole, pieces, repeats_apart
+from springpot.trainer.models.folds import (
+    build_cv_schemes,
+    compute_fold_cells,
+    split_by_condition,
+    split_repeats,
+)
 from springpot.trainer.models.predict import predict_n
-from springpot.trainer.models.rf_fd import depth_scale, history_features
-from springpot.trainer.models.training_set import TrainingSet, choose_rows, training_set
-from springpot.trainer.recordings.signals import smoothed
+from springpot.trainer.models.rf_fd import build_lag_features, compute_depth_scale
+from springpot.trainer.models.training_set import TrainingSet, build_training_set, select_rows
+from springpot.trainer.recordings.signals import smooth
 
 
 @pytest.mark.parametrize(
@@ -34,7 +39,7 @@ from springpot.trainer.recordings.signals import smoothed
      (100, 0.5, 50), (100, 1.0, 100), (3, 0.01, 1)],
 )  # fmt: skip
 def test_rows_follow_the_paper(rows: int, fraction: float | None, expected: int) -> None:
-    chosen = choose_rows(rows, fraction, np.random.default_rng(0))
+    chosen = select_rows(rows, fraction, np.random.default_rng(0))
     assert len(chosen) == len(set(chosen.tolist())) == expected and chosen.max() < rows
 
 
@@ -47,36 +52,36 @@ def test_the_default_smoothing_bends_less_than_noise(press_s: float, noise_n: fl
     noise = np.random.default_rng(0).normal(0.0, noise_n, len(time_s))
     clean = Recording("impact", force_n / 1e3, force_n, 1.0 / 3000.0)
     noisy = [replace(clean, force_n=force_n + noise)]
-    smooth_s = training_set(noisy, None).smooth_s
+    smooth_s = build_training_set(noisy, None).smooth_s
     bent_n, longer_n = (
-        rms((smoothed(clean, s).force_n - force_n)[force_n > 0.8])
+        rms((smooth(clean, s).force_n - force_n)[force_n > 0.8])
         for s in (smooth_s, 2.0 * smooth_s or 0.025 / 8)
     )
     assert bent_n <= 0.5 * noise_n
     assert smooth_s == 0.025 or longer_n > 0.45 * noise_n
-    assert training_set(noisy, 0.025).smooth_s == 0.025  # as it was asked for
+    assert build_training_set(noisy, 0.025).smooth_s == 0.025  # as it was asked for
 
 
 def test_smoothing_is_zero_phase_and_keeps_a_line() -> None:
     line = np.linspace(0.0, 0.01, 400)
     item = Recording("line", line, 100 * line, DT_S)
-    result = smoothed(item, 0.025)
+    result = smooth(item, 0.025)
     np.testing.assert_allclose(result.position_m[12:-12], line[12:-12], atol=1e-15)
-    assert smoothed(item, 0.0) is item
+    assert smooth(item, 0.0) is item
 
 
 def test_the_fit_predicts_what_scikit_learn_predicts() -> None:
     model, item = small_fit().model, training()[2]
-    data = training_set(training(), None)
+    data = build_training_set(training(), None)
     rows = data.rows(None, 1)
     scale = 64.0  # the power of two nearest to 1/0.012 m
-    assert depth_scale(DEPTH_M) == scale
+    assert compute_depth_scale(DEPTH_M) == scale
     forest = RandomForestRegressor(
         n_estimators=5, min_samples_leaf=20, max_samples=0.35, random_state=1
     ).fit(scale * data.features(model.features, rows), data.force_n(rows))
     features = fir_derivatives(scale * item.position_m, model.features.taps)
     expected = forest.predict(features.astype(np.float32))
-    rounding_n = 1.01 * quantised_leaves(model.regressor).error_n
+    rounding_n = 1.01 * quantise_leaves(model.regressor).error_n
     np.testing.assert_allclose(predict_n(model, item), expected, rtol=0, atol=rounding_n)
 
 
@@ -93,7 +98,7 @@ def test_the_papers_forest_is_that_of_its_text(name: str) -> None:
     force_n = np.concatenate(averaged[1::2])
     ours, text = [], []
     for seed in (1, 2):
-        rows = choose_rows(len(force_n), 0.2, np.random.default_rng(seed))
+        rows = select_rows(len(force_n), 0.2, np.random.default_rng(seed))
         forest = RandomForestRegressor(
             min_samples_leaf=5, max_features=1 / 3, random_state=100 + seed, n_jobs=2
         ).fit(1e3 * features[rows], force_n[rows])  # in mm: closer than 1e-7 is equal to it
@@ -116,12 +121,12 @@ def test_unscaled_metres_would_not_do() -> None:
 
 
 def test_ten_past_positions_span_the_window() -> None:
-    assert history_features(DT_S, 0.1).samples == tuple(range(0, 100, 11))
+    assert build_lag_features(DT_S, 0.1).samples == tuple(range(0, 100, 11))
 
 
 def test_functions_of_validation_rows_are_those_of_the_fit() -> None:
     values = np.random.default_rng(0).normal(size=(50, 3))
-    for _, fitted, others in rbf._systems(values, values[::-1]):
+    for _, fitted, others in rbf._build_systems(values, values[::-1]):
         np.testing.assert_array_equal(others, fitted[::-1])
 
 
@@ -143,20 +148,20 @@ def test_in_a_pause_the_tool_is_where_it_gives_least(surface: bool, waits_m: flo
     depths_m = [np.linspace(3e-3, end_m, 10) for end_m in (1e-3, 2e-3)]
     pairs = enumerate(depths_m)
     items = [Recording(f"{k}", x, x, DT_S, session="one", start_s=k) for k, x in pairs]
-    (joined,) = motions(items, depths_m, surface)
+    (joined,) = join_motions(items, depths_m, surface)
     assert joined.depth_m[10:12].tolist() == [waits_m] * 2
     assert joined.pauses == ((11, pytest.approx(1.0 - 10 * DT_S)),)
 
 
 def test_what_holds_the_tool_is_not_let_go() -> None:
     glued = [lossy(item, pull=True) for item in training()]
-    data = training_set(glued, smooth_s=0.0)
+    data = build_training_set(glued, smooth_s=0.0)
     assert data.contact == "always"
     assert "it holds the tool, and the model pulls" in data.warnings[-1]
     fit = fit_model("hammerstein", "x", glued, FitOptions(smooth_s=0.0))
     least_n = min(float(predict_n(fit.model, item).min()) for item in glued)
     assert least_n == pytest.approx(min(float(item.force_n.min()) for item in glued), rel=0.1)
-    assert not pulls([replace(item, force_n=item.force_n - 1.5 * least_n) for item in glued])
+    assert not is_adhesive([replace(item, force_n=item.force_n - 1.5 * least_n) for item in glued])
 
 
 @pytest.mark.parametrize("noise_share", [0.0, 0.03, 0.1])
@@ -172,7 +177,7 @@ def test_what_lets_go_has_a_surface_whatever_disturbs_its_force(
         disturbed(item, noise_share, hum_share, tare_share * (number > 0), seed=number)
         for number, item in enumerate(items)
     ]
-    assert not pulls([
+    assert not is_adhesive([
         dataclasses.replace(
             item, position_m=item.position_m[::step], force_n=item.force_n[::step],
             dt_s=step * item.dt_s,
@@ -211,7 +216,7 @@ SHARES = (0.3, 0.7, 1.0)
 
 def with_repeats() -> TrainingSet:
     """Every press twice: the repeat a little slower and shallower, as by a hand or a valve."""
-    return training_set(
+    return build_training_set(
         [
             recording(f"{share}-{hz}-{slower}", press(hz * slower, share * DEPTH_M * deeper))
             for share in SHARES
@@ -225,30 +230,30 @@ def with_repeats() -> TrainingSet:
 def test_repeats_of_one_press_go_to_different_folds() -> None:
     data = with_repeats()
     for seed in range(20):
-        number = repeats_apart(data.depths_m, data.dt_s, 5, seed).number
+        number = split_repeats(data.depths_m, data.dt_s, 5, seed).number
         assert np.all(number[::2] != number[1::2])
         assert max(Counter(number.tolist()).values()) == 5  # 24 recordings in 5 folds
     full_m, half_m = press(1.0), DEPTH_M / 2 + press(2.0, DEPTH_M / 2)  # alike but for the top
     six_m = [full_m, full_m, half_m, full_m, half_m, half_m]
-    assert set(repeats_apart(six_m, DT_S, 3, 0).number[[0, 1, 3]].tolist()) == {0, 1, 2}
+    assert set(split_repeats(six_m, DT_S, 3, 0).number[[0, 1, 3]].tolist()) == {0, 1, 2}
 
 
 def test_each_depth_and_each_speed_is_held_out_whole() -> None:
     data = with_repeats()
     rows = data.bounds[:-1] + 1
-    depth, speed = held_out_whole(data, rows)
+    depth, speed = split_by_condition(data, rows)
     assert depth.number.tolist() == [group for group in (0, 1, 2) for _ in range(8)]
     assert np.all(speed.number[::2] == speed.number[1::2]) and speed.tested == (0, 1, 2, 3, 4)
     # Presses in one recording, of an object whose zero is elsewhere: each from top to top.
     in_a_row_m = 0.03 + np.concatenate([press(1.0, share * DEPTH_M) for share in SHARES])
-    data = training_set([Recording("deep", in_a_row_m, in_a_row_m, DT_S)], smooth_s=0.0)
-    both = held_out_whole(data, np.arange(250, 3000, 500))
+    data = build_training_set([Recording("deep", in_a_row_m, in_a_row_m, DT_S)], smooth_s=0.0)
+    both = split_by_condition(data, np.arange(250, 3000, 500))
     assert [folds.number.tolist() for folds in both] == [[0, 0, 1, 1, 2, 2]] * 2
 
 
 def test_what_is_as_deep_as_nothing_else_is_not_held_out() -> None:
     data = with_repeats()
-    _, depth, speed = fold_families(data, np.arange(data.rows_total), seed=0)
+    _, depth, speed = build_cv_schemes(data, np.arange(data.rows_total), seed=0)
     assert depth.tested == (0, 1)  # without the deepest, only extrapolation is measured
     assert speed.tested == (0, 1, 2, 3, 4)
 
@@ -257,15 +262,15 @@ def test_noise_on_repeats_makes_no_further_conditions() -> None:
     noise, item = np.random.default_rng(1), training()[5]
     noisy_m = [item.position_m + noise.normal(0.0, 2e-6, 1000) for _ in range(6)]
     same = [dataclasses.replace(item, position_m=position_m) for position_m in noisy_m]
-    data = training_set(same, smooth_s=0.0)
-    assert held_out_whole(data, np.arange(data.rows_total)) == []
+    data = build_training_set(same, smooth_s=0.0)
+    assert split_by_condition(data, np.arange(data.rows_total)) == []
 
 
 def test_a_piece_is_in_one_fold_of_each_family() -> None:
-    data = training_set(training(), smooth_s=0.0)
-    families = fold_families(data, np.arange(data.rows_total), seed=3)
+    data = build_training_set(training(), smooth_s=0.0)
+    families = build_cv_schemes(data, np.arange(data.rows_total), seed=3)
     assert len(families) == 3
-    piece = pieces(families)
+    piece = compute_fold_cells(families)
     for folds in families:
         pairs = set(zip(piece.tolist(), folds.number.tolist(), strict=True))
         assert len(pairs) == piece.max() + 1

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from springpot.codegen.errors import DataError, UsageError
-from springpot.trainer.recordings.conditioning import Conditioning, condition, on_one_surface
+from springpot.trainer.recordings.conditioning import Conditioning, align_surfaces, condition
 from springpot.trainer.recordings.contact_point import find_contact
 from springpot.trainer.recordings.recording import Recording
 
@@ -83,7 +83,7 @@ def test_presses_with_one_zero_keep_it() -> None:
     """The rig has counted from one place: so do the recordings, and that is the surface."""
     raw = presses([5e-3] * 6)
     found = [condition(each, AUTO)[0] for each in raw]
-    moved, told = on_one_surface(found, AUTO)
+    moved, told = align_surfaces(found, AUTO)
     zeros_m = [
         before.position_m - after.position_m for before, after in zip(raw, moved, strict=True)
     ]
@@ -99,7 +99,7 @@ def test_presses_with_one_zero_keep_it() -> None:
 
 def test_presses_with_zeros_of_their_own_keep_these() -> None:
     conditioned = [condition(each, AUTO)[0] for each in presses([0.0, 1e-3, 5e-4])]
-    kept, told = on_one_surface(conditioned, AUTO)
+    kept, told = align_surfaces(conditioned, AUTO)
     assert "each recording keeps its own" in told
     for before, after in zip(conditioned, kept, strict=True):
         np.testing.assert_array_equal(before.position_m, after.position_m)

@@ -17,7 +17,7 @@ import springpot
 from springpot import Recording, SpringpotError, check_recordings
 from springpot.codegen.errors import DataError
 from springpot.host.commands.import_ import import_
-from springpot.host.validation.seen import accepted_words
+from springpot.host.validation.seen import accepted_signs_sentence
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.recordings.conditioning import Conditioning, condition
@@ -146,7 +146,7 @@ def test_signs_that_are_accepted_are_taken_kept_and_said(
     fit = fit_model("rf-fd", "x", [turned], FitOptions(trees=2, fraction=0.1))
     assert fit.model.provenance["accepted_signs"] == ["press"]
     manifest = {"provenance": fit.model.provenance, "left_out": []}
-    assert "press" in accepted_words(manifest)
+    assert "press" in accepted_signs_sentence(manifest)
 
 
 @pytest.mark.parametrize("found", [{"tare": "auto"}, {"contact_force": "auto"}])

@@ -9,9 +9,9 @@ from support.small import DT_S, press, recording, soft_force
 import springpot
 from springpot import Recording, check_recordings
 from springpot.host.metrics import accuracy
-from springpot.host.validation.seen import seen_by
+from springpot.host.validation.seen import count_training_recordings
 from springpot.trainer.models.predict import predict_n
-from springpot.trainer.recordings.quality.spikes import hold_spikes
+from springpot.trainer.recordings.quality.spikes import replace_spikes
 
 CYCLES = 0.006 + press(1.0, 0.004, 3)
 PRESSES = recording("a", press(1.0, 0.01, 3))
@@ -36,11 +36,11 @@ def spoiled(item: Recording, rows: list[int], to_m: float) -> Recording:
 @pytest.mark.parametrize("to_m", [0.0, 0.03, -5.0])
 def test_a_spike_of_position_is_replaced_and_counted(rows: list[int], to_m: float) -> None:
     item = preloaded(1.0)
-    held, (finding,) = hold_spikes(spoiled(item, rows, to_m))
+    held, (finding,) = replace_spikes(spoiled(item, rows, to_m))
     assert f"{len(rows)} of 3000 samples of position" in finding.what
     np.testing.assert_allclose(held.position_m, item.position_m, atol=6e-5)
     assert held.force_n is item.force_n
-    assert hold_spikes(held) == (held, [finding])  # it is judged once
+    assert replace_spikes(held) == (held, [finding])  # it is judged once
 
 
 @pytest.mark.parametrize("share", [0.001, 0.003, 0.01, 0.02, 0.05])
@@ -57,7 +57,7 @@ def test_spikes_of_force_up_to_a_twentieth_of_the_samples_are_counted(
         "half": clean_n[rows] + 0.5 * PEAK_N * draw.choice([-1, 1], len(rows)), "zero": 0.0,
     }[spike]  # fmt: skip
     seen = np.count_nonzero(np.abs(force_n - clean_n) > 0.02 * PEAK_N)
-    held, (finding,) = hold_spikes(dataclasses.replace(PRESSES, force_n=force_n))
+    held, (finding,) = replace_spikes(dataclasses.replace(PRESSES, force_n=force_n))
     assert finding.severity == "warning"
     assert int(finding.what.split()[0]) == pytest.approx(seen, abs=0.1 * seen + 2)
     left = np.abs(held.force_n - clean_n) > 0.1 * PEAK_N
@@ -67,7 +67,7 @@ def test_spikes_of_force_up_to_a_twentieth_of_the_samples_are_counted(
 def test_what_is_replaced_lies_on_the_sensors_grid() -> None:
     force_n = 0.37 + 0.1 * np.round(10.0 * PRESSES.force_n)
     spiked_n = force_n + 14.0 * (np.arange(3000) == 700)
-    held, _ = hold_spikes(dataclasses.replace(PRESSES, force_n=spiked_n))
+    held, _ = replace_spikes(dataclasses.replace(PRESSES, force_n=spiked_n))
     steps = (held.force_n[700] - 0.37) / 0.1
     assert steps == pytest.approx(round(steps))
 
@@ -112,7 +112,7 @@ def test_what_a_tool_did_is_no_spike() -> None:
     pairs += [(triangle, soft_force(triangle)), (triangle, np.round(soft_force(triangle)))]
     for position_m, force_n in pairs:
         item = Recording("x", position_m, force_n, DT_S)
-        assert hold_spikes(item) == (item, [])
+        assert replace_spikes(item) == (item, [])
 
 
 @pytest.mark.filterwarnings("ignore::UserWarning")
@@ -124,4 +124,4 @@ def test_spikes_spoil_no_fit() -> None:
     test = preloaded(2.0)
     found = accuracy([test.force_n], [predict_n(fit.model, test)])
     assert found.rmse_percent_of_peak < 1.3  # with the spike: 4.2
-    assert seen_by(fit.model, presses) == 3
+    assert count_training_recordings(fit.model, presses) == 3

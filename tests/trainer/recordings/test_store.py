@@ -20,7 +20,7 @@ from support.small import press, recording
 from springpot.codegen.errors import DataError, DeviceError, UsageError
 from springpot.trainer.recordings.formats.importing import import_file
 from springpot.trainer.recordings.hdf5_file import write_recording
-from springpot.trainer.recordings.journal import JournalWriter, journal_of, read_journal
+from springpot.trainer.recordings.journal import JournalWriter, journal_path, read_journal
 from springpot.trainer.recordings.recording import MAX_NAME_BYTES, Recording, safe_recording_name
 from springpot.trainer.recordings.recording_file import read_recording
 
@@ -91,7 +91,7 @@ def test_a_journal_in_use_is_neither_read_nor_written(tmp_path: Path) -> None:
         with pytest.raises(UsageError, match="another springpot is recording it now"):
             JournalWriter(tmp_path / "press.h5", "press", 1e-3, "device", {})
         with pytest.raises(DataError, match="still being recorded"):
-            read_journal(journal_of(tmp_path / "press.h5"))
+            read_journal(journal_path(tmp_path / "press.h5"))
         writer.discard()
     assert not list(tmp_path.iterdir())
 
@@ -181,7 +181,7 @@ def test_a_killed_writer_loses_no_row_that_was_committed(tmp_path: Path, count: 
         committed = max([committed, *map(int, writer.stdout.read().split()[:-1])])
         writer.wait()
         writer.stdout.close()
-        found, lost = read_journal(journal_of(file))
+        found, lost = read_journal(journal_path(file))
         assert len(found.force_n) >= committed and not lost
         np.testing.assert_array_equal(found.position_m, np.arange(len(found.force_n)))
         np.testing.assert_array_equal(found.force_n, -found.position_m)

@@ -8,10 +8,10 @@ from scipy.optimize import nnls
 
 from springpot.codegen.arrays import Flags, Indices, Samples
 
-_TRIED = 5  # blocks of lowest contribution tried for removal at each step
+_MAX_TRIALS = 5  # blocks of lowest contribution tried for removal at each step
 _RIDGE = 1e-8  # of the diagonal: keeps the factor of nearly equal columns real
-_ROUNDING = 1e-12  # of a gradient
-_AT_ONCE, _PIVOTS = 3, 3  # tries without progress; solutions for each term
+_GRADIENT_TOLERANCE = 1e-12  # of a gradient
+_MAX_BLOCK_RETRIES, _MAX_PIVOTS_PER_TERM = 3, 3  # tries without progress; solutions for each term
 _MIN_DIAGONAL = 1e-12  # a row: a column that the rows hardly see gets no weight, not a huge one
 
 
@@ -32,7 +32,7 @@ class Normal:
             self.rows + other.rows,
         )
 
-    def summed(self, sums: Samples) -> "Normal":
+    def transformed(self, sums: Samples) -> "Normal":
         """Those of columns that are sums of these, (terms, columns)."""
         return Normal(sums.T @ self.matrix @ sums, sums.T @ self.vector, self.square, self.rows)
 
@@ -47,22 +47,22 @@ class Normal:
         """
         chosen = np.ones(len(self.vector), dtype=bool) if active is None else active
         # Columns scaled to length 1, so that the ridge is the same share of each.
-        size = self._size
+        size = self._column_norms
         scaled = (self.matrix / np.outer(size, size))[np.ix_(chosen, chosen)]
         weights = np.zeros(len(self.vector))
         begin = np.zeros(len(scaled), dtype=bool) if near is None else near[chosen] > 0.0
-        weights[chosen] = _nonnegative(
+        weights[chosen] = _solve_nonnegative(
             scaled + _RIDGE * np.eye(len(scaled)), (self.vector / size)[chosen], begin
         )
         return weights / size
 
     @property
-    def _size(self) -> Samples:
+    def _column_norms(self) -> Samples:
         return np.sqrt(np.maximum(np.diag(self.matrix), _MIN_DIAGONAL * self.rows))
 
     def contribution(self, weights: Samples) -> Samples:
         """Each term's share in what the weights give, (terms,): comparable among terms."""
-        return weights * self._size
+        return weights * self._column_norms
 
     def error(self, weights: Samples) -> float:
         """Sum of squared errors of weights on these rows, with the penalty if there is one."""
@@ -73,7 +73,7 @@ class Normal:
         return float(np.sqrt(self.error(weights) / self.rows))
 
 
-def _nonnegative(matrix: Samples, vector: Samples, free: Flags) -> Samples:
+def _solve_nonnegative(matrix: Samples, vector: Samples, free: Flags) -> Samples:
     """The w >= 0 of lowest w' matrix w / 2 - w' vector, (terms,); the matrix is positive definite.
 
     free: the terms that may be above 0 at first, (terms,).
@@ -82,25 +82,29 @@ def _nonnegative(matrix: Samples, vector: Samples, free: Flags) -> Samples:
     lead to fewer. Where it takes too long, active sets one by one (Lawson, Hanson, 1974), for which
     with matrix = L L' the same is |L'w - L^-1 vector|^2: a system as small as the terms are few.
     """
-    weights, wrong_before, at_once = np.zeros(len(vector)), len(vector) + 1, _AT_ONCE
-    for _ in range(_PIVOTS * len(vector)):
+    weights, best_infeasible, block_retries = (
+        np.zeros(len(vector)),
+        len(vector) + 1,
+        _MAX_BLOCK_RETRIES,
+    )
+    for _ in range(_MAX_PIVOTS_PER_TERM * len(vector)):
         weights = np.zeros(len(vector))
         if free.any():
             _, weights[free], failed = dposv(matrix[np.ix_(free, free)], vector[free])
             if failed:
                 break
-        falls = vector - matrix @ weights
-        wrong = np.where(free, weights < 0.0, falls > _ROUNDING)
-        n_wrong = int(np.count_nonzero(wrong))
-        if n_wrong == 0:
+        gradient = vector - matrix @ weights
+        infeasible = np.where(free, weights < 0.0, gradient > _GRADIENT_TOLERANCE)
+        n_infeasible = int(np.count_nonzero(infeasible))
+        if n_infeasible == 0:
             return weights
-        if n_wrong < wrong_before:
-            wrong_before, at_once = n_wrong, _AT_ONCE
-        elif at_once > 0:
-            at_once -= 1
+        if n_infeasible < best_infeasible:
+            best_infeasible, block_retries = n_infeasible, _MAX_BLOCK_RETRIES
+        elif block_retries > 0:
+            block_retries -= 1
         else:
-            wrong[: np.flatnonzero(wrong)[-1]] = False
-        free = free ^ wrong
+            infeasible[: np.flatnonzero(infeasible)[-1]] = False
+        free = free ^ infeasible
     factor = np.linalg.cholesky(matrix)
     return nnls(factor.T, np.linalg.solve(factor, vector), maxiter=30 * len(vector))[0]
 
@@ -124,7 +128,7 @@ def sparse_solve(normal: Normal, blocks: Indices, loss: float) -> Samples:
         size = np.bincount(blocks, normal.contribution(weights))
         present = size[blocks] > 0.0
         trials = []
-        for block in np.argsort(np.where(size > 0.0, size, np.inf))[:_TRIED]:
+        for block in np.argsort(np.where(size > 0.0, size, np.inf))[:_MAX_TRIALS]:
             without = present & (blocks != block)
             if size[block] > 0.0 and without.any():
                 trial = normal.solve(without, weights)

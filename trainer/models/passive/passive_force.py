@@ -14,10 +14,10 @@ from springpot.trainer.models.depths import DepthMotion
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.recording import Site
 
-_CLEARLY = 0.9  # times the error
+_MAX_ERROR_RATIO = 0.9  # times the error
 
 
-def model_along(
+def simulate_passive(
     model: Hammerstein, motion: DepthMotion, dt_s: float, surface: bool, place_m: Site | None = None
 ) -> tuple[Samples, Samples, Memory]:
     """Force along a motion, (n,), N, the depth at which the model is then, (n,), m, and its memory.
@@ -32,26 +32,26 @@ def model_along(
         return hammerstein_stage(model, ticks, "penetration").at(place_m)
 
     stage = stage_of(dt_s)
-    u = (motion.depth_m - stage.config.origin_m) * stage.config.per_span
-    passive, begin = PassiveMotion(stage, u[0]), 0
-    force_n, at = np.empty_like(u), np.empty_like(u)
+    u = (motion.depth_m - stage.config.origin_m) * stage.config.u_per_m
+    state, begin = PassiveMotion(stage, u[0]), 0
+    force_n, model_u = np.empty_like(u), np.empty_like(u)
     for end, seconds in (*motion.pauses, (len(u), 0.0)):
-        force_n[begin:end], at[begin:end] = passive.along(u[begin:end])
+        force_n[begin:end], model_u[begin:end] = state.along(u[begin:end])
         if end < len(u):
             step_s, left_s = dt_s, seconds  # steps of a rest, each twice as long as the one before
             while left_s > 0.0:
                 step_s = min(2.0 * step_s, left_s)
-                passive = passive.on(stage_of(step_s))
-                passive.along(u[end : end + 1])
+                state = state.with_stage(stage_of(step_s))
+                state.along(u[end : end + 1])
                 left_s -= step_s
-            passive = passive.on(stage)
-            force_n[end], at[end] = 0.0, passive.u
+            state = state.with_stage(stage)
+            force_n[end], model_u[end] = 0.0, state.u
         begin = end + 1
-    given_n = np.maximum(force_n, 0.0) if surface else force_n
-    return given_n, model.origin_m + model.span_m * at, passive.memory(model)
+    rendered_n = np.maximum(force_n, 0.0) if surface else force_n
+    return rendered_n, model.origin_m + model.span_m * model_u, state.memory(model)
 
 
-def with_memory(model: Hammerstein, data: TrainingSet) -> Hammerstein:
+def store_memory(model: Hammerstein, data: TrainingSet) -> Hammerstein:
     """The model with the memory with which the last press began; untimed, with which it ended.
 
     Presses begin with it where the recordings go on, or where it takes a tenth off the error of
@@ -59,21 +59,24 @@ def with_memory(model: Hammerstein, data: TrainingSet) -> Hammerstein:
     """
     motion, surface = data.motions[-1], data.contact == "surface"
     if data.continues or len(motion.recordings) < 2:
-        memory = model_along(model, motion, data.dt_s, surface)[2]
+        memory = simulate_passive(model, motion, data.dt_s, surface)[2]
         return replace(model, conditioned=memory, starts_conditioned=data.continues)
     begin = motion.starts[-1]
     pauses = tuple(pause for pause in motion.pauses if pause[0] < begin)
-    before = replace(motion, depth_m=motion.depth_m[:begin], pauses=pauses)
-    memory = model_along(model, before, data.dt_s, surface)[2]
+    earlier = replace(motion, depth_m=motion.depth_m[:begin], pauses=pauses)
+    memory = simulate_passive(model, earlier, data.dt_s, surface)[2]
     later = motion.recordings[(len(motion.recordings) + 1) // 2 :]
 
     def error_n(starting: Hammerstein) -> float:
-        alone = (DepthMotion(data.depths_m[k], (k,), (0,)) for k in later)
-        found_n = [model_along(starting, each, data.dt_s, surface)[0] for each in alone]
+        separate = (DepthMotion(data.depths_m[k], (k,), (0,)) for k in later)
+        simulated_n = [
+            simulate_passive(starting, press, data.dt_s, surface)[0] for press in separate
+        ]
         return rms(
-            np.concatenate(found_n) - np.concatenate([data.recordings[k].force_n for k in later])
+            np.concatenate(simulated_n)
+            - np.concatenate([data.recordings[k].force_n for k in later])
         )
 
     rested = replace(model, conditioned=memory, starts_conditioned=False)
-    worn = replace(rested, starts_conditioned=True)
-    return worn if error_n(worn) < _CLEARLY * error_n(rested) else rested
+    conditioned = replace(rested, starts_conditioned=True)
+    return conditioned if error_n(conditioned) < _MAX_ERROR_RATIO * error_n(rested) else rested

@@ -10,20 +10,20 @@ from springpot.codegen.arrays import Flags, Indices, Samples
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.folds import (
     Folds,
-    fold_families,
+    build_cv_schemes,
+    compute_fold_cells,
     geometric_mean,
-    held_out_whole,
-    pieces,
+    split_by_condition,
 )
 from springpot.trainer.models.passive.nonnegative import normal_equations
 from springpot.trainer.models.training_set import TrainingSet
 
 # Of the peak: what errors gain far below it no hand can tell, and a richer law pays for it where
 # recordings end. A silicone in short presses: 0.11 -> 0.08 % held out, 0.23 -> 0.51 % in long ones.
-NEGLIGIBLE = 0.002
+IMPERCEPTIBLE_FRACTION = 0.002
 _ROWS = 12_000
-_LET_GO = 0.02  # of the peak: so little force is none
-_ROUNDS = 3  # until the same samples are let go
+_ZERO_FORCE_FRACTION = 0.02  # of the peak: so little force is none
+_MAX_ROUNDS = 3  # until the same samples are let go
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,15 +37,15 @@ class PassiveRows:
 
     rows: Indices
     force_n: Samples
-    piece: Indices
+    cell: Indices
     families: Sequence[Folds]
     surface: bool
     peak_n: float
     varied: bool
-    let_go: Flags
+    separated: Flags
 
     @cached_property
-    def held(self) -> tuple[tuple[int, int], ...]:
+    def held_out(self) -> tuple[tuple[int, int], ...]:
         """Every fold that is held out: numbers of its family, and of itself."""
         families = enumerate(self.families)
         return tuple((number, fold) for number, folds in families for fold in folds.tested)
@@ -53,31 +53,31 @@ class PassiveRows:
     @cached_property
     def order(self) -> Indices:
         """Rows by their pieces, (rows,), in each of them those that have let go last."""
-        return np.lexsort((self.let_go, self.piece))
+        return np.lexsort((self.separated, self.cell))
 
     @cached_property
-    def spans(self) -> list[slice]:
+    def cell_slices(self) -> list[slice]:
         """What is kept of each piece, in that order."""
-        begins = np.searchsorted(self.piece[self.order], np.arange(self.piece.max() + 1))
-        kept = np.bincount(self.piece, ~self.let_go).astype(np.intp)
+        begins = np.searchsorted(self.cell[self.order], np.arange(self.cell.max() + 1))
+        kept = np.bincount(self.cell, ~self.separated).astype(np.intp)
         return list(map(slice, begins, begins + kept))
 
     @cached_property
-    def out(self) -> Flags:
+    def in_fold(self) -> Flags:
         """Whether each row, in that order, is in each fold of `held`, (rows, folds)."""
-        numbers = [self.families[k].number[self.order] == fold for k, fold in self.held]
+        numbers = [self.families[k].number[self.order] == fold for k, fold in self.held_out]
         return np.stack(numbers, axis=1)
 
     @cached_property
-    def _shown(self) -> Samples:
+    def _in_training(self) -> Samples:
         """1 for each piece that is in all rows, and in what is left without each fold, else 0."""
-        shown = ~self.out[[its.start for its in self.spans]].T
+        shown = ~self.in_fold[[cell.start for cell in self.cell_slices]].T
         return np.vstack([np.ones(len(shown.T)), shown])
 
-    def products(self, one: Samples, other: Samples) -> Samples:
+    def gram_by_fold(self, one: Samples, other: Samples) -> Samples:
         """Products of columns, in that order, of all rows and without folds: (1 + folds, k, l)."""
-        of_pieces = np.stack([one[its].T @ other[its] for its in self.spans])
-        return np.tensordot(self._shown, of_pieces, 1)
+        cell_grams = np.stack([one[cell].T @ other[cell] for cell in self.cell_slices])
+        return np.tensordot(self._in_training, cell_grams, 1)
 
     def errors_n(self, force_n: Samples) -> tuple[tuple[float, ...], Samples]:
         """Geometric mean of the RMSEs on the folds of each family, N, and each, (folds,), N.
@@ -87,15 +87,15 @@ class PassiveRows:
         """
         if self.surface:
             force_n = np.maximum(force_n, 0.0)  # an object does not pull at its surface
-        errors_n = np.where(self.out, force_n - self.force_n[self.order, None], 0.0)
+        errors_n = np.where(self.in_fold, force_n - self.force_n[self.order, None], 0.0)
         with np.errstate(invalid="ignore"):
-            folds_n = np.sqrt(np.sum(errors_n**2, axis=0) / np.sum(self.out, axis=0))
-        family = np.where(np.isnan(folds_n), -1, [number for number, _ in self.held])
+            folds_n = np.sqrt(np.sum(errors_n**2, axis=0) / np.sum(self.in_fold, axis=0))
+        family = np.where(np.isnan(folds_n), -1, [number for number, _ in self.held_out])
         known = [k for k in np.unique(family).tolist() if k >= 0]
         return tuple(geometric_mean(folds_n[family == k]) for k in known), folds_n
 
 
-def passive_rows(data: TrainingSet, options: FitOptions) -> PassiveRows:
+def select_rows(data: TrainingSet, options: FitOptions) -> PassiveRows:
     """Evenly spaced rows, or the share of them that was asked for, in folds.
 
     A fit is linear in its weights, so that a row costs little; neighbours say the same, smoothed.
@@ -103,15 +103,17 @@ def passive_rows(data: TrainingSet, options: FitOptions) -> PassiveRows:
     fraction = options.fraction
     rows = data.even_rows(_ROWS) if fraction is None else data.rows(fraction, 0)
     force_n = data.force_n(rows)
-    families = fold_families(data, rows, options.seed)
+    families = build_cv_schemes(data, rows, options.seed)
     peak_n = max(float(np.abs(force_n).max()), 1e-12)
     surface = data.contact == "surface"
-    varied = bool(held_out_whole(data, rows))
+    varied = bool(split_by_condition(data, rows))
     let_go = np.zeros(len(rows), dtype=bool)
-    return PassiveRows(rows, force_n, pieces(families), families, surface, peak_n, varied, let_go)
+    return PassiveRows(
+        rows, force_n, compute_fold_cells(families), families, surface, peak_n, varied, let_go
+    )
 
 
-def let_go(
+def find_separated_rows(
     values: Samples, sums: Samples, force_n: Samples, peak_n: float, penalty: Samples
 ) -> Flags:
     """Rows, (rows,), in which the object has let go: there is no force, and a model would pull.
@@ -121,14 +123,14 @@ def let_go(
     Their force says nothing of how the object would pull: those rows are left out, and the
     others fitted again (censored regression: Tobin, Econometrica 26, 1958).
     """
-    none = np.abs(force_n) < _LET_GO * peak_n
-    others = normal_equations(values[~none], force_n[~none] / peak_n)
-    found = np.zeros(len(none), dtype=bool)
-    for _ in range(_ROUNDS):
-        held, before = none & ~found, found
-        normal = others + normal_equations(values[held], force_n[held] / peak_n)
-        weights = normal.summed(sums).penalised(penalty).solve()
-        found = none & (values @ (sums @ weights) < 0.0)
-        if np.array_equal(found, before):
+    no_force = np.abs(force_n) < _ZERO_FORCE_FRACTION * peak_n
+    others = normal_equations(values[~no_force], force_n[~no_force] / peak_n)
+    separated = np.zeros(len(no_force), dtype=bool)
+    for _ in range(_MAX_ROUNDS):
+        kept, previous = no_force & ~separated, separated
+        normal = others + normal_equations(values[kept], force_n[kept] / peak_n)
+        weights = normal.transformed(sums).penalised(penalty).solve()
+        separated = no_force & (values @ (sums @ weights) < 0.0)
+        if np.array_equal(separated, previous):
             break
-    return found
+    return separated

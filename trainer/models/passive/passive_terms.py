@@ -6,7 +6,7 @@ from itertools import compress, product
 import numpy as np
 
 from springpot.codegen.arrays import Indices, Samples
-from springpot.codegen.model.passive import FLOW_SHARE, Damage, Flow, Hammerstein
+from springpot.codegen.model.passive import FLOW_REFERENCE_FRACTION, Damage, Flow, Hammerstein
 from springpot.codegen.stages.passive.beside import FUNCTIONS
 from springpot.trainer.models.training_set import TrainingSet
 
@@ -14,11 +14,11 @@ PASSIVE_POLES = 12
 DEPTH_POLES = 6  # with a rate that depends on the depth
 RADIUS_SHARES = (0.02, 0.06, 0.2, 0.5)  # of the trained depth
 EXPONENTS = (4.0, 8.0, 16.0, 32.0)  # of curves that stiffen steeply: exp(c u)
-FLOW_TIMES, FLOW_POWERS = 5, (3, 5)
+N_FLOW_TIMES, FLOW_POWERS = 5, (3, 5)
 _SHORTEST_FLOW_S = 0.01
 HEAL_S, DAMAGE_POWERS = (0.0, 60.0), (1, 3)  # 0: never
-_STEEP = 1e-3  # of it: for exponentials
-_FIRST = 0.02  # of the second differences' weight: enough to keep a curve straight in a gap
+_EXPONENTIAL_PENALTY = 1e-3  # of it: for exponentials
+_SLOPE_PENALTY = 0.02  # of the second differences' weight: enough to keep a curve straight in a gap
 
 
 @dataclass(frozen=True)
@@ -48,11 +48,11 @@ class Terms:
         """Columns of a curve: a hat of slope at each node, and the exponentials."""
         return self.nodes + len(EXPONENTS)
 
-    def with_exponentials(self, hats: Samples) -> Samples:
+    def append_exponentials(self, hats: Samples) -> Samples:
         """Columns of curves, (..., curves x width), from those of their hats, which they sum up."""
-        of_curves = hats.reshape(*hats.shape[:-1], -1, self.nodes)
-        steep = of_curves @ column_slopes(self.nodes)[self.nodes :].T / (self.nodes - 1.0)
-        return np.concatenate([of_curves, steep], axis=-1).reshape(*hats.shape[:-1], -1)
+        curve_hats = hats.reshape(*hats.shape[:-1], -1, self.nodes)
+        steep = curve_hats @ column_slopes(self.nodes)[self.nodes :].T / (self.nodes - 1.0)
+        return np.concatenate([curve_hats, steep], axis=-1).reshape(*hats.shape[:-1], -1)
 
     @property
     def curves(self) -> tuple[int, int]:
@@ -78,7 +78,7 @@ class Terms:
         sizes += [1] * len(self.flow)
         return np.repeat(np.arange(len(sizes)), sizes)
 
-    def shares(self, depth_m: Samples) -> Samples:
+    def normalised_depth(self, depth_m: Samples) -> Samples:
         """Depths as shares of the span, (n,): u of `Hammerstein`."""
         return (depth_m - self.origin_m) / self.span_m
 
@@ -92,13 +92,13 @@ class Terms:
         hats = np.eye(self.nodes)
         first, second = (np.diff(hats, n, axis=0) for n in (1, 2))
         block = np.zeros((self.width, self.width))
-        block[: self.nodes, : self.nodes] = second.T @ second + _FIRST * first.T @ first
-        block[self.nodes :, self.nodes :] = _STEEP * np.eye(len(EXPONENTS))
+        block[: self.nodes, : self.nodes] = second.T @ second + _SLOPE_PENALTY * first.T @ first
+        block[self.nodes :, self.nodes :] = _EXPONENTIAL_PENALTY * np.eye(len(EXPONENTS))
         form = np.zeros((self.count, self.count))
         begins = (0, self.plain_count)
         for begin, curves in zip(begins, self.curves, strict=True):
-            its = slice(begin, begin + curves * self.width)
-            form[its, its] = np.kron(np.eye(curves), block)
+            block_range = slice(begin, begin + curves * self.width)
+            form[block_range, block_range] = np.kron(np.eye(curves), block)
         return form
 
     def slopes_n(self, weights: Samples) -> tuple[Samples, Samples]:
@@ -136,37 +136,37 @@ def plain_terms(data: TrainingSet, nodes: int, poles: int = PASSIVE_POLES) -> Te
         origin_m=trained.min_m,
         span_m=span_m,
         nodes=nodes,
-        tau_s=_times_s(data, 2.0 * data.dt_s, poles),
+        tau_s=_space_times_s(data, 2.0 * data.dt_s, poles),
         radius_m=tuple(share * span_m for share in RADIUS_SHARES),
         bias=data.contact == "always",
     )
 
 
-def with_rates(terms: Terms, data: TrainingSet, rate_ratio: float) -> Terms:
+def add_depth_rates(terms: Terms, data: TrainingSet, rate_ratio: float) -> Terms:
     """The terms, and branches with a rate that depends on the depth."""
-    times_s = _times_s(data, 2.0 * data.dt_s, DEPTH_POLES)
+    times_s = _space_times_s(data, 2.0 * data.dt_s, DEPTH_POLES)
     return replace(terms, depth_tau_s=times_s, rate_ratio=rate_ratio)
 
 
-def with_damage(terms: Terms) -> Terms:
+def add_damage(terms: Terms) -> Terms:
     """The terms, and curves that are softer below the largest depth so far."""
     return replace(terms, damage=tuple(product(HEAL_S, DAMAGE_POWERS)))
 
 
-def with_flow(terms: Terms, data: TrainingSet) -> Terms:
+def add_flow(terms: Terms, data: TrainingSet) -> Terms:
     """The terms, and branches that flow."""
-    times_s = _times_s(data, max(_SHORTEST_FLOW_S, 2.0 * data.dt_s), FLOW_TIMES)
+    times_s = _space_times_s(data, max(_SHORTEST_FLOW_S, 2.0 * data.dt_s), N_FLOW_TIMES)
     flow = [(t, power, degree) for power in FLOW_POWERS for t in times_s for degree in FUNCTIONS]
     return replace(terms, flow=tuple(flow))
 
 
-def reduced(terms: Terms, weights: Samples) -> Terms:
+def keep_used_terms(terms: Terms, weights: Samples) -> Terms:
     """Those of the terms that have weights above 0; the spring and a bias stay."""
     blocks = np.bincount(terms.blocks, weights) > 0.0
     plain, richer = terms.curves
     branch, stop = np.split(blocks[1:plain], [len(terms.tau_s)])
-    more = blocks[plain + terms.bias :]
-    depth, damage, flow = np.split(more, [len(terms.depth_tau_s), richer])
+    optional = blocks[plain + terms.bias :]
+    depth, damage, flow = np.split(optional, [len(terms.depth_tau_s), richer])
     return replace(
         terms,
         tau_s=tuple(compress(terms.tau_s, branch)),
@@ -177,18 +177,18 @@ def reduced(terms: Terms, weights: Samples) -> Terms:
     )
 
 
-def _times_s(data: TrainingSet, shortest_s: float, count: int) -> tuple[float, ...]:
+def _space_times_s(data: TrainingSet, shortest_s: float, count: int) -> tuple[float, ...]:
     longest_s = max(data.longest_s, 2.0 * shortest_s)
     return tuple(np.geomspace(shortest_s, longest_s, count).tolist())
 
 
-def to_model(terms: Terms, weights: Samples) -> Hammerstein:
+def build_model(terms: Terms, weights: Samples) -> Hammerstein:
     """Terms and their non-negative weights as a model, without what has weight 0."""
     plain, richer = terms.slopes_n(weights)
     elastic_n, branch_n, stop_n = np.split(plain, [1, 1 + len(terms.tau_s)])
     depth_n, damage_n = np.split(richer, [len(terms.depth_tau_s)])
     constant, by_depth, stopped = (each.any(axis=1) for each in (branch_n, depth_n, stop_n))
-    at = terms.plain_count
+    bias_end = terms.plain_count
     return Hammerstein(
         origin_m=terms.origin_m,
         span_m=terms.span_m,
@@ -197,23 +197,23 @@ def to_model(terms: Terms, weights: Samples) -> Hammerstein:
         branch_n=np.concatenate([branch_n[constant], depth_n[by_depth]]),
         radius_m=np.array(terms.radius_m)[stopped],
         stop_n=stop_n[stopped],
-        bias_n=float(weights[at - 2] - weights[at - 1]) if terms.bias else 0.0,
+        bias_n=float(weights[bias_end - 2] - weights[bias_end - 1]) if terms.bias else 0.0,
         n_by_depth=int(np.count_nonzero(by_depth)),
         rate_ratio=terms.rate_ratio if by_depth.any() else 1.0,
-        flow=_flow(terms, weights[terms.count - len(terms.flow) :]),
-        damage=_damage(terms, damage_n),
+        flow=_build_flow(terms, weights[terms.count - len(terms.flow) :]),
+        damage=_build_damage(terms, damage_n),
     )
 
 
-def _flow(terms: Terms, force_n: Samples) -> Flow | None:
-    used = [(*each, n) for each, n in zip(terms.flow, force_n.tolist(), strict=True) if n > 0.0]
+def _build_flow(terms: Terms, force_n: Samples) -> Flow | None:
+    used = [(*term, n) for term, n in zip(terms.flow, force_n.tolist(), strict=True) if n > 0.0]
     if not used:
         return None
-    tau_s, power, degree, its_n = (np.array(each) for each in zip(*used, strict=True))
-    return Flow(1.0 / (tau_s * FLOW_SHARE ** (power - 1.0)), power, degree, its_n)
+    tau_s, power, degree, branch_n = (np.array(term) for term in zip(*used, strict=True))
+    return Flow(1.0 / (tau_s * FLOW_REFERENCE_FRACTION ** (power - 1.0)), power, degree, branch_n)
 
 
-def _damage(terms: Terms, curve_n: Samples) -> Damage | None:
+def _build_damage(terms: Terms, curve_n: Samples) -> Damage | None:
     used = curve_n.any(axis=1)
     if not used.any():
         return None

@@ -11,24 +11,24 @@ from typing import Any, NamedTuple
 import h5py
 import numpy as np
 
-from springpot.codegen.arrays import Samples, given_numbers
+from springpot.codegen.arrays import Samples, to_float64
 from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.recordings.formats.column_map import (
     MAP_EXAMPLE,
     FileRequest,
-    guess_column,
-    place_m,
+    guess_columns,
+    parse_rate_hz,
+    read_place_m,
     split_unit,
-    stated_hz,
 )
-from springpot.trainer.recordings.formats.sampling import RawChannels, in_si
+from springpot.trainer.recordings.formats.sampling import RawChannels, to_si
 from springpot.trainer.recordings.formats.units import Quantity, Unit, choose_unit
 from springpot.trainer.recordings.recording import FRAME_SOURCE
 
 _MAX_SHOWN = 12  # arrays in a message
 _MAX_COLUMNS = 32
-_SCALES = {"scale_factor": 1.0, "conversion": 1.0, "add_offset": 0.0, "offset": 0.0}
-_FILLS = ("_FillValue", "missing_value")
+_SCALE_DEFAULTS = {"scale_factor": 1.0, "conversion": 1.0, "add_offset": 0.0, "offset": 0.0}
+_FILL_ATTRIBUTES = ("_FillValue", "missing_value")
 _Stored = tuple[str, str, str, object]  # as `_Array`, whatever the values are
 _MAX_LETTERS = 200  # of all names
 
@@ -38,7 +38,7 @@ class _Array(NamedTuple):
 
     name: str
     unit: str
-    other: str
+    scale_attribute: str
     values: Samples
 
     @property
@@ -75,11 +75,11 @@ def read_arrays(path: Path, kind: str, request: FileRequest) -> RawChannels:
         guess += f", time = samples counted at the stated {request.rate_hz:g} Hz"
     labels, below = [array.label for array in arrays], [array.unit for array in arrays]
     values = {q: array.values for q, array in chosen.items()}
-    return in_si(
+    return to_si(
         values, units, request.rate_hz, guess,
         rows=np.arange(1, len(values["force"]) + 1),
         source=str(path),
-        place_m=place_m(str(path), labels, lambda k: arrays[k].values, request.place, below),
+        place_m=read_place_m(str(path), labels, lambda k: arrays[k].values, request.place, below),
     )  # fmt: skip
 
 
@@ -91,16 +91,16 @@ def _choose(
         found = [a for k, a in enumerate(arrays, 1) if stated in (a.name, str(k))]
         none = f"has no array {stated!r}"
     else:
-        found = [arrays[k] for k in guess_column([array.label for array in arrays], quantity)]
+        found = [arrays[k] for k in guess_columns([array.label for array in arrays], quantity)]
         none = "has no array"
     if len(found) != 1:
         what = "may be " + ", ".join(repr(array.name) for array in found) if found else none
         shown = ", ".join(repr(array.name) for array in arrays[:_MAX_SHOWN])
         raise DataError(f"{path}: {quantity} {what}; it holds {shown}: pass --map {MAP_EXAMPLE}")
-    if found[0].other:
+    if found[0].scale_attribute:
         raise DataError(
-            f"{path}, array {found[0].name!r}: its {found[0].other} is not applied here: read it "
-            "in Python and pass the values to springpot.Recording.from_frame"
+            f"{path}, array {found[0].name!r}: its {found[0].scale_attribute} is not applied here: "
+            "read it in Python and pass the values to springpot.Recording.from_frame"
         )
     return found[0]
 
@@ -109,12 +109,12 @@ def _load(path: Path, kind: str) -> list[_Array]:
     """Vectors of a file, and columns of its matrices. Raises DataError where there are none."""
     try:
         if kind == "hdf5":
-            stored = _of_hdf5(path)
+            stored = _read_hdf5(path)
         else:
             from scipy.io import loadmat
 
-            stored = list(_nested("", loadmat(path, simplify_cells=True)))
-        arrays = [array for found in stored for array in _vectors(*found)]
+            stored = list(_flatten("", loadmat(path, simplify_cells=True)))
+        arrays = [array for found in stored for array in _split_vectors(*found)]
     except ModuleNotFoundError:
         raise
     except Exception as error:  # whatever the libraries raise on a damaged file
@@ -128,7 +128,7 @@ def _load(path: Path, kind: str) -> list[_Array]:
     return arrays
 
 
-def _vectors(name: str, unit: str, other: str, value: object) -> Iterator[_Array]:
+def _split_vectors(name: str, unit: str, other: str, value: object) -> Iterator[_Array]:
     if np.asarray(value).dtype.kind not in "fiu":
         return
     array = np.squeeze(np.asarray(value)).astype(np.float64)
@@ -140,21 +140,21 @@ def _vectors(name: str, unit: str, other: str, value: object) -> Iterator[_Array
             yield _Array(f"{name}[{k}]", unit, other, np.ascontiguousarray(column))
 
 
-def _nested(name: str, value: object) -> Iterator[_Stored]:
+def _flatten(name: str, value: object) -> Iterator[_Stored]:
     """Yield the arrays of structures and cells."""
     if isinstance(value, Mapping):
         for key, inner in value.items():
             if not key.startswith("__"):
-                yield from _nested(f"{name}.{key}" if name else key, inner)
+                yield from _flatten(f"{name}.{key}" if name else key, inner)
     elif isinstance(value, list) or (isinstance(value, np.ndarray) and value.dtype == object):
         for k, inner in enumerate(value.flat if isinstance(value, np.ndarray) else value, 1):
-            yield from _nested(f"{name}({k})", inner)
+            yield from _flatten(f"{name}({k})", inner)
     else:
         yield name, "", "", value
 
 
-def _of_hdf5(path: Path) -> list[_Stored]:
-    found: list[_Stored] = []
+def _read_hdf5(path: Path) -> list[_Stored]:
+    stored: list[_Stored] = []
 
     def visit(name: str, node: object) -> None:
         if not isinstance(node, h5py.Dataset) or name.startswith("#"):
@@ -163,16 +163,20 @@ def _of_hdf5(path: Path) -> list[_Stored]:
         unit = texts[0] if texts else ""
         unit = unit.decode("utf-8", "replace") if isinstance(unit, bytes) else str(unit)
         if node.dtype.names:
-            found.extend((f"{name}.{f}", "", "", node[f]) for f in node.dtype.names)
+            stored.extend((f"{name}.{f}", "", "", node[f]) for f in node.dtype.names)
         elif node.dtype.kind in "fiu" and node.ndim <= 2:
             value, attributes = node[()], dict(node.attrs)
-            others = [a for a, its in _SCALES.items() if np.any(attributes.get(a, its) != its)]
-            others += [a for a in _FILLS if a in attributes and np.any(value == attributes[a])]
-            found.append((name, unit, "".join(others[:1]), value))
+            others = [
+                a for a, its in _SCALE_DEFAULTS.items() if np.any(attributes.get(a, its) != its)
+            ]
+            others += [
+                a for a in _FILL_ATTRIBUTES if a in attributes and np.any(value == attributes[a])
+            ]
+            stored.append((name, unit, "".join(others[:1]), value))
 
     with h5py.File(path, "r") as file:
         file.visititems(visit)
-    return found
+    return stored
 
 
 def frame_channels(frame: Any, name: str, columns: Mapping[Quantity, Hashable]) -> RawChannels:
@@ -181,56 +185,56 @@ def frame_channels(frame: Any, name: str, columns: Mapping[Quantity, Hashable]) 
     Columns of a place (place_x_mm, place_y_mm) are read as an import reads them. Raises UsageError
     for what is no table and for a column that is not there, DataError for a unit.
     """
-    labels = _labels(frame)
+    labels = _column_names(frame)
     numbers: dict[Quantity, Samples] = {}
     units: dict[Quantity, Unit] = {}
     digit_s, rate_hz = 0.0, None
     for quantity, column in columns.items():
-        found = _label(labels, column)
+        found = _find_label(labels, column)
         if found is None:
-            rate_hz = stated_hz(str(column)) if quantity == "time" else None
+            rate_hz = parse_rate_hz(str(column)) if quantity == "time" else None
             if rate_hz is None:
-                raise UsageError(_missing(quantity, column, labels))
+                raise UsageError(_missing_column_message(quantity, column, labels))
             continue
         label, stated = found
-        own = split_unit(label, quantity)[1] if isinstance(label, str) else None
-        where, values = f"{name}, {quantity}={str(column)!r}", _without_zone(frame[label])
+        name_unit = split_unit(label, quantity)[1] if isinstance(label, str) else None
+        where, values = f"{name}, {quantity}={str(column)!r}", _to_utc(frame[label])
         if quantity == "time" and values.dtype.kind in "mM":  # its type states the unit
             step = np.ones((), values.dtype.str.replace("M8", "m8"))
             digit_s = float(step / np.timedelta64(1, "s"))
-            values, stated, own = (values - values[:1]) / np.timedelta64(1, "s"), "s", None
-        texts = {"map": stated, "column's name": own}
+            values, stated, name_unit = (values - values[:1]) / np.timedelta64(1, "s"), "s", None
+        texts = {"map": stated, "column's name": name_unit}
         units[quantity] = choose_unit(texts, quantity, where, str(label))
-        numbers[quantity] = given_numbers(values, where)
-    return in_si(
+        numbers[quantity] = to_float64(values, where)
+    return to_si(
         numbers, units, rate_hz,
         rows=np.arange(np.size(numbers["force"])),
         source=FRAME_SOURCE,
         time_digit_s=digit_s,
-        place_m=place_m(
+        place_m=read_place_m(
             name,
             [str(label) for label in labels],
-            lambda k: given_numbers(np.asarray(frame[labels[k]]), f"{name}, {labels[k]}"),
+            lambda k: to_float64(np.asarray(frame[labels[k]]), f"{name}, {labels[k]}"),
         ),
     )  # fmt: skip
 
 
-def _labels(frame: Any) -> list[Hashable]:
+def _column_names(frame: Any) -> list[Hashable]:
     """Names of all columns. Raises UsageError for what has none."""
-    found = frame.dtype.names if isinstance(frame, np.ndarray) else getattr(frame, "columns", None)
-    found = getattr(frame, "column_names", None) or found
-    if found is None and hasattr(frame, "keys"):
-        found = frame.keys()
-    if found is None or callable(found):
+    names = frame.dtype.names if isinstance(frame, np.ndarray) else getattr(frame, "columns", None)
+    names = getattr(frame, "column_names", None) or names
+    if names is None and hasattr(frame, "keys"):
+        names = frame.keys()
+    if names is None or callable(names):
         raise UsageError(
             f"{type(frame).__name__} is no table with names of columns: give one of pandas or "
             "polars, or a dict of columns; Recording(name, position_m, force_n, dt_s) takes "
             "arrays, import_recordings(path) files"
         )
-    return list(found)
+    return list(names)
 
 
-def _label(labels: Sequence[Hashable], column: Hashable) -> tuple[Hashable, str | None] | None:
+def _find_label(labels: Sequence[Hashable], column: Hashable) -> tuple[Hashable, str | None] | None:
     """The table's own name of a column, in letters of either case, and the unit behind a colon."""
     bare, _, stated = str(column).rpartition(":")
     for wanted, unit in ((str(column), None), (bare, stated)):
@@ -241,7 +245,9 @@ def _label(labels: Sequence[Hashable], column: Hashable) -> tuple[Hashable, str 
     return None
 
 
-def _missing(quantity: Quantity, column: Hashable, labels: Sequence[Hashable]) -> str:
+def _missing_column_message(
+    quantity: Quantity, column: Hashable, labels: Sequence[Hashable]
+) -> str:
     shown = ", ".join(repr(str(label)) for label in labels)[:_MAX_LETTERS] or "none"
     rate = ", or a rate such as time='1000Hz'" if quantity == "time" else ""
     return (
@@ -250,10 +256,10 @@ def _missing(quantity: Quantity, column: Hashable, labels: Sequence[Hashable]) -
     )
 
 
-def _without_zone(column: Any) -> np.ndarray[Any, Any]:
+def _to_utc(column: Any) -> np.ndarray[Any, Any]:
     """Dates of Python or pandas, which numpy holds as objects, as numpy's own, in UTC."""
     values = np.asarray(column)
-    if values.dtype.kind != "O" or not all(isinstance(each, datetime) for each in values.flat):
+    if values.dtype.kind != "O" or not all(isinstance(stamp, datetime) for stamp in values.flat):
         return values
-    zoned = [each if each.tzinfo is None else each.astimezone(UTC) for each in values.flat]
-    return np.array([each.replace(tzinfo=None) for each in zoned], "datetime64[us]")
+    zoned = [stamp if stamp.tzinfo is None else stamp.astimezone(UTC) for stamp in values.flat]
+    return np.array([stamp.replace(tzinfo=None) for stamp in zoned], "datetime64[us]")

@@ -20,7 +20,7 @@ from springpot.trainer.recordings.formats.units import (
     Unit,
     choose_unit,
     factor_to_si,
-    is_of_specimen,
+    is_specimen_unit,
     is_unit,
 )
 from springpot.trainer.recordings.recording import SAME_PLACE_M
@@ -121,7 +121,7 @@ def parse_map(text: str) -> dict[Quantity, Column]:
             raise UsageError(f"--map: cannot read {part.strip()!r}: write {MAP_EXAMPLE}")
         if quantity in columns:
             raise UsageError(f"--map: {quantity} is given twice: give it once")
-        rate_hz = stated_hz(rest) if quantity == "time" else None
+        rate_hz = parse_rate_hz(rest) if quantity == "time" else None
         header, colon, unit = (piece.strip() for piece in rest.rpartition(":"))
         if not colon:
             header, unit = unit, ""
@@ -134,7 +134,7 @@ def parse_map(text: str) -> dict[Quantity, Column]:
     return columns
 
 
-def stated_hz(text: str) -> float | None:
+def parse_rate_hz(text: str) -> float | None:
     """Return the rate that stands in place of a column of time, such as "10Hz"; None without one.
 
     Raises UsageError for 0 Hz and from 1 GHz on.
@@ -158,12 +158,12 @@ def split_unit(header: str, quantity: Quantity) -> tuple[str, str | None]:
         if match := pattern.fullmatch(header):
             return match[1], match[2]
     match = _APPENDED_UNIT.fullmatch(header)
-    if match and (is_unit(match[2], quantity) or is_of_specimen(match[2], quantity)):
+    if match and (is_unit(match[2], quantity) or is_specimen_unit(match[2], quantity)):
         return match[1], match[2]
     return header, None
 
 
-def guess_column(row: Sequence[str], quantity: Quantity) -> list[int]:
+def guess_columns(row: Sequence[str], quantity: Quantity) -> list[int]:
     """Return the columns that may be a channel, from 0: those of the best label in a header.
 
     A label that is a known word goes before one that only contains such a word. A column in a unit
@@ -171,10 +171,12 @@ def guess_column(row: Sequence[str], quantity: Quantity) -> list[int]:
     ("s [mm]").
     """
     others = [q for q in QUANTITIES if q != quantity]
-    own = {i: cell for i, cell in enumerate(row) if not any(_in_unit_of(cell, q) for q in others)}
+    candidates = {
+        i: cell for i, cell in enumerate(row) if not any(_has_unit_of(cell, q) for q in others)
+    }
     labels = {
         i: _CAMEL.sub("_", split_unit(cell, quantity)[0]).casefold().strip()
-        for i, cell in own.items()
+        for i, cell in candidates.items()
     }
     words = {
         i: set(re.split(r"[\W\d_]+", label.replace("x_value", ""))) for i, label in labels.items()
@@ -185,18 +187,20 @@ def guess_column(row: Sequence[str], quantity: Quantity) -> list[int]:
         exact = [i for i, label in labels.items() if label in known]
         if exact:
             return exact
-        found = [i for i, w in words.items() if w & known and not w & _NO_LABELS]
-        if found:  # an indentation force is a force
-            return [i for i in found if not words[i] & elsewhere] or found
-    return [i for i, cell in own.items() if len(labels[i]) < 3 and _in_unit_of(cell, quantity)]
+        matches = [i for i, w in words.items() if w & known and not w & _NO_LABELS]
+        if matches:  # an indentation force is a force
+            return [i for i in matches if not words[i] & elsewhere] or matches
+    return [
+        i for i, cell in candidates.items() if len(labels[i]) < 3 and _has_unit_of(cell, quantity)
+    ]
 
 
-def _in_unit_of(header: str, quantity: Quantity) -> bool:
+def _has_unit_of(header: str, quantity: Quantity) -> bool:
     unit = split_unit(header, quantity)[1]
     return unit is not None and is_unit(unit, quantity)
 
 
-def column_units(
+def choose_column_units(
     where: str,
     header: Sequence[str],
     chosen: Mapping[Quantity, int],
@@ -214,14 +218,14 @@ def column_units(
     for quantity, index in chosen.items():
         label = header[index] if index < len(header) else ""
         column = columns.get(quantity) or Column(label or index + 1)
-        own, under = split_unit(label, quantity)[1], below.get(quantity)
-        at = f"column {index + 1}{f' {label!r}' * bool(label)}"
-        if column.unit or own or under:
-            texts = {"map": column.unit, "header": own, "row of units": under}
+        header_unit, unit_row_text = split_unit(label, quantity)[1], below.get(quantity)
+        column_name = f"column {index + 1}{f' {label!r}' * bool(label)}"
+        if column.unit or header_unit or unit_row_text:
+            texts = {"map": column.unit, "header": header_unit, "row of units": unit_row_text}
             name = str(column.header_or_number)
-            units[quantity] = choose_unit(texts, quantity, f"{where}, {at}", name)
+            units[quantity] = choose_unit(texts, quantity, f"{where}, {column_name}", name)
         else:
-            missing[quantity] = at
+            missing[quantity] = column_name
             wanted[quantity] = Column(column.header_or_number, "UNIT")
     if missing:
         option = shlex.quote(",".join(f"{q}={wanted[q]}" for q in QUANTITIES if q in wanted))
@@ -233,7 +237,7 @@ def column_units(
     return units
 
 
-def place_m(
+def read_place_m(
     where: str,
     header: Sequence[str],
     read: Callable[[int], Samples],
@@ -246,21 +250,21 @@ def place_m(
     Raises DataError for one column alone, and if the tool moves along the surface.
     """
     labels = [split_unit(cell, "position") for cell in header]
-    found_m = []
+    axes_m = []
     for name in names:
-        for k, (label, own) in enumerate(labels):
+        for k, (label, header_unit) in enumerate(labels):
             if name.casefold() in (label.casefold(), header[k].casefold()):
-                unit = own or "".join(below[k : k + 1]).strip("()[]{} ")
+                unit = header_unit or "".join(below[k : k + 1]).strip("()[]{} ")
                 factor = factor_to_si(unit, "position", f"{where}, column {header[k]!r}")
-                found_m.append(read(k) * factor)
-    if not found_m:
+                axes_m.append(read(k) * factor)
+    if not axes_m:
         return None
-    if len(found_m) != 2:
+    if len(axes_m) != 2:
         raise DataError(f"{where}: {' and '.join(names)} belong together: give one column of each")
-    if np.ptp(found_m, axis=1).max() > SAME_PLACE_M:
+    if np.ptp(axes_m, axis=1).max() > SAME_PLACE_M:
         raise DataError(
             f"{where}: the tool moves along the surface, and a model is of presses of one place "
             "each: cut it into one file a place"
         )
-    x_m, y_m = np.median(found_m, axis=1).tolist()
+    x_m, y_m = np.median(axes_m, axis=1).tolist()
     return x_m, y_m

@@ -12,11 +12,11 @@ import numpy as np
 
 from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.errors import DataError
-from springpot.codegen.messages import number_of
+from springpot.codegen.messages import counted_noun
 from springpot.trainer.recordings.formats.column_map import (
     FileRequest,
-    guess_column,
-    place_m,
+    guess_columns,
+    read_place_m,
     split_unit,
 )
 from springpot.trainer.recordings.formats.csv_layout import (
@@ -24,17 +24,17 @@ from springpot.trainer.recordings.formats.csv_layout import (
     Cells,
     Layout,
     NoRecordingError,
-    cells,
     find_layout,
     is_number,
     is_value,
+    split_cells,
 )
-from springpot.trainer.recordings.formats.sampling import MIN_ROWS, RawChannels, in_si
+from springpot.trainer.recordings.formats.sampling import MIN_ROWS, RawChannels, to_si
 from springpot.trainer.recordings.formats.units import factor_to_si
 
 _LAST_ROWS = 2000  # with a fixed number of significant digits, the last stamps have the fewest
 _MAX_EXPONENT = 300
-_NO_TEXT = re.compile("[\0-\b\x0e-\x19\x1b-\x1f]")  # but for Ctrl-Z at the end of DOS
+_CONTROL_CHARACTERS = re.compile("[\0-\b\x0e-\x19\x1b-\x1f]")  # but for Ctrl-Z at the end of DOS
 _SHOWN = 40  # letters of a line in a message
 
 
@@ -44,25 +44,27 @@ def read_csv(path: Path, request: FileRequest) -> RawChannels:
     Raises DataError naming file and row for bytes that are no text, missing columns or units, rows
     of another length, cells without a number and text in the middle of numbers.
     """
-    lines, encoding = _lines(path)
+    lines, encoding = _decode_lines(path)
     layout = find_layout(path, lines, request)
     table = _Table(path, lines, layout)
     rate_hz = request.rate_hz
-    guess = layout.guess() + encoding + table.left_out
+    guess = layout.guess() + encoding + table.trailer_note
     if rate_hz is not None:
-        beside = _beside(table, rate_hz)
+        beside = _compare_time_column(table, rate_hz)
         guess = f"time = rows counted at the stated {rate_hz:g} Hz{beside}; {guess}"
     values = {q: table.column(i) for q, i in layout.columns.items()}
-    return in_si(
+    return to_si(
         values, layout.units, rate_hz, guess,
         rows=table.rows,
         source=str(path),
         time_digit_s=table.printed_digit_s() if "time" in layout.columns else 0.0,
-        place_m=place_m(str(path), layout.header, table.column, request.place, layout.below),
+        place_m=read_place_m(
+            str(path), layout.header, table.column, request.place, layout.unit_row
+        ),
     )  # fmt: skip
 
 
-def _lines(path: Path) -> tuple[list[str], str]:
+def _decode_lines(path: Path) -> tuple[list[str], str]:
     """Lines of a text, and a note on an encoding that is not UTF-8.
 
     Bytes that are no UTF-8 are Windows-1252. Raises DataError for bytes that are no text.
@@ -74,7 +76,7 @@ def _lines(path: Path) -> tuple[list[str], str]:
         wide = content.startswith((b"\xff\xfe", b"\xfe\xff"))
         text = content.decode("utf-16" if wide else "cp1252", errors="replace")
         note = "; UTF-16 text" if wide else "; not UTF-8, read as Windows-1252"
-    if _NO_TEXT.search(text):
+    if _CONTROL_CHARACTERS.search(text):
         raise DataError(
             f"{path}: control characters, so no text: export it as CSV in UTF-8, or read it in "
             "Python (an Excel workbook, TDMS, a log of CAN frames) and pass its columns to "
@@ -93,7 +95,7 @@ class _Table:
     """
 
     def __init__(self, path: Path, lines: Sequence[str], layout: Layout) -> None:
-        self.path, self.lines, self.layout, self.left_out = path, lines, layout, ""
+        self.path, self.lines, self.layout, self.trailer_note = path, lines, layout, ""
         self._cells = list[Cells]()
         self._mark = COMMA_TO_POINT if layout.decimal == "comma" else {}
         self.rows: Indices = np.array(self._read_cells(), dtype=np.intp)
@@ -103,42 +105,43 @@ class _Table:
 
         Raises DataError for the first cell that holds something else.
         """
-        found = [row[index].strip() for row in self._cells]
-        for row, cell in zip(self.rows, found, strict=True):
+        texts = [row[index].strip() for row in self._cells]
+        for row, cell in zip(self.rows, texts, strict=True):
             if cell and not is_number(cell, self.layout.decimal):
                 raise DataError(
                     f"{self.path}, row {row}, column {index + 1}: {cell!r} is not a number with a "
                     f"decimal {self.layout.decimal}, as the others are, and without separators of "
                     "thousands: correct it in the source"
                 )
-        return np.array([float(cell.translate(self._mark) or "nan") for cell in found])
+        return np.array([float(cell.translate(self._mark) or "nan") for cell in texts])
 
     def _read_cells(self) -> list[int]:
         """Read the rows as text up to the file's end, or to text behind them."""
         layout, rows, table = self.layout, list[int](), self._cells
         reader = csv.reader(
-            self.lines[layout.first :], delimiter=layout.delimiter, skipinitialspace=True
+            self.lines[layout.first_row :], delimiter=layout.delimiter, skipinitialspace=True
         )
         try:
             for found in reader:
-                line = layout.first + reader.line_num
+                line = layout.first_row + reader.line_num
                 # A delimiter at the end of each row begins no cell.
                 ended = len(found) == layout.width + 1 and not found[-1].strip()
                 row = found[:-1] if ended else found
                 if len(row) != layout.width and not any(map(str.strip, row)):
                     continue
                 if _is_text(row, layout):
-                    self._leave_out(line)
+                    self._skip_trailer(line)
                     break
                 if len(row) != layout.width:
                     raise DataError(
-                        f"{self.path}, row {line}: {number_of(len(row), 'cell')}, the header and "
-                        f"the rows above have {layout.width}: correct or cut that row in the source"
+                        f"{self.path}, row {line}: {counted_noun(len(row), 'cell')}, the header "
+                        f"and the rows above have {layout.width}: "
+                        "correct or cut that row in the source"
                     )
                 rows.append(line)
                 table.append(row)
         except csv.Error as error:
-            line = layout.first + reader.line_num
+            line = layout.first_row + reader.line_num
             raise DataError(
                 f"{self.path}, row {line}: {error}: correct that row in the source"
             ) from None
@@ -147,17 +150,17 @@ class _Table:
             rows.pop()
         return rows
 
-    def _leave_out(self, line: int) -> None:
+    def _skip_trailer(self, line: int) -> None:
         """Note the text that begins in a line, or refuse it if the numbers go on behind it.
 
         A title or an empty line, and fewer rows than a recording has, is a table of results.
         """
-        behind = [cells(text, self.layout.delimiter) for text in self.lines[line - 1 :]]
-        numbers = [k for k, row in enumerate(behind) if len(row) >= self.layout.width
+        trailer = [split_cells(text, self.layout.delimiter) for text in self.lines[line - 1 :]]
+        numbers = [k for k, row in enumerate(trailer) if len(row) >= self.layout.width
                    and all(is_value(row[i]) for i in self.layout.columns.values())]  # fmt: skip
         words = " ".join(self.lines[line - 1].replace('"', "").split())
         words = repr(words if len(words) <= _SHOWN else f"{words[:_SHOWN]}...")
-        titled = not self.lines[line - 2].strip() or bool(numbers and any(behind[1 : numbers[0]]))
+        titled = not self.lines[line - 2].strip() or bool(numbers and any(trailer[1 : numbers[0]]))
         if numbers and not (titled and len(numbers) < MIN_ROWS):
             raise DataError(
                 f"{self.path}, row {line}: {words} stands in the middle of numbers: correct that "
@@ -165,7 +168,7 @@ class _Table:
                 "columns to springpot.Recording.from_frame"
             )
         what = "other columns" if numbers else "text"
-        self.left_out = f"; left out: {what} from row {line} on, {words}"
+        self.trailer_note = f"; left out: {what} from row {line} on, {words}"
 
     def printed_digit_s(self) -> float:
         """Return one unit in the last printed digit of the time column, s; 0 without one."""
@@ -189,16 +192,16 @@ def _is_text(row: Cells, layout: Layout) -> bool:
     return word and not all(map(is_value, full))
 
 
-def _beside(table: _Table, rate_hz: float) -> str:
+def _compare_time_column(table: _Table, rate_hz: float) -> str:
     """Compare a column of time that is not read with the stated rate; a note if it differs."""
-    for index in guess_column(table.layout.header, "time")[:1]:
+    for index in guess_columns(table.layout.header, "time")[:1]:
         with suppress(DataError):  # it holds more than numbers
             unit = split_unit(table.layout.header[index], "time")[1]
             time_s = table.column(index) * (factor_to_si(unit, "time", "") if unit else 1.0)
             counted_s = np.arange(len(time_s)) / rate_hz
-            off = np.flatnonzero(np.abs(time_s - time_s[:1] - counted_s) > 0.5 / rate_hz)
-            if len(off):
-                first, rows = off[0], number_of(len(off), "row")
+            mismatched = np.flatnonzero(np.abs(time_s - time_s[:1] - counted_s) > 0.5 / rate_hz)
+            if len(mismatched):
+                first, rows = mismatched[0], counted_noun(len(mismatched), "row")
                 return (
                     f", not read from column {index + 1}, which differs in {rows} from row "
                     f"{table.rows[first]} on: there it says {time_s[first] - time_s[0]:g} s after "

@@ -12,14 +12,14 @@ from springpot.trainer.recordings.formats.column_map import (
     Column,
     DecimalMark,
     FileRequest,
-    column_units,
-    guess_column,
+    choose_column_units,
+    guess_columns,
 )
 from springpot.trainer.recordings.formats.units import (
     QUANTITIES,
     Quantity,
     Unit,
-    is_of_specimen,
+    is_specimen_unit,
     is_unit,
 )
 
@@ -55,9 +55,9 @@ class Layout:
 
     delimiter: str
     width: int
-    first: int
+    first_row: int
     header: Cells
-    below: Cells
+    unit_row: Cells
     columns: Mapping[Quantity, int]
     units: Mapping[Quantity, Unit]
     decimal: DecimalMark
@@ -74,7 +74,7 @@ class Layout:
         unread = [repr(n) for k, n in labels.items() if n and k not in self.columns.values()]
         return (
             f"{found}; {_DELIMITERS[self.delimiter]} between cells{comma}, numbers from row "
-            f"{self.first + 1}" + f"; not read: {', '.join(unread[:_SHOWN])}" * bool(unread)
+            f"{self.first_row + 1}" + f"; not read: {', '.join(unread[:_SHOWN])}" * bool(unread)
         )
 
 
@@ -88,64 +88,70 @@ def find_layout(path: Path, lines: Sequence[str], request: FileRequest) -> Layou
     stated = [columns[q].header_or_number for q in wanted if q in columns]
     numbers = [each - 1 for each in stated if isinstance(each, int)]
     if len(numbers) == len(wanted):
-        return _layout_by_numbers(path, head, dict(zip(wanted, numbers, strict=True)), request)
+        return _find_layout_by_numbers(path, head, dict(zip(wanted, numbers, strict=True)), request)
     hidden = [name.casefold() for name in request.place]
     best: Found = ({}, 0, [])
     for index in range(len(head)):
-        for delimiter, row in _split(head, index):
+        for delimiter, row in _split_line(head, index):
             names = ["" if cell.casefold() in hidden else cell for cell in row]
-            found = {q: its for q in wanted if (its := _candidates(names, q, columns.get(q)))}
+            found = {
+                q: indices for q in wanted if (indices := _match_columns(names, q, columns.get(q)))
+            }
             if len(found) == len(wanted) <= len(row):
-                for quantity, its in found.items():
-                    if len(its) == 1:
+                for quantity, indices in found.items():
+                    if len(indices) == 1:
                         continue
-                    shown = ", ".join(f"{i + 1} {row[i]!r}" for i in its[:_SHOWN])
+                    shown = ", ".join(f"{i + 1} {row[i]!r}" for i in indices[:_SHOWN])
                     place = ", or name those of the place, --place X,Y" * (quantity == "position")
                     raise DataError(
                         f"{path}, row {index + 1}: {quantity} may be column {shown}: choose by "
-                        f"number, --map {quantity}={its[0] + 1}:UNIT{place}"
+                        f"number, --map {quantity}={indices[0] + 1}:UNIT{place}"
                     )
-                chosen = {q: its[0] for q, its in found.items()}
-                return _layout(path, head, delimiter, row, index + 1, chosen, request)
+                chosen = {q: indices[0] for q, indices in found.items()}
+                return _build_layout(path, head, delimiter, row, index + 1, chosen, request)
             # A line about the test, "Load Cell;1 kN", has a channel's name, and fewer cells.
             if (len(found), sum(map(bool, row))) > (len(best[0]), sum(map(bool, best[2]))):
                 best = (found, index, row)
-    raise _missing(path, head, best, request)
+    raise _missing_columns_error(path, head, best, request)
 
 
-def _layout_by_numbers(
+def _find_layout_by_numbers(
     path: Path, head: Sequence[str], chosen: Mapping[Quantity, int], request: FileRequest
 ) -> Layout:
     """Find the first row with numbers in all columns; the row above it is the header."""
     header_index = -1
     for index in range(len(head)):
-        for delimiter, row in _split(head, index):
+        for delimiter, row in _split_line(head, index):
             if len(row) > max(chosen.values()) and all(is_value(row[i]) for i in chosen.values()):
-                header = cells(_unmarked(head[header_index]), delimiter) * (header_index >= 0)
+                header = split_cells(_strip_comment(head[header_index]), delimiter) * (
+                    header_index >= 0
+                )
                 values = [i for i in chosen.values() if i < len(header) and is_value(header[i])]
                 if 2 * len(values) > len(chosen):
                     raise DataError(
                         f"{path}, row {header_index + 1}: numbers in some of the columns only: "
                         "correct or cut that row in the source"
                     )
-                return _layout(path, head, delimiter, header, header_index + 1, chosen, request)
+                return _build_layout(
+                    path, head, delimiter, header, header_index + 1, chosen, request
+                )
         header_index = index if head[index].strip() else header_index
-    raise _missing(path, head, ({}, 0, []), request)
+    raise _missing_columns_error(path, head, ({}, 0, []), request)
 
 
-def _candidates(row: Cells, quantity: Quantity, column: Column | None) -> list[int]:
+def _match_columns(row: Cells, quantity: Quantity, column: Column | None) -> list[int]:
     if column is None:
-        return guess_column(row, quantity)
+        return guess_columns(row, quantity)
     if isinstance(column.header_or_number, int):
         return [column.header_or_number - 1] if column.header_or_number <= len(row) else []
     stated = column.header_or_number
-    options = (stated, _unmarked(stated))
+    options = (stated, _strip_comment(stated))
     exact = [i for i, cell in enumerate(row) if cell in options]
     folded = [option.casefold() for option in options]
     return exact or [i for i, cell in enumerate(row) if cell.casefold() in folded]
 
 
-def _layout(
+def _build_layout(
     path: Path,
     head: Sequence[str],
     delimiter: str,
@@ -157,12 +163,12 @@ def _layout(
     if len(set(chosen.values())) < len(chosen):
         raise DataError(f"{path}: two channels would come from one column: correct --map")
     rows = [k for k in range(first, len(head)) if head[k].strip()] or [len(head)]
-    below = cells(_unmarked("".join(head[rows[0] : rows[0] + 1])), delimiter)
+    below = split_cells(_strip_comment("".join(head[rows[0] : rows[0] + 1])), delimiter)
     if header and header[-1].casefold() in ("", "comment") and len(below) == len(header) - 1:
         header = header[:-1]  # a column without cells, or a delimiter at the header's end, is none
     width = len(header) if max(chosen.values()) < len(header) else len(below)
     units = {q: "".join(below[i : i + 1]).strip("()[]{} ") for q, i in chosen.items()}
-    known = [is_unit(unit, q) or is_of_specimen(unit, q) for q, unit in units.items()]
+    known = [is_unit(unit, q) or is_specimen_unit(unit, q) for q, unit in units.items()]
     other = [is_unit(unit, o) and not is_unit(unit, q) for q, unit in units.items()
              for o in QUANTITIES]  # fmt: skip
     if any(known) and not any(other) and not any(map(is_value, units.values())):
@@ -172,7 +178,7 @@ def _layout(
     numbers = [
         (k + 1, row[i])
         for k in rows
-        for row in [cells("".join(head[k : k + 1]), delimiter)]
+        for row in [split_cells("".join(head[k : k + 1]), delimiter)]
         for i in chosen.values()
         if i < len(row)
     ]
@@ -184,12 +190,12 @@ def _layout(
         )
     return Layout(
         delimiter, width, rows[0], header, below, chosen,
-        column_units(str(path), header, chosen, request.columns, units),
-        request.decimal or _decimal_mark(path, numbers),
+        choose_column_units(str(path), header, chosen, request.columns, units),
+        request.decimal or _find_decimal_mark(path, numbers),
     )  # fmt: skip
 
 
-def _decimal_mark(path: Path, numbers: Sequence[tuple[int, str]]) -> DecimalMark:
+def _find_decimal_mark(path: Path, numbers: Sequence[tuple[int, str]]) -> DecimalMark:
     """Mark of decimals in cells of numbers, each with its row: that of most of them."""
     commas = [(row, cell) for row, cell in numbers if "," in cell and is_number(cell, "comma")]
     if len(commas) <= sum("." in cell and is_number(cell) for _, cell in numbers):
@@ -203,20 +209,26 @@ def _decimal_mark(path: Path, numbers: Sequence[tuple[int, str]]) -> DecimalMark
     return "comma"
 
 
-def _missing(path: Path, head: Sequence[str], found: Found, request: FileRequest) -> DataError:
+def _missing_columns_error(
+    path: Path, head: Sequence[str], found: Found, request: FileRequest
+) -> DataError:
     """Say which channels the likeliest header lacks, and what to pass."""
-    there, index, row = found
-    tables = ((k, its) for k in range(len(head)) for _, its in _split(head, k))
-    first = next((k for k, its in tables if all(map(is_value, its))), None)
-    if first is not None and not there:  # other words: the fullest row above the first of numbers
-        above = [(k, its) for k in range(max(first - 3, 0), first) for _, its in _split(head, k)]
+    present, index, row = found
+    tables = ((k, row_cells) for k in range(len(head)) for _, row_cells in _split_line(head, k))
+    first = next((k for k, row_cells in tables if all(map(is_value, row_cells))), None)
+    if first is not None and not present:  # other words: the fullest row above the first of numbers
+        above = [
+            (k, row_cells)
+            for k in range(max(first - 3, 0), first)
+            for _, row_cells in _split_line(head, k)
+        ]
         index, row = max(above, key=lambda each: sum(map(bool, each[1])), default=(index, row))
     names = ", ".join(map(repr, row[:_SHOWN])) + ", ..." * (len(row) > _SHOWN)
     header = f" in row {index + 1}, which has {names}" * bool(row)
-    missing = [q for q in request.wanted if q not in there]
+    missing = [q for q in request.wanted if q not in present]
     stated = {q: request.columns[q].header_or_number for q in missing if q in request.columns}
     kind = DataError
-    if not there.keys() - {"time"} and not stated and (row or first is None):
+    if not present.keys() - {"time"} and not stated and (row or first is None):
         kind = NoRecordingError
         for words, hint in _HINTS.items():
             if re.search(words, names, re.I):
@@ -233,7 +245,7 @@ def _missing(path: Path, head: Sequence[str], found: Found, request: FileRequest
     return kind(f"{path}: found no column of {channels}{header}: {remedy}")
 
 
-def _split(head: Sequence[str], index: int) -> Iterator[tuple[str, Cells]]:
+def _split_line(head: Sequence[str], index: int) -> Iterator[tuple[str, Cells]]:
     """Yield each delimiter that may separate the cells of a line, and the cells.
 
     A space does so only above a row of as many numbers, or in one: sentences have spaces, too. A
@@ -241,21 +253,21 @@ def _split(head: Sequence[str], index: int) -> Iterator[tuple[str, Cells]]:
     """
     line = head[index]
     for delimiter in _DELIMITERS:
-        for text in dict.fromkeys((_unmarked(line), line)):
-            row = cells(text, delimiter)
+        for text in dict.fromkeys((_strip_comment(line), line)):
+            row = split_cells(text, delimiter)
             if 2 <= len(row) <= _MAX_COLUMNS:
-                below = cells("".join(head[index + 1 : index + 2]), " ")
+                below = split_cells("".join(head[index + 1 : index + 2]), " ")
                 if delimiter != " " or (len(below) == len(row) and all(map(is_value, below))):
                     yield delimiter, row
                     break
 
 
-def _unmarked(line: str) -> str:
+def _strip_comment(line: str) -> str:
     """A line without a comment's mark."""
     return _COMMENT.sub("", line, 1)
 
 
-def cells(line: str, delimiter: str) -> Cells:
+def split_cells(line: str, delimiter: str) -> Cells:
     """Split one line; quoted cells keep their delimiters. Empty if a cell is too long."""
     try:
         rows = list(csv.reader([line], delimiter=delimiter, skipinitialspace=True))

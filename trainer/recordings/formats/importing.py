@@ -11,28 +11,28 @@ import numpy as np
 
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.files import require_regular
-from springpot.codegen.messages import counted, short_repr
-from springpot.trainer.recordings.conditioning import Conditioning, condition, on_one_surface
+from springpot.codegen.messages import short_repr, with_progress
+from springpot.trainer.recordings.conditioning import Conditioning, align_surfaces, condition
 from springpot.trainer.recordings.formats.arrays import read_arrays
 from springpot.trainer.recordings.formats.column_map import ColumnMap, DecimalMark, FileRequest
 from springpot.trainer.recordings.formats.csv_file import read_csv
 from springpot.trainer.recordings.formats.csv_layout import NoRecordingError
 from springpot.trainer.recordings.formats.sampling import RawChannels, to_recording
-from springpot.trainer.recordings.formats.units import factor_to_si, parts_of
+from springpot.trainer.recordings.formats.units import factor_to_si, split_factor
 from springpot.trainer.recordings.hdf5_file import is_recording
 from springpot.trainer.recordings.journal import JOURNAL_SUFFIX
-from springpot.trainer.recordings.recording import Recording, Zero, safe_recording_name, zero_word
+from springpot.trainer.recordings.recording import Recording, Zero, parse_zero, safe_recording_name
 from springpot.trainer.recordings.recording_file import read_recording
 
-_BEGINS = set("+-.0123456789")  # a number
+_NUMBER_STARTS = set("+-.0123456789")  # a number
 _START_BYTES = 520  # a user block of HDF5 is 512 of them
 _HDF5, _MAT5, _MAT73 = b"\x89HDF\r\n\x1a\n", b"MATLAB 5.0 MAT-file", b"MATLAB 7.3 MAT-file"
 # Files of a folder that may be recordings; others are named one by one.
-_OF_RECORDINGS = {
+_RECORDING_SUFFIXES = {
     ".csv", ".tsv", ".tab", ".txt", ".dat", ".asc", ".tra", ".lvm", ".mat", ".h5",
     ".hdf5", ".journal",
 }  # fmt: skip
-_MAX_NAMED = 12  # files in a line
+_MAX_LISTED_FILES = 12  # files in a line
 
 
 @dataclass(frozen=True)
@@ -70,18 +70,18 @@ def import_file(
     """
     if resample_hz is not None and not 0.0 < resample_hz < np.inf:
         raise UsageError(f"--resample-hz: {resample_hz} is not a rate: give a number above 0")
-    options, zero = options or ImportOptions(), zero_word(zero)
+    options, zero = options or ImportOptions(), parse_zero(zero)
     if path.is_dir():
         raise DataError(f"{path}: a folder: name its files, such as {path}/*.csv")
     try:
         require_regular(path)
-        own = path.suffix == JOURNAL_SUFFIX or is_recording(path)
-        if own and (mapping or zero != "none" or resample_hz is not None):
+        is_own_format = path.suffix == JOURNAL_SUFFIX or is_recording(path)
+        if is_own_format and (mapping or zero != "none" or resample_hz is not None):
             raise UsageError(
                 f"{path}: is a springpot recording already: only --contact-force, --tare, "
                 "--mass-kg, delays, --align and --place apply to it"
             )
-        if own:
+        if is_own_format:
             recording, notes = read_recording(path), ["a springpot recording"]
         else:
             match options.place_m:
@@ -89,7 +89,7 @@ def import_file(
                     request = FileRequest(mapping or {}, options.decimal, (x, y))
                 case _:
                     request = FileRequest(mapping or {}, options.decimal)
-            raw = _read(path, request)
+            raw = _read_file(path, request)
             recording = to_recording(raw, safe_recording_name(path.stem), resample_hz)
             notes = [raw.details["columns"], *recording.details["notes"]]
     except OSError as error:
@@ -103,7 +103,7 @@ def import_file(
     return recording, f"{path}: {'; '.join([*notes, *messages])}"
 
 
-def _read(path: Path, request: FileRequest) -> RawChannels:
+def _read_file(path: Path, request: FileRequest) -> RawChannels:
     """Read a file of other programs: arrays by how it begins, else text."""
     with path.open("rb") as file:
         start = file.read(_START_BYTES)
@@ -114,7 +114,7 @@ def _read(path: Path, request: FileRequest) -> RawChannels:
     return read_csv(path, request)
 
 
-def place_or_columns(text: str) -> tuple[float, float] | tuple[str, str]:
+def parse_place_option(text: str) -> tuple[float, float] | tuple[str, str]:
     """Read the text of `--place`: a place as `parse_place`, or two headers, such as x_mm,y_mm."""
     x, _, y = (part.strip() for part in text.partition(","))
     headers = x[:1].isalpha() and y[:1].isalpha() and "," not in y
@@ -124,8 +124,8 @@ def place_or_columns(text: str) -> tuple[float, float] | tuple[str, str]:
 def parse_place(text: str) -> tuple[float, float]:
     """Read x and y, m, from a text such as 5,10mm or 5mm,1cm; UsageError for anything else."""
     x, _, y = text.partition(",")
-    (x_size, x_unit), (y_size, unit) = parts_of(x), parts_of(y)
-    if not {x.strip()[:1], y.strip()[:1]} <= _BEGINS:
+    (x_size, x_unit), (y_size, unit) = split_factor(x), split_factor(y)
+    if not {x.strip()[:1], y.strip()[:1]} <= _NUMBER_STARTS:
         raise UsageError(f"--place {text}: give x and y with a unit, such as 5,10mm")
     try:
         return (
@@ -136,19 +136,19 @@ def parse_place(text: str) -> tuple[float, float]:
         raise UsageError(str(error)) from None
 
 
-def one_session(recordings: Sequence[Recording], rest_s: float) -> list[Recording]:
+def join_session(recordings: Sequence[Recording], rest_s: float) -> list[Recording]:
     """The recordings as presses of one object, in this order, so long apart, s.
 
     Raises UsageError for a time below 0.
     """
     if not 0.0 <= rest_s < np.inf:
         raise UsageError(f"--rest-s: {rest_s} is no time between presses: give seconds from 0 on")
-    found, start_s = [], 0.0
+    joined, start_s = [], 0.0
     for recording in recordings:
         name = f"{recordings[0].name} and {len(recordings) - 1} more"
-        found.append(replace(recording, session=name, start_s=start_s))
+        joined.append(replace(recording, session=name, start_s=start_s))
         start_s += recording.duration_s + rest_s
-    return found
+    return joined
 
 
 def import_set(
@@ -165,11 +165,11 @@ def import_set(
     rest_s: the files are presses of one object in this order, so long apart, s.
     Return the recordings, how each file was understood, and lines on what they share.
     """
-    files, notes = _listed(paths)
+    files, notes = _list_files(paths)
     recordings: list[Recording] = []
     guesses: dict[Path, str] = {}
     others: list[NoRecordingError] = []
-    for file in counted(files, "reading"):
+    for file in with_progress(files, "reading"):
         try:
             recording, guesses[file] = import_file(file, mapping, zero, resample_hz, options)
         except NoRecordingError as error:
@@ -181,29 +181,33 @@ def import_set(
     if others and not recordings:
         raise others[0]
     notes += [f"left out, no recording: {other}" for other in others]
-    recordings, surface = on_one_surface(recordings, (options or ImportOptions()).conditioning)
+    recordings, surface = align_surfaces(recordings, (options or ImportOptions()).conditioning)
     if rest_s is not None:
-        recordings = one_session(recordings, rest_s)
+        recordings = join_session(recordings, rest_s)
     return recordings, guesses, [*notes, surface] if surface else notes
 
 
-def _listed(paths: Sequence[Path]) -> tuple[list[Path], list[str]]:
+def _list_files(paths: Sequence[Path]) -> tuple[list[Path], list[str]]:
     """Files, with those of each folder that may be recordings; a line names the others.
 
     Raises UsageError for a folder without recordings.
     """
-    found, notes = list[Path](), list[str]()
+    files, notes = list[Path](), list[str]()
     for path in paths:
         if not path.is_dir():
-            found.append(path)
+            files.append(path)
             continue
-        there = sorted(f for f in path.iterdir() if f.is_file() and not f.name.startswith("."))
-        inside = [file for file in there if file.suffix.casefold() in _OF_RECORDINGS]
-        if not inside:
-            kinds = ", ".join(sorted(_OF_RECORDINGS))
+        listed = sorted(f for f in path.iterdir() if f.is_file() and not f.name.startswith("."))
+        usable = [file for file in listed if file.suffix.casefold() in _RECORDING_SUFFIXES]
+        if not usable:
+            kinds = ", ".join(sorted(_RECORDING_SUFFIXES))
             raise UsageError(f"{path}: no file in this folder ends in {kinds}: name the files")
-        if others := [file.name for file in there if file not in inside]:
-            more = f" and {len(others) - _MAX_NAMED} more" if others[_MAX_NAMED:] else ""
-            notes.append(f"{path}: left out, no recordings: {', '.join(others[:_MAX_NAMED])}{more}")
-        found += inside
-    return found, notes
+        if others := [file.name for file in listed if file not in usable]:
+            more = (
+                f" and {len(others) - _MAX_LISTED_FILES} more" if others[_MAX_LISTED_FILES:] else ""
+            )
+            notes.append(
+                f"{path}: left out, no recordings: {', '.join(others[:_MAX_LISTED_FILES])}{more}"
+            )
+        files += usable
+    return files, notes

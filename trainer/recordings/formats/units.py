@@ -42,7 +42,7 @@ _WORDS = {
     "grams": "gf", "kg": "kgf", "lb": "lbf", "lbs": "lbf", "oz": "ozf",
 }  # fmt: skip
 # Strain and stress: a way over the specimen's height, a force over its area.
-_OF_SPECIMEN: dict[Quantity, tuple[str, ...]] = {
+_SPECIMEN_UNITS: dict[Quantity, tuple[str, ...]] = {
     "time": (),
     "position": ("%", "mm/mm", "m/m", "in/in", "-"),
     "force": ("pa", "kpa", "mpa", "n/mm2", "n/mm²", "psi"),
@@ -72,12 +72,12 @@ class Unit:
 
 def is_unit(text: str, quantity: Quantity) -> bool:
     """Return whether `text` is a unit of `quantity`, with no factor before it."""
-    return _symbol(_plain(text), quantity) is not None
+    return _find_symbol(_normalise(text), quantity) is not None
 
 
-def is_of_specimen(text: str, quantity: Quantity) -> bool:
+def is_specimen_unit(text: str, quantity: Quantity) -> bool:
     """Return whether `text` is a unit of stress where force is wanted, of strain for position."""
-    return text.casefold() in _OF_SPECIMEN[quantity]
+    return text.casefold() in _SPECIMEN_UNITS[quantity]
 
 
 def factor_to_si(text: str, quantity: Quantity, where: str) -> float:
@@ -87,14 +87,14 @@ def factor_to_si(text: str, quantity: Quantity, where: str) -> float:
     where: begins the message, for instance "press.csv, column 'Load'".
     Raises DataError for an unknown or missing unit, or a factor of zero.
     """
-    factor, unit = parts_of(text)
+    factor, unit = split_factor(text)
     known = ", ".join(_FACTORS[quantity])
     if not unit:
         raise DataError(f"{where}: no unit of {quantity}: give one of {known}")
-    symbol = _symbol(unit, quantity)
+    symbol = _find_symbol(unit, quantity)
     if symbol is None:
         remedy = "with a factor if needed (33mm)"
-        if is_of_specimen(unit, quantity):
+        if is_specimen_unit(unit, quantity):
             remedy = "with the specimen's height and area before the units of position and force"
         raise DataError(
             f"{where}: {unit!r} is not a unit of {quantity}: give one of {known}, {remedy}"
@@ -104,7 +104,7 @@ def factor_to_si(text: str, quantity: Quantity, where: str) -> float:
     return factor * _FACTORS[quantity][symbol]
 
 
-def map_option(quantity: str, column: str, unit: str) -> str:
+def format_map_option(quantity: str, column: str, unit: str) -> str:
     """The option that states a column and its unit, as it is typed."""
     return f"--map {shlex.quote(f'{quantity}={column}:{unit}')}"
 
@@ -117,7 +117,7 @@ def choose_unit(
     where: begins a message; column: as in `Unit`.
     Raises DataError as `factor_to_si` does, and if the map contradicts a unit of the file.
     """
-    option = partial(map_option, quantity, column)
+    option = partial(format_map_option, quantity, column)
     origin, text = next(((o, t) for o, t in found.items() if t), ("", ""))
     if not text:
         raise DataError(
@@ -125,36 +125,39 @@ def choose_unit(
             f"{', '.join(_FACTORS[quantity])}"
         )
     to_si = factor_to_si(text, quantity, where)
-    factor, unit = parts_of(text)
-    for place, other in found.items() if origin == "map" else ():
-        if place == "map" or not other:
+    factor, unit = split_factor(text)
+    for source, file_unit in found.items() if origin == "map" else ():
+        if source == "map" or not file_unit:
             continue
-        if is_of_specimen(other, quantity) and abs(factor) == 1.0 and text[0] != "1":
+        if is_specimen_unit(file_unit, quantity) and abs(factor) == 1.0 and text[0] != "1":
             raise DataError(
-                f"{where}: its {place} says {other}, a unit of stress or strain: put the "
+                f"{where}: its {source} says {file_unit}, a unit of stress or strain: put the "
                 f"specimen's height or area before the unit, {option('18' + unit)}, or 1 if it is "
                 f"in {unit} after all, {option('1' + unit)}"
             )
         # A factor before the file's own unit corrects a wrong header.
-        if is_unit(other, quantity) and _symbol(unit, quantity) != _symbol(_plain(other), quantity):
-            ratio = to_si / factor_to_si(other, quantity, where)
+        if is_unit(file_unit, quantity) and _find_symbol(unit, quantity) != _find_symbol(
+            _normalise(file_unit), quantity
+        ):
+            ratio = to_si / factor_to_si(file_unit, quantity, where)
             if not math.isclose(abs(ratio), 1.0, rel_tol=1e-6):
                 raise DataError(
-                    f"{where}: its {place} says {other}, the map says {text}: leave its unit out, "
-                    f"or if {other} is wrong pass {option(f'{ratio:.6g}{other}')}"
+                    f"{where}: its {source} says {file_unit}, the map says {text}: "
+                    f"leave its unit out, or if {file_unit} is wrong pass "
+                    f"{option(f'{ratio:.6g}{file_unit}')}"
                 )
-    return Unit(_symbol(_plain(text), quantity) or text, to_si, origin, column)
+    return Unit(_find_symbol(_normalise(text), quantity) or text, to_si, origin, column)
 
 
-def parts_of(text: str) -> tuple[float, str]:
+def split_factor(text: str) -> tuple[float, str]:
     """Return the factor before a unit, 1 without one, and the unit."""
-    match = _WITH_FACTOR.fullmatch(_plain(text))
+    match = _WITH_FACTOR.fullmatch(_normalise(text))
     if match is None:
-        return 1.0, _plain(text)
+        return 1.0, _normalise(text)
     return float(match["factor"] or 1.0), match["unit"] or ""
 
 
-def _symbol(unit: str, quantity: Quantity) -> str | None:
+def _find_symbol(unit: str, quantity: Quantity) -> str | None:
     """The symbol of a unit in letters of either case, or of a word for it.
 
     Not of mn: mN and MN are too far apart to choose between.
@@ -168,6 +171,6 @@ def _symbol(unit: str, quantity: Quantity) -> str | None:
     return folded.get(unit.casefold())
 
 
-def _plain(text: str) -> str:
+def _normalise(text: str) -> str:
     """Write both micro signs of Unicode as u."""
     return unicodedata.normalize("NFKC", text).strip().replace("μ", "u")

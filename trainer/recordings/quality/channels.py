@@ -6,29 +6,41 @@ import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
 
 from springpot.codegen.arrays import Samples, runs
-from springpot.codegen.messages import number_of
+from springpot.codegen.messages import counted_noun
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.signals import quantisation_step, sensor_noise_n
 
-_CLIPPED_RUN, _CLIPPED_MOVE = 5, 0.05  # samples at the extreme; of the other channel's range
-_FREE = 0.1  # of the travel, taken as free of contact
-_STUCK, _DEAD = 0.05, 0.3  # of the force's range, off its level without contact; of the travel
-_GONE, _ABRUPT = 0.02, 5.0  # of the largest force: none is left; times that, just before
-_GONE_NOISES, _GONE_REACH = 4.0, 2  # of the noise; samples to each side in a running median
-_NOISY = 0.1  # of the largest force: such noise hides whether any is left
-_MIDDLE, _DEEP = 0.5, 0.7  # of the travel: in contact, wherever the surface is
-_BENDS = 2e-3  # of the travel: a motion that is bent by less goes on
-_SLOWER = 4.0  # times the samples of a way in that meets force
-_AVERAGED_SHARE = 8  # of such a row, one part is averaged
-_CLIPPED_NOISES = 6.0  # of that mean
-_HELD_S = 0.02
-_NO_STEP = 1e-9  # of the travel: a step that is none
-_COARSE = 0.01  # quantisation step over the signal's range
-_LONG, _USUAL_STEPS = 0.4, 4.0  # of the range; times the usual step: a jump
-_BESIDE = 5  # samples, over which a channel moves against its jump
-_MOST_JUMPS = 0.8  # of the jumps
-_GOES_ON = 0.2  # of the other channel's range, meanwhile
+_MIN_FLAT_SAMPLES, _MIN_OTHER_FRACTION = (
+    5,
+    0.05,
+)  # samples at the extreme; of the other channel's range
+_AIR_FRACTION = 0.1  # of the travel, taken as free of contact
+_STUCK_FORCE_FRACTION, _STUCK_TRAVEL_FRACTION = (
+    0.05,
+    0.3,
+)  # of the force's range, off its level without contact; of the travel
+_LOST_FORCE_FRACTION, _DROP_RATIO = (
+    0.02,
+    5.0,
+)  # of the largest force: none is left; times that, just before
+_NOISE_SIGMAS, _MEDIAN_REACH = 4.0, 2  # of the noise; samples to each side in a running median
+_MAX_NOISE_FRACTION = 0.1  # of the largest force: such noise hides whether any is left
+_CONTACT_TRAVEL_FRACTION, _DEEP_TRAVEL_FRACTION = (
+    0.5,
+    0.7,
+)  # of the travel: in contact, wherever the surface is
+_MAX_BEND_FRACTION = 2e-3  # of the travel: a motion that is bent by less goes on
+_MAX_SLOWDOWN = 4.0  # times the samples of a way in that meets force
+_RUNS_PER_AVERAGE = 8  # of such a row, one part is averaged
+_CLIPPED_SIGMAS = 6.0  # of that mean
+_MIN_FILLED_S = 0.02
+_ZERO_STEP_FRACTION = 1e-9  # of the travel: a step that is none
+_MAX_STEP_FRACTION = 0.01  # quantisation step over the signal's range
+_JUMP_RANGE_FRACTION, _JUMP_STEP_RATIO = 0.4, 4.0  # of the range; times the usual step: a jump
+_NEIGHBOUR_SAMPLES = 5  # samples, over which a channel moves against its jump
+_MIN_WRAP_FRACTION = 0.8  # of the jumps
+_MAX_OTHER_FRACTION = 0.2  # of the other channel's range, meanwhile
 
 
 def channel_findings(recording: Recording) -> Iterator[Finding]:
@@ -46,10 +58,10 @@ def channel_findings(recording: Recording) -> Iterator[Finding]:
         )  # fmt: skip
     if constant:
         return
-    grains = []
+    steps = []
     for channel, samples, other, scale, unit in channels:
         yield from _clipping_findings(recording, channel, samples, other)
-        if wraps := _wraps(samples, other):
+        if wraps := _find_wraps(samples, other):
             yield refusal(
                 "wrap", recording.name,
                 f"{channel} jumps {len(wraps)} times by {scale * float(np.ptp(samples)):.3g} "
@@ -58,8 +70,8 @@ def channel_findings(recording: Recording) -> Iterator[Finding]:
                 "unwrap it in the source (numpy.unwrap), or cut them out",
             )  # fmt: skip
         if step := quantisation_step(samples):
-            grains.append(step)
-            if (share := step / float(np.ptp(samples))) > _COARSE:
+            steps.append(step)
+            if (share := step / float(np.ptp(samples))) > _MAX_STEP_FRACTION:
                 yield warning(
                     "quantisation", recording.name,
                     f"{channel} has steps of {scale * step:.3g} {unit}, {100 * share:.2g} % of "
@@ -68,13 +80,13 @@ def channel_findings(recording: Recording) -> Iterator[Finding]:
                     "use a finer sensor or range, or more amplitude",
                 )  # fmt: skip
     yield from _stuck_findings(recording)
-    yield from _gone_findings(recording)
-    filled = _filled_runs(recording) if not grains else []  # coarse channels repeat values
+    yield from _force_loss_findings(recording)
+    filled = _find_filled_runs(recording) if not steps else []  # coarse channels repeat values
     if filled:
         begin, end = max(filled, key=lambda run: run[1] - run[0])
         yield warning(
             "gap", recording.name,
-            f"both channels stand still {number_of(len(filled), 'time')}, longest {end - begin} "
+            f"both channels stand still {counted_noun(len(filled), 'time')}, longest {end - begin} "
             f"samples at {begin * recording.dt_s:.3f} s",
             "lost samples were filled by the last one",
             "cut there, or record again with less load on the computer",
@@ -86,12 +98,12 @@ def _clipping_findings(
 ) -> Iterator[Finding]:
     """Find a flat extreme of one channel while the other goes on."""
     for extreme, side in ((samples.max(), "maximum"), (samples.min(), "minimum")):
-        flat = [run for run in runs(samples == extreme) if run[1] - run[0] >= _CLIPPED_RUN]
+        flat = [run for run in runs(samples == extreme) if run[1] - run[0] >= _MIN_FLAT_SAMPLES]
         if not flat or (side == "minimum" and extreme >= 0.0):
             continue  # out of contact, or at rest
         moved = max(_excursion(other[begin:end], channel) for begin, end in flat)
         longest_s = max(end - begin for begin, end in flat) * recording.dt_s
-        if moved > _CLIPPED_MOVE * np.ptp(other):
+        if moved > _MIN_OTHER_FRACTION * np.ptp(other):
             yield warning(
                 "clipping", recording.name,
                 f"{channel} stays at its {side} for up to {longest_s:.3g} s while the other "
@@ -101,10 +113,10 @@ def _clipping_findings(
             )  # fmt: skip
 
 
-def _free_n(recording: Recording) -> float:
+def _air_force_n(recording: Recording) -> float:
     """Force at the lowest positions, N."""
     position_m = recording.position_m
-    free_m = float(position_m.min()) + _FREE * float(np.ptp(position_m))
+    free_m = float(position_m.min()) + _AIR_FRACTION * float(np.ptp(position_m))
     return float(np.median(recording.force_n[position_m <= free_m]))
 
 
@@ -112,12 +124,17 @@ def _stuck_findings(recording: Recording) -> Iterator[Finding]:
     """Find a force that stands still in contact while the tool moves through the object."""
     position_m, force_n = recording.position_m, recording.force_n
     travel_m, range_n = float(np.ptp(position_m)), float(np.ptp(force_n))
-    free_n = _free_n(recording)
+    free_n = _air_force_n(recording)
     for begin, end in runs(np.diff(force_n) == 0.0):
         moved_m = float(np.ptp(position_m[begin : end + 1]))
-        in_contact = abs(force_n[begin] - free_n) > _STUCK * range_n
+        in_contact = abs(force_n[begin] - free_n) > _STUCK_FORCE_FRACTION * range_n
         inside = force_n.min() < force_n[begin] < force_n.max()  # at its limits it is clipped
-        if end - begin >= _CLIPPED_RUN and in_contact and inside and moved_m > _DEAD * travel_m:
+        if (
+            end - begin >= _MIN_FLAT_SAMPLES
+            and in_contact
+            and inside
+            and moved_m > _STUCK_TRAVEL_FRACTION * travel_m
+        ):
             yield warning(
                 "stuck", recording.name,
                 f"force stands still at {force_n[begin]:.4g} N for "
@@ -128,10 +145,10 @@ def _stuck_findings(recording: Recording) -> Iterator[Finding]:
             return
 
 
-def _gone_findings(recording: Recording) -> Iterator[Finding]:
+def _force_loss_findings(recording: Recording) -> Iterator[Finding]:
     """Find the first row at which force is gone."""
     position_m = recording.position_m
-    for row in _gone(position_m, np.abs(recording.force_n - _free_n(recording))):
+    for row in _find_force_loss(position_m, np.abs(recording.force_n - _air_force_n(recording))):
         yield warning(
             "gone", recording.name,
             f"force is gone at {row * recording.dt_s:.4g} s, with the tool "
@@ -141,33 +158,45 @@ def _gone_findings(recording: Recording) -> Iterator[Finding]:
         return
 
 
-def _gone(x: Samples, rise: Samples) -> Iterator[int]:
+def _find_force_loss(x: Samples, rise: Samples) -> Iterator[int]:
     """Rows from which on the tool is deep in the object, and meets no force where it met some.
 
     An object relaxes, and one that flows answers a slow press with little. So the force falls from
     one sample to the next while the tool goes on as before; or there is none on a whole way in that
     takes no more than four times the samples of one with force.
     """
-    noise_n = _GONE_NOISES * sensor_noise_n(rise)
-    if len(x) <= 2 * _GONE_REACH or noise_n > _NOISY * rise.max():
+    noise_n = _NOISE_SIGMAS * sensor_noise_n(rise)
+    if len(x) <= 2 * _MEDIAN_REACH or noise_n > _MAX_NOISE_FRACTION * rise.max():
         return
-    samples = sliding_window_view(np.pad(rise, _GONE_REACH, mode="edge"), 2 * _GONE_REACH + 1)
+    samples = sliding_window_view(np.pad(rise, _MEDIAN_REACH, mode="edge"), 2 * _MEDIAN_REACH + 1)
     rise = np.median(samples, axis=1)
-    middle_m, deep_m = (float(x.min() + share * np.ptp(x)) for share in (_MIDDLE, _DEEP))
-    most_n = max(_GONE * float(rise.max()), noise_n)
+    middle_m, deep_m = (
+        float(x.min() + share * np.ptp(x))
+        for share in (_CONTACT_TRAVEL_FRACTION, _DEEP_TRAVEL_FRACTION)
+    )
+    zero_force_n = max(_LOST_FORCE_FRACTION * float(rise.max()), noise_n)
 
-    def way_in(begin: int, end: int) -> int:
+    def loading_samples(begin: int, end: int) -> int:
         """Samples from row `begin`, in the middle, to the first deep one; 0 if there is none."""
         comes_in = begin > 0 and x[begin - 1] < middle_m
         return int(np.argmax(x[begin:end] >= deep_m)) if comes_in else 0
 
-    ways = [(begin, way_in(begin, end)) for begin, end in runs(x >= middle_m)]
-    longest = _SLOWER * max((way for begin, way in ways if rise[begin + way] > most_n), default=0)
-    for begin, end in runs((x >= middle_m) & (rise <= most_n)):
-        near = x[max(0, begin - 2 * _GONE_REACH) : begin + _GONE_REACH + 1]
-        falls = begin > 0 and end - begin > _GONE_REACH and rise[begin - 1] > _ABRUPT * most_n
-        goes_on = abs(near[0] - 2.0 * x[begin - 1] + near[-1]) <= _BENDS * float(np.ptp(x))
-        if (falls and goes_on) or 0 < way_in(begin, end) <= longest:
+    strokes = [(begin, loading_samples(begin, end)) for begin, end in runs(x >= middle_m)]
+    longest = _MAX_SLOWDOWN * max(
+        (samples_in for begin, samples_in in strokes if rise[begin + samples_in] > zero_force_n),
+        default=0,
+    )
+    for begin, end in runs((x >= middle_m) & (rise <= zero_force_n)):
+        neighbours_m = x[max(0, begin - 2 * _MEDIAN_REACH) : begin + _MEDIAN_REACH + 1]
+        falls = (
+            begin > 0
+            and end - begin > _MEDIAN_REACH
+            and rise[begin - 1] > _DROP_RATIO * zero_force_n
+        )
+        goes_on = abs(
+            neighbours_m[0] - 2.0 * x[begin - 1] + neighbours_m[-1]
+        ) <= _MAX_BEND_FRACTION * float(np.ptp(x))
+        if (falls and goes_on) or 0 < loading_samples(begin, end) <= longest:
             yield begin
 
 
@@ -179,43 +208,48 @@ def _excursion(other: Samples, channel: str) -> float:
     """
     if channel == "force":
         return float(np.ptp(other))
-    averaged = max(1, len(other) // _AVERAGED_SHARE)
-    by_noise = _CLIPPED_NOISES * sensor_noise_n(other) / float(np.sqrt(averaged))
+    averaged = max(1, len(other) // _RUNS_PER_AVERAGE)
+    by_noise = _CLIPPED_SIGMAS * sensor_noise_n(other) / float(np.sqrt(averaged))
     other = np.convolve(other, np.full(averaged, 1.0 / averaged), "valid")
     first, last = float(other[0]), float(other[-1])
     beyond = max(other.max() - max(first, last), min(first, last) - other.min())
     return float(beyond) - by_noise
 
 
-def _filled_runs(recording: Recording) -> list[tuple[int, int]]:
+def _find_filled_runs(recording: Recording) -> list[tuple[int, int]]:
     """Runs of rows in which both channels stand still, after which the position catches up."""
-    steps_m, found = np.abs(np.diff(recording.position_m)), []
-    least = max(3, round(_HELD_S / recording.dt_s))
+    steps_m, filled = np.abs(np.diff(recording.position_m)), []
+    min_rows = max(3, round(_MIN_FILLED_S / recording.dt_s))
     for begin, end in runs((steps_m == 0.0) & (np.diff(recording.force_n) == 0.0)):
         around = np.concatenate((steps_m[max(0, begin - 20) : begin], steps_m[end + 1 : end + 21]))
-        if end - begin >= least and begin > 0 and end < len(steps_m):
+        if end - begin >= min_rows and begin > 0 and end < len(steps_m):
             usual_m = float(np.median(around))
             catches_up = float(steps_m[end]) > 0.5 * (end - begin + 1) * usual_m
-            if catches_up and usual_m > _NO_STEP * float(np.ptp(recording.position_m)):
-                found.append((begin, end))
-    return found
+            if catches_up and usual_m > _ZERO_STEP_FRACTION * float(np.ptp(recording.position_m)):
+                filled.append((begin, end))
+    return filled
 
 
-def _wraps(samples: Samples, other: Samples) -> list[int]:
+def _find_wraps(samples: Samples, other: Samples) -> list[int]:
     """Rows before jumps through much of the range, against the motion before and after.
 
     The other channel goes on meanwhile: where a tool is drawn back within a sample, it does not.
     Empty if there is one alone, or if a fifth of the jumps are none.
     """
     steps, spans = np.diff(samples), (float(np.ptp(samples)), float(np.ptp(other)))
-    usual = np.append(np.abs(steps)[np.abs(steps) <= _LONG * spans[0]], 0.0)
+    usual_steps = np.append(np.abs(steps)[np.abs(steps) <= _JUMP_RANGE_FRACTION * spans[0]], 0.0)
     # In a hold alone, noise jumps over much of the range and back: it does so all the time.
-    least = max(_LONG * spans[0], _USUAL_STEPS * float(np.quantile(usual, 0.95)))
-    jumps = np.flatnonzero((np.abs(steps) > least) & (np.abs(np.diff(other)) < _GOES_ON * spans[1]))
+    min_jump = max(
+        _JUMP_RANGE_FRACTION * spans[0], _JUMP_STEP_RATIO * float(np.quantile(usual_steps, 0.95))
+    )
+    jumps = np.flatnonzero(
+        (np.abs(steps) > min_jump) & (np.abs(np.diff(other)) < _MAX_OTHER_FRACTION * spans[1])
+    )
     wraps = [
-        at
-        for at in jumps.tolist()
-        if steps[at] * (samples[at] - samples[max(0, at - _BESIDE)]) < 0.0
-        and steps[at] * (samples[at + 1 : at + 2 + _BESIDE][-1] - samples[at + 1]) < 0.0
+        row
+        for row in jumps.tolist()
+        if steps[row] * (samples[row] - samples[max(0, row - _NEIGHBOUR_SAMPLES)]) < 0.0
+        and steps[row] * (samples[row + 1 : row + 2 + _NEIGHBOUR_SAMPLES][-1] - samples[row + 1])
+        < 0.0
     ]
-    return wraps if len(wraps) > max(1, _MOST_JUMPS * len(jumps)) else []
+    return wraps if len(wraps) > max(1, _MIN_WRAP_FRACTION * len(jumps)) else []

@@ -33,7 +33,7 @@ refusal = partial(Finding, "refusal")
 warning = partial(Finding, "warning")
 
 
-def three_digits(value: float, unit: str) -> str:
+def format_si(value: float, unit: str) -> str:
     """Write a value with a prefix of its unit.
 
     >>> three_digits(9.996e-4, "m"), three_digits(7850.0, "N/m")

@@ -12,7 +12,7 @@ from functools import cached_property
 import numpy as np
 
 from springpot.codegen.errors import DataError
-from springpot.codegen.messages import counted
+from springpot.codegen.messages import with_progress
 from springpot.codegen.types import JsonObject
 from springpot.trainer.recordings.conditioning import find_air_drift
 from springpot.trainer.recordings.contact_point import ContactPoint, find_contact
@@ -29,16 +29,19 @@ from springpot.trainer.recordings.quality.repeats import (
     skew_findings,
 )
 from springpot.trainer.recordings.quality.signs import Signs, find_signs, sign_findings
-from springpot.trainer.recordings.quality.spikes import hold_spikes
-from springpot.trainer.recordings.quality.units import glance, unit_findings
+from springpot.trainer.recordings.quality.spikes import replace_spikes
+from springpot.trainer.recordings.quality.units import summarise_press, unit_findings
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.recording_file import Recordings, given_recordings
+from springpot.trainer.recordings.recording_file import Recordings, resolve_recordings
 
-_SURFACE_OFF, _TARE = 0.05, 0.02  # of the travel; of the peak force
-_LOAD, _ONE_LOAD = 0.25, 0.25  # of the peak force; of itself: tares that differ by less are one
-_SURFACE_DOUBT = 0.1  # of the deepest press: force errs by 5 to 10 % of its peak
+_MAX_OFFSET_FRACTION, _MIN_TARE_FRACTION = 0.05, 0.02  # of the travel; of the peak force
+_MIN_LOAD_FRACTION, _LOAD_TOLERANCE = (
+    0.25,
+    0.25,
+)  # of the peak force; of itself: tares that differ by less are one
+_MAX_UNCERTAINTY_FRACTION = 0.1  # of the deepest press: force errs by 5 to 10 % of its peak
 
-Met = tuple[Recording, ContactPoint]
+RecordingContact = tuple[Recording, ContactPoint]
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +68,7 @@ class QualityReport:
     def recordings(self) -> list[JsonObject]:
         """Figures of each recording."""
         each = zip(self.checked, self.cycles, self.signs, strict=True)
-        return [_figures(*own, self.skew) for own in each]
+        return [_compute_figures(*own, self.skew) for own in each]
 
     @cached_property
     def figures(self) -> JsonObject:
@@ -84,14 +87,14 @@ class QualityReport:
     @property
     def sign_words(self) -> str:
         """Which way the channels point by the strongest evidence, and the loops of all."""
-        energies_j = sum(own.lost.energy_j for own in self.signs)
-        lost = Dissipation(energies_j, sum(own.lost.loops for own in self.signs))
-        return replace(max(self.signs, key=lambda own: own.evidence), lost=lost).words
+        energies_j = sum(own.dissipation.energy_j for own in self.signs)
+        lost = Dissipation(energies_j, sum(own.dissipation.loops for own in self.signs))
+        return replace(max(self.signs, key=lambda own: own.evidence), dissipation=lost).words
 
     @property
     def refused(self) -> bool:
         """Whether some finding says that no model can be made of this."""
-        return _refused(self.findings)
+        return _has_refusal(self.findings)
 
     def as_dict(self) -> JsonObject:
         """Keys of `check --json`."""
@@ -114,34 +117,40 @@ def check_recordings(given: Recordings) -> QualityReport:
     False
     """
     findings: list[Finding] = []
-    checked, signs, cycles, whole = [], [], [], []
-    for read in counted(given_recordings(given), "checking"):
-        recording, found = hold_spikes(read)
+    checked, signs, cycles, intact = [], [], [], []
+    for read in with_progress(resolve_recordings(given), "checking"):
+        recording, found = replace_spikes(read)
         checked.append(recording)
         signs.append(find_signs(recording))
         cycles.append(find_cycles(recording))
         found += channel_findings(recording)
-        if not _refused(found):  # one cause, one line: a constant has no unit, a wrap turns signs
+        if not _has_refusal(
+            found
+        ):  # one cause, one line: a constant has no unit, a wrap turns signs
             # A sensor that stands still seems to drift, and to give energy; a force that is torn
             # or late is missed on the next way in.
             stuck = any(finding.kind == "stuck" for finding in found)
-            its = list(sign_findings(recording, signs[-1]))
-            its = [finding for finding in its if not (stuck and finding.kind == "energy")]
-            found = [finding for finding in found if not (its and finding.kind == "gone")] + its
-            spoiled = _refused(found) or stuck  # a turned sign moves the contact
-            whole += [] if spoiled else [recording]
+            sign_faults = list(sign_findings(recording, signs[-1]))
+            sign_faults = [
+                finding for finding in sign_faults if not (stuck and finding.kind == "energy")
+            ]
+            found = [
+                finding for finding in found if not (sign_faults and finding.kind == "gone")
+            ] + sign_faults
+            spoiled = _has_refusal(found) or stuck  # a turned sign moves the contact
+            intact += [] if spoiled else [recording]
             found += unit_findings(recording)
         findings += found
     skew = estimate_skew([own for own in cycles if own])
-    findings += [*contact_findings(whole), *skew_findings(checked, skew)]
+    findings += [*contact_findings(intact), *skew_findings(checked, skew)]
     return QualityReport(checked, findings, cycles, signs, skew)
 
 
-def _refused(findings: Sequence[Finding]) -> bool:
+def _has_refusal(findings: Sequence[Finding]) -> bool:
     return any(finding.severity == "refusal" for finding in findings)
 
 
-def _figures(
+def _compute_figures(
     recording: Recording, cycles: Cycles | None, signs: Signs, skew: Skew | None
 ) -> JsonObject:
     position_m, force_n = recording.position_m, recording.force_n
@@ -153,7 +162,7 @@ def _figures(
         "duration_s": recording.duration_s,
         "position_m": [float(position_m.min()), float(position_m.max())],
         "force_n": [float(force_n.min()), float(force_n.max())],
-        "max_speed_mps": glance(recording).speed_mps,
+        "max_speed_mps": summarise_press(recording).speed_mps,
         "zero": recording.zero,
         "signs": signs.metadata(),
         "cycles": cycles and cycles.metadata() | {"loss": skew and skew.loss(recording, cycles)},
@@ -162,7 +171,7 @@ def _figures(
 
 def contact_findings(recordings: Sequence[Recording]) -> Iterator[Finding]:
     """Yield findings where position 0 should be the surface and is not, of all together."""
-    met: list[Met] = []
+    contacts: list[RecordingContact] = []
     for recording in recordings:
         if found := find_air_drift(recording):
             drift = found[1]
@@ -172,49 +181,52 @@ def contact_findings(recordings: Sequence[Recording]) -> Iterator[Finding]:
                 f"{60.0 * drift.bound_nps:.2g} N/min", "the model would learn it as the object's",
                 "import with --tare auto",
             )  # fmt: skip
-        doubt_m = recording.details.get("contact_uncertainty_m")
-        if doubt_m and doubt_m > _SURFACE_DOUBT * recording.position_m.max():
+        uncertainty_m = recording.details.get("contact_uncertainty_m")
+        if uncertainty_m and uncertainty_m > _MAX_UNCERTAINTY_FRACTION * recording.position_m.max():
             yield warning(
                 "contact", recording.name,
-                f"its surface is known to +- {1e3 * doubt_m:.2g} mm of "
+                f"its surface is known to +- {1e3 * uncertainty_m:.2g} mm of "
                 f"{1e3 * recording.position_m.max():.3g} mm pressed",
                 "the force of a light press may err by its whole size",
                 "press more slowly at first, or with less noise of the force",
             )  # fmt: skip
     for recording in (each for each in recordings if each.zero == "none"):
         with suppress(DataError):  # a tool that never leaves the object shows no surface
-            met.append((recording, find_contact(recording)))
+            contacts.append((recording, find_contact(recording)))
     # An object that remembers its last press is met where that left it.
-    yield from _surface_findings([item for item in met if not item[0].start_s])
+    yield from _surface_findings([item for item in contacts if not item[0].start_s])
     tares = [
         (recording, contact.tare_n)
-        for recording, contact in met
-        if abs(contact.tare_n) > max(contact.threshold_n, _TARE * recording.force_n.max())
+        for recording, contact in contacts
+        if abs(contact.tare_n)
+        > max(contact.threshold_n, _MIN_TARE_FRACTION * recording.force_n.max())
     ]
-    loads_n = [tare_n for each, tare_n in tares if abs(tare_n) > _LOAD * each.force_n.max()]
-    every = 0 < len(loads_n) == len(recordings)
-    shared = every and np.ptp(loads_n) < _ONE_LOAD * np.abs(loads_n).max()
+    loads_n = [
+        tare_n for each, tare_n in tares if abs(tare_n) > _MIN_LOAD_FRACTION * each.force_n.max()
+    ]
+    all_loaded = 0 < len(loads_n) == len(recordings)
+    shared = all_loaded and np.ptp(loads_n) < _LOAD_TOLERANCE * np.abs(loads_n).max()
     for recording, tare_n in tares:
-        make = refusal if shared and "tare_n" not in recording.details else warning
-        yield make(
+        finding = refusal if shared and "tare_n" not in recording.details else warning
+        yield finding(
             "tare", recording.name, f"{tare_n:.3g} N without contact",
             "the model would push or pull where nothing is touched",
             "import with --tare auto, or with --tare 0 if the object pushes so there",
         )  # fmt: skip
 
 
-def _surface_findings(met: Sequence[Met]) -> Iterator[Finding]:
+def _surface_findings(met: Sequence[RecordingContact]) -> Iterator[Finding]:
     """Distinguish a zero that is not the surface from an object that is still dented.
 
     An object that has not recovered is met deeper, never less deep: where one recording begins at
     position 0, others that begin deeper do not say that the surface is elsewhere. To put each of
     them at 0 would take away what the object remembers.
     """
-    sure = any(_is_off(*item, bounds=2.0) for item in met)
-    agree = len(met) > 1 and all(_is_off(*item, bounds=1.0) for item in met)
+    sure = any(_is_displaced(*item, bounds=2.0) for item in met)
+    agree = len(met) > 1 and all(_is_displaced(*item, bounds=1.0) for item in met)
     if not sure and not agree:
         return
-    off = [item for item in met if _is_off(*item, bounds=0.0)]
+    off = [item for item in met if _is_displaced(*item, bounds=0.0)]
     first = min(met, key=lambda item: item[1].position_m)
     where = off[0][0].name if len(off) == 1 else f"{len(off)} recordings"
     usual_m = float(np.median([contact.position_m for _, contact in off]))
@@ -233,6 +245,8 @@ def _surface_findings(met: Sequence[Met]) -> Iterator[Finding]:
         )  # fmt: skip
 
 
-def _is_off(recording: Recording, contact: ContactPoint, bounds: float) -> bool:
-    allowed_m = _SURFACE_OFF * float(np.ptp(recording.position_m)) + bounds * contact.uncertainty_m
+def _is_displaced(recording: Recording, contact: ContactPoint, bounds: float) -> bool:
+    allowed_m = (
+        _MAX_OFFSET_FRACTION * float(np.ptp(recording.position_m)) + bounds * contact.uncertainty_m
+    )
     return abs(contact.position_m) > allowed_m

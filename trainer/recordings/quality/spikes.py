@@ -10,16 +10,25 @@ from springpot.trainer.recordings.quality.finding import Finding, refusal, warni
 from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.signals import quantisation_step
 
-HELD = "outliers"  # of a recording's details: what was found in each channel
-_LONGEST_M, _LONGEST_N = 5, 2  # samples of position, of force: a longer run may be an impact
-_SHARE_M, _SHARE_N = 0.25, 0.02  # of the channel's range: a spike is as far off at least
-_NOISES, _STEPS = 8.0, 5.5  # of the noise, and of the largest step around: it is farther off
-_REACH = 5  # samples to each side that are compared
-_MOST = 0.05  # of the samples
-_STILL = 0.1  # of the travel: a tool that moves more meanwhile may have hit something
+SPIKES_KEY = "outliers"  # of a recording's details: what was found in each channel
+_MAX_POSITION_RUN, _MAX_FORCE_RUN = (
+    5,
+    2,
+)  # samples of position, of force: a longer run may be an impact
+_POSITION_FRACTION, _FORCE_FRACTION = (
+    0.25,
+    0.02,
+)  # of the channel's range: a spike is as far off at least
+_NOISE_SIGMAS, _MAX_STEP_RATIO = (
+    8.0,
+    5.5,
+)  # of the noise, and of the largest step around: it is farther off
+_MEDIAN_REACH = 5  # samples to each side that are compared
+_MAX_SPIKE_FRACTION = 0.05  # of the samples
+_MAX_TRAVEL_FRACTION = 0.1  # of the travel: a tool that moves more meanwhile may have hit something
 
 
-def hold_spikes(recording: Recording) -> tuple[Recording, list[Finding]]:
+def replace_spikes(recording: Recording) -> tuple[Recording, list[Finding]]:
     """Return the recording without spikes, and a finding for each channel that has any.
 
     One spike would stretch the trained range, the scale of all that is fitted, and the limit of
@@ -33,14 +42,17 @@ def hold_spikes(recording: Recording) -> tuple[Recording, list[Finding]]:
     '1 of 200 samples of force jump away, the first at 0.05 s to 900 N'
     """
     name = recording.name
-    if known := recording.details.get(HELD):
+    if known := recording.details.get(SPIKES_KEY):
         replaced = ("replaced from those beside", "if the tool did so, record at a higher rate")
         return recording, [warning("outlier", name, what, *replaced) for what in known]
     position_m, force_n = recording.position_m, recording.force_n
-    at_m = _position_spikes(position_m, force_n)
-    held_m = _interpolated(position_m, at_m)
-    at_n = _force_spikes(held_m, force_n)
-    channels = (("position", at_m, 1e3 * position_m, "mm"), ("force", at_n, force_n, "N"))
+    position_rows = _find_position_spikes(position_m, force_n)
+    repaired_m = _interpolate_rows(position_m, position_rows)
+    force_rows = _find_force_spikes(repaired_m, force_n)
+    channels = (
+        ("position", position_rows, 1e3 * position_m, "mm"),
+        ("force", force_rows, force_n, "N"),
+    )
     found = [
         f"{len(rows)} of {len(values)} samples of {channel} jump away, the first at "
         f"{rows[0] * recording.dt_s:.4g} s to {values[rows[0]]:.4g} {unit}"
@@ -49,67 +61,74 @@ def hold_spikes(recording: Recording) -> tuple[Recording, list[Finding]]:
     ]
     if not found:
         return recording, []
-    if max(len(at_m), len(at_n)) > _MOST * len(force_n):
+    if max(len(position_rows), len(force_rows)) > _MAX_SPIKE_FRACTION * len(force_n):
         spoiled = ("too many to be replaced", "mend the sensor or its cable, and record again")
         return recording, [refusal("outlier", name, what, *spoiled) for what in found]
-    details, held_n = {**recording.details, HELD: found}, _interpolated(force_n, at_n)
-    held = replace(recording, position_m=held_m, force_n=held_n, details=details)
-    return hold_spikes(held)
+    details, repaired_n = (
+        {**recording.details, SPIKES_KEY: found},
+        _interpolate_rows(force_n, force_rows),
+    )
+    repaired = replace(recording, position_m=repaired_m, force_n=repaired_n, details=details)
+    return replace_spikes(repaired)
 
 
-def _position_spikes(position_m: Samples, force_n: Samples) -> Indices:
+def _find_position_spikes(position_m: Samples, force_n: Samples) -> Indices:
     """Rows of spikes, ascending: at most five samples in a row.
 
     At an end of the recording force has to stay: it may start just before a sudden press.
     """
     spikes, last = np.zeros(len(position_m), dtype=bool), len(position_m) - 1
-    for run in _far_runs(position_m, _LONGEST_M, _SHARE_M):
+    for run in _find_outlier_runs(position_m, _MAX_POSITION_RUN, _POSITION_FRACTION):
         inside = run[-1] + 1 if run[0] == 0 else run[0] - 1
         step_m, step_n = (float(each[run[0]] - each[inside]) for each in (position_m, force_n))
-        follows = step_m * step_n > 0.0 and abs(step_n) > _SHARE_M * float(np.ptp(force_n))
+        follows = step_m * step_n > 0.0 and abs(step_n) > _POSITION_FRACTION * float(
+            np.ptp(force_n)
+        )
         spikes[run] = not follows or (run[0] > 0 and run[-1] < last)
     return np.flatnonzero(spikes)
 
 
-def _force_spikes(position_m: Samples, force_n: Samples) -> Indices:
+def _find_force_spikes(position_m: Samples, force_n: Samples) -> Indices:
     """Rows of spikes, ascending: one or two samples in a row.
 
     Not where the tool moves by a tenth of its travel meanwhile, which may be an impact, nor at an
     end where force goes on: a recording may begin while it relaxes.
     """
     spikes, last = np.zeros(len(force_n), dtype=bool), len(force_n) - 1
-    for run in _far_runs(force_n, _LONGEST_N, _SHARE_N):
+    for run in _find_outlier_runs(force_n, _MAX_FORCE_RUN, _FORCE_FRACTION):
         beside_n = force_n[run[-1] + 1 :][:2] if run[0] == 0 else force_n[: run[0]][-2:]
-        goes_on = float(np.ptp(beside_n)) > _SHARE_N * float(np.ptp(force_n))
+        goes_on = float(np.ptp(beside_n)) > _FORCE_FRACTION * float(np.ptp(force_n))
         if (run[0] > 0 and run[-1] < last) or not goes_on:
             moved_m = float(np.ptp(position_m[max(run[0] - 1, 0) : run[-1] + 2]))
-            spikes[run] = moved_m <= _STILL * float(np.ptp(position_m))
+            spikes[run] = moved_m <= _MAX_TRAVEL_FRACTION * float(np.ptp(position_m))
     return np.flatnonzero(spikes)
 
 
-def _far_runs(samples: Samples, longest: int, share: float) -> list[Indices]:
+def _find_outlier_runs(samples: Samples, longest: int, share: float) -> list[Indices]:
     """Runs of rows farther from the medians around than noise, motion and a share of the range.
 
     The noise is by the median of second differences, which spikes hardly change; without those
     that are 0, of a sensor that repeats its values. The motion is that of the medians.
     """
-    second = np.abs(np.diff(samples, 2))
-    second = second[second > 0.0]
-    if len(samples) <= 2 * _REACH or not len(second):
+    second_differences = np.abs(np.diff(samples, 2))
+    second_differences = second_differences[second_differences > 0.0]
+    if len(samples) <= 2 * _MEDIAN_REACH or not len(second_differences):
         return []
-    least = _NOISES * 1.4826 * float(np.median(second)) / np.sqrt(6.0)
-    if np.abs(np.diff(samples)).max() <= least:
+    min_deviation = _NOISE_SIGMAS * 1.4826 * float(np.median(second_differences)) / np.sqrt(6.0)
+    if np.abs(np.diff(samples)).max() <= min_deviation:
         return []
-    medians = np.median(sliding_window_view(samples, 2 * _REACH + 1), axis=1)
-    typical = np.pad(medians, _REACH, mode="edge")
-    steps = np.pad(np.abs(np.diff(typical)), 2 * _REACH)
-    steps = sliding_window_view(steps, 4 * _REACH).max(axis=1)
-    least = np.maximum(max(least, share * float(np.ptp(typical))), _STEPS * steps)
-    far = runs(np.abs(samples - typical) > least)
+    medians = np.median(sliding_window_view(samples, 2 * _MEDIAN_REACH + 1), axis=1)
+    typical = np.pad(medians, _MEDIAN_REACH, mode="edge")
+    steps = np.pad(np.abs(np.diff(typical)), 2 * _MEDIAN_REACH)
+    steps = sliding_window_view(steps, 4 * _MEDIAN_REACH).max(axis=1)
+    min_deviation = np.maximum(
+        max(min_deviation, share * float(np.ptp(typical))), _MAX_STEP_RATIO * steps
+    )
+    far = runs(np.abs(samples - typical) > min_deviation)
     return [np.arange(begin, end) for begin, end in far if end - begin <= longest]
 
 
-def _interpolated(samples: Samples, rows: Indices) -> Samples:
+def _interpolate_rows(samples: Samples, rows: Indices) -> Samples:
     """The samples with these rows from those beside, on the sensor's grid if there is one.
 
     Values off the grid would hide it, and with it the noise of a force without contact.
@@ -121,6 +140,6 @@ def _interpolated(samples: Samples, rows: Indices) -> Samples:
     if step := quantisation_step(samples[good]):
         first = samples[good[0]]
         values = first + step * np.round((values - first) / step)
-    held = samples.copy()
-    held[rows] = values
-    return held
+    repaired = samples.copy()
+    repaired[rows] = values
+    return repaired

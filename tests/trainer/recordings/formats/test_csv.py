@@ -18,7 +18,7 @@ from springpot.trainer.recordings.formats.column_map import parse_map
 from springpot.trainer.recordings.formats.importing import (
     ImportOptions,
     import_file,
-    place_or_columns,
+    parse_place_option,
 )
 
 COMMA, HEAD = GOOD.replace(",", ";").replace(".", ","), "time_s;position_m;force_N\n"
@@ -219,7 +219,7 @@ def test_columns_of_other_names_are_a_place_if_they_are_named(
     if delimiter == " " and "(" in names:
         header = [f'"{name}"' for name in header]
     (tmp_path / "a.csv").write_text("\n".join(map(delimiter.join, [header, *rows])) + "\n")
-    options = ImportOptions(place_m=place_or_columns(names))
+    options = ImportOptions(place_m=parse_place_option(names))
     if "across" in names:
         with pytest.raises(DataError, match="no unit of position"):
             import_file(tmp_path / "a.csv", options=options)
