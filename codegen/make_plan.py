@@ -7,6 +7,7 @@ import numpy as np
 from springpot.codegen.coupling.auto import CouplingChoice, select_coupling, series_stiffness_npm
 from springpot.codegen.coupling.gains import build_couple_config, require_plausible_damping
 from springpot.codegen.coupling.loop_device import build_loop_device
+from springpot.codegen.coupling.object_tangent import ObjectTangent, compute_passive_tangent
 from springpot.codegen.errors import UsageError
 from springpot.codegen.limits import (
     build_guard_config,
@@ -81,7 +82,8 @@ def _build_plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
     fade_m = FADE_DEPTH_FRACTION * (float(trained.max_m) - float(trained.min_m))
     output = build_output_config(model, scene, ticks)
     stiffness_npm = find_max_stiffness_npm(stages, model, trained, ticks, float(output.max_n))
-    choice = _select_coupling(scene, stiffness_npm, dt_s)
+    tangent = compute_tangent(stages, trained, float(output.max_n), stiffness_npm)
+    choice = _select_coupling(scene, stiffness_npm, tangent, dt_s)
     couple = None
     if choice.coupling.mode != "off":
         if not accept_unsafe:
@@ -113,6 +115,7 @@ def _build_plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
         ),
         accept_unsafe=accept_unsafe,
         stiffness_npm=stiffness_npm,
+        tangent=tangent,
         coupling=choice,
         outside=_outside_note(model, scene),
     )
@@ -139,12 +142,24 @@ def _select_time_step(model: Model, scene: Scene) -> float:
     return model.dt_s
 
 
-def _select_coupling(scene: Scene, stiffness_npm: float, dt_s: float) -> CouplingChoice:
+def compute_tangent(
+    stages: Stages, trained: RangeConfig, max_n: float, stiffness_npm: float
+) -> ObjectTangent:
+    """Return the model as a small motion meets it; a regressor counts as its stiffest spring."""
+    if stages.passive is None or stages.regressor is not None:
+        return ObjectTangent.from_spring(stiffness_npm)
+    base_m = float(trained.min_m)
+    return compute_passive_tangent(stages.passive, base_m, float(trained.max_m) - base_m, max_n)
+
+
+def _select_coupling(
+    scene: Scene, stiffness_npm: float, tangent: ObjectTangent, dt_s: float
+) -> CouplingChoice:
     stated = scene.coupling
     if stated.mode == "auto":
         smoothing = _compute_alpha(scene, dt_s) or 1.0
         device = build_loop_device(scene.device, dt_s)
-        return select_coupling(stiffness_npm, dt_s, device, smoothing, stated)
+        return select_coupling(tangent, stiffness_npm, dt_s, device, smoothing, stated)
     felt_npm = stiffness_npm
     if stated.mode == "proxy":
         felt_npm = series_stiffness_npm(stated.stiffness_npm, stiffness_npm)

@@ -9,6 +9,7 @@ from springpot.codegen.arrays import Real
 from springpot.codegen.coupling.auto import CouplingChoice
 from springpot.codegen.coupling.gains import CoupleConfig
 from springpot.codegen.coupling.loop_device import LoopDevice, build_loop_device
+from springpot.codegen.coupling.object_tangent import ObjectTangent
 from springpot.codegen.limits import GuardConfig, OutputConfig, SilenceConfig
 from springpot.codegen.messages import short_repr
 from springpot.codegen.model.model import Model
@@ -97,6 +98,7 @@ class Plan(Stages):
     left_out: tuple[LeftOut, ...]
     accept_unsafe: bool
     stiffness_npm: float
+    tangent: ObjectTangent
     coupling: CouplingChoice
     outside: str
     chose_rate: bool = False

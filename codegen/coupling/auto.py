@@ -1,29 +1,41 @@
-"""Coupling mode "auto": mode and gains from the object's stiffness, the rate and the delay."""
+"""Coupling mode "auto": mode and gains from the loop with the model, every hand and the encoder."""
 
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from functools import cache
+from functools import cache, partial
 
 import numpy as np
 
 from springpot.codegen.coupling.gains import is_unit_error
-from springpot.codegen.coupling.linear_loop import CHECKED_HANDS, Hand, LinearLoop
+from springpot.codegen.coupling.linear_loop import CHECKED_HANDS, LinearLoop
 from springpot.codegen.coupling.loop_device import LoopDevice
+from springpot.codegen.coupling.loop_margin import (
+    LoopMargin,
+    LoopOnCircle,
+    compute_held_noise_n,
+    compute_loop_margin,
+    compute_noise_m,
+)
+from springpot.codegen.coupling.object_tangent import ObjectTangent
 from springpot.codegen.messages import counted_noun
 from springpot.codegen.scene import Coupling
 
-# The loop must be stable with an object stiffer than this model by so much.
+# Gain margin of the bare loop. Closed loops of the emitted C, scaled towards their limit: at .8 of
+# it the worst hand vibrates with 2.6 mm/s at most, at .9 with up to 74.
 STIFFNESS_MARGIN_OFF = 1.25
+# Gain margin behind a proxy, whose mass and damping the device's own figures blur.
 STIFFNESS_MARGIN_PROXY = 1.5
-# Of the damping of hand and device, so much must be left of whatever swings.
+# Speed of the tool from the encoder's noise and steps that counts as quiet.
+QUIET_MPS = 1e-3
+# Force noise of a proxy that is held, N: more throws the tool off an object that is soft there.
+MAX_NOISE_N = 0.06
+# Every oscillation keeps at least this fraction of the damping of hand and device.
 MIN_DAMPING_FRACTION = 0.25
 # Of the stiffest coupling that the linear loop allows; sensors and leaves of trees are not linear.
 GAIN_MARGIN = 0.8
 _STIFFNESSES_NPM = np.geomspace(10.0, 40_000.0, 56)
-_STEPS_PER_DECADE = int(
-    np.searchsorted(_STIFFNESSES_NPM, 10.0 * _STIFFNESSES_NPM[0])
-)  # steps of it
+_STEPS_PER_DECADE = int(np.searchsorted(_STIFFNESSES_NPM, 10.0 * _STIFFNESSES_NPM[0]))
 _DAMPINGS_NSPM = np.geomspace(0.5, 500.0, 61)
 _MASSES_KG = (0.003, 0.01, 0.05)  # the lightest first: it passes on the least noise
 _SOFTEST = [
@@ -32,77 +44,98 @@ _SOFTEST = [
     for damping_nspm in _DAMPINGS_NSPM
 ]
 _SEARCH_TOLERANCE = 1.01  # of the stiffest
+_N_DEPTHS = 6  # of the search; its choice is judged at all of them
 
 
 @dataclass(frozen=True)
 class CouplingChoice:
-    """A coupling and why.
-
-    felt_npm: the stiffness that a hand feels on the object's stiffest. every_hand: whether the
-    linear loop is stable with every hand and delay of CHECKED.
-    """
+    """A coupling and why. felt_npm: the stiffness that a hand feels on the object's stiffest."""
 
     coupling: Coupling
     why: str
     felt_npm: float
-    every_hand: bool = True
 
 
 def select_coupling(
-    stiffness_npm: float, dt_s: float, device: LoopDevice, smoothing: float, stated: Coupling
+    tangent: ObjectTangent,
+    stiffness_npm: float,
+    dt_s: float,
+    device: LoopDevice,
+    smoothing: float,
+    stated: Coupling,
 ) -> CouplingChoice:
-    """Pick for an object of that maximum tangent stiffness.
+    """Select `off` where the bare loop holds the object in every hand and is quiet, else a proxy.
 
-    `off` where the bare loop is stable with every hand and delay of CHECKED: nothing then stands
-    between the hand and the model. Else the stiffest proxy of those that are stable with all of
-    them: stiffer with a faster loop, less delay, more damping.
+    The proxy is the stiffest that is stable in every hand and delay of CHECKED_HANDS, quiet with
+    the stated encoder, and no noisier than the object itself makes it. stiffness_npm: the object's
+    greatest secant, of which the hand feels a part through the proxy.
     """
-
-    def loop(coupling: Coupling, hand: Hand, extra_delay: int) -> LinearLoop:
-        return LinearLoop(dt_s, coupling, hand, device.with_delay(extra_delay), smoothing)
-
     off = replace(stated, mode="off")
-    limit_npm = min(
-        loop(off, hand, extra_delay).max_stiffness_npm() for hand, extra_delay in CHECKED_HANDS
-    )
+    bare = compute_loop_margin(tangent, off, dt_s, device, smoothing)
     late = f"{counted_noun(device.delay_samples, 'sample')} late"
-    object_text = f"the object's {_format_npmm(stiffness_npm)} at {1 / dt_s:g} Hz, {late}"
-    if limit_npm > STIFFNESS_MARGIN_OFF * stiffness_npm:
-        limit_text = _format_npmm(limit_npm)
-        why = f"off: auto: {object_text}, are below the bare loop's limit of {limit_text}"
-        return CouplingChoice(off, why, stiffness_npm)
-    search = _ProxySearch(stiffness_npm, dt_s, device, smoothing)
+    bare_text = (
+        f"at {1 / dt_s:g} Hz, {late}, the bare loop holds this object {bare.gain_margin:.3g} times "
+        f"as stiff, in the {bare.hand_text}"
+    )
+    objection = _object_to_bare(bare)
+    if not objection:
+        return CouplingChoice(off, f"off: auto: {bare_text}", stiffness_npm)
+    search = _ProxySearch(tangent, stiffness_npm, dt_s, device, smoothing)
     proxy = search.find_stiffest() or search.find_calmest()
     felt_npm = series_stiffness_npm(proxy.stiffness_npm, stiffness_npm)
     why = (
-        f"proxy: auto: {object_text}, pass the bare loop's limit of {_format_npmm(limit_npm)} "
-        f"with a margin of {STIFFNESS_MARGIN_OFF:g}: "
+        f"proxy: auto: {bare_text}, {objection}: "
         f"{proxy.stiffness_npm:g} N/m, {proxy.damping_nspm:g} N s/m, {proxy.mass_kg:g} kg; "
-        f"the hand feels {_format_npmm(felt_npm)}"
+        f"the hand feels {1e-3 * felt_npm:.3g} N/mm"
     )
-    return CouplingChoice(proxy, why, felt_npm, every_hand=max(search.radii(proxy)) < 1.0)
+    return CouplingChoice(proxy, why, felt_npm)
+
+
+def _object_to_bare(bare: LoopMargin) -> str:
+    """Say why something has to stand between the hand and the model; "" if nothing has to."""
+    if bare.gain_margin <= STIFFNESS_MARGIN_OFF:
+        return f"less than {STIFFNESS_MARGIN_OFF:g}"
+    if not bare.is_stable:
+        return f"but {bare.pressed_margin:.3g} times beyond the trained depth"
+    if bare.vibration_mps > QUIET_MPS:
+        return f"but vibrates with {1e3 * bare.vibration_mps:.2g} mm/s of the encoder's noise"
+    return ""
 
 
 class _ProxySearch:
-    """Proxies that are stable with every hand and delay of CHECKED.
+    """Proxies that are stable with every hand and delay of CHECKED_HANDS.
 
     For an object of up to STIFFNESS_MARGIN_PROXY times the stiffness, and for every softer one.
     """
 
     def __init__(
-        self, stiffness_npm: float, dt_s: float, device: LoopDevice, smoothing: float
+        self,
+        tangent: ObjectTangent,
+        stiffness_npm: float,
+        dt_s: float,
+        device: LoopDevice,
+        smoothing: float,
     ) -> None:
+        searched = tangent.select_depths(_N_DEPTHS)
+        self._dt_s, self._noise_m = dt_s, compute_noise_m(device)
+        # What the object makes of the encoder's noise by itself no coupling has to better.
+        self._max_noise_n = max(MAX_NOISE_N, stiffness_npm * self._noise_m)
+        self._margin = partial(
+            compute_loop_margin, searched, dt_s=dt_s, device=device, smoothing=smoothing
+        )
         self._loads_npm = stiffness_npm * STIFFNESS_MARGIN_PROXY * np.geomspace(0.01, 1.0, 8)
-        self._loops = []
-        for hand, more in CHECKED_HANDS[::-1]:  # what most often fails comes first
-            loop = LinearLoop(dt_s, Coupling("off"), hand, device.with_delay(more), smoothing)
+        self._springs = []
+        self._circles = []
+        for hand, extra_delay in CHECKED_HANDS[::-1]:  # what most often fails comes first
+            late = device.with_delay(extra_delay)
+            self._springs.append(LinearLoop(dt_s, Coupling("off"), hand, late, smoothing))
             # A mass that swings on any spring loses exp(-b t/2m).
-            damping_nspm = loop.hand.damping_nspm + loop.device.viscous_nspm
-            mass_kg = loop.hand.mass_kg + loop.device.mass_kg
-            max_radius = math.exp(
-                -MIN_DAMPING_FRACTION * damping_nspm / (2.0 * mass_kg) * loop.dt_s
+            damping_nspm = hand.damping_nspm + device.viscous_nspm
+            mass_kg = hand.mass_kg + device.mass_kg
+            radius = math.exp(-MIN_DAMPING_FRACTION * damping_nspm / (2.0 * mass_kg) * dt_s)
+            self._circles.append(
+                LoopOnCircle.build(searched, dt_s, device, smoothing, hand, extra_delay, radius)
             )
-            self._loops.append((loop, max_radius))
 
     def find_stiffest(self) -> Coupling | None:
         """Return the stiffest of which all down to a tenth are stable too, softened by GAIN_MARGIN.
@@ -113,26 +146,30 @@ class _ProxySearch:
         they are stable in part of their range alone, and vibrate with an encoder's steps.
         None if no damping is stable even with the softest spring.
         """
-        best: Coupling | None = None
+        quiet = loud = None
         for softest in _SOFTEST:
-            best = self._find_stiffest_for(softest, best.stiffness_npm if best else 0.0) or best
-        if best is None:
+            stiffest = self._find_stiffest_for(softest, quiet.stiffness_npm if quiet else 0.0)
+            if stiffest is None:
+                continue
+            if self._margin(_soften(stiffest)).vibration_mps <= QUIET_MPS:
+                quiet = stiffest
+            elif loud is None or loud.stiffness_npm < stiffest.stiffness_npm:
+                loud = stiffest
+        stiffest = quiet or loud
+        if stiffest is None or is_unit_error(_soften(stiffest)):
             return None
-        softer = replace(best, stiffness_npm=float(f"{GAIN_MARGIN * best.stiffness_npm:.3g}"))
-        return None if is_unit_error(softer) else softer
+        return _soften(stiffest)
 
     def find_calmest(self) -> Coupling:
         """Return the softest proxy that swings least, for an object that none holds."""
-        plausible = [one for one in _SOFTEST if not is_unit_error(one)]
-        return min(plausible, key=lambda one: max(self.radii(one)))
+        plausible = [proxy for proxy in _SOFTEST if not is_unit_error(proxy)]
+        return min(plausible, key=lambda proxy: max(self._radii(proxy)))
 
     def _find_stiffest_for(self, softest: Coupling, than_npm: float) -> Coupling | None:
         """The stiffest of one mass and damping; None if it is not stiffer than that."""
         step = cache(lambda k: replace(softest, stiffness_npm=float(_STIFFNESSES_NPM[k])))
         top = last = len(_STIFFNESSES_NPM) - 1
-        lowest = np.searchsorted(
-            _STIFFNESSES_NPM[1:], _SEARCH_TOLERANCE * than_npm, "right"
-        )  # of use
+        lowest = np.searchsorted(_STIFFNESSES_NPM[1:], _SEARCH_TOLERANCE * than_npm, "right")
         stable = cache(lambda k: self._is_stable(step(k)))
         while top >= lowest:  # that one first: every top from here on needs it
             softer = sorted(
@@ -150,17 +187,20 @@ class _ProxySearch:
         return None
 
     def _is_stable(self, proxy: Coupling) -> bool:
-        return all(r <= most for r, (_, most) in zip(self.radii(proxy), self._loops, strict=True))
+        if compute_held_noise_n(proxy, self._dt_s, self._noise_m) > self._max_noise_n:
+            return False
+        margins = (circle.gain_margins(proxy).min() for circle in self._circles)
+        return all(margin >= STIFFNESS_MARGIN_PROXY for margin in margins)
 
-    def radii(self, proxy: Coupling) -> Iterator[float]:
-        for loop, _ in self._loops:
+    def _radii(self, proxy: Coupling) -> Iterator[float]:
+        for loop in self._springs:
             yield float(replace(loop, coupling=proxy).swing_radius(self._loads_npm).max())
+
+
+def _soften(proxy: Coupling) -> Coupling:
+    return replace(proxy, stiffness_npm=float(f"{GAIN_MARGIN * proxy.stiffness_npm:.3g}"))
 
 
 def series_stiffness_npm(one_npm: float, other_npm: float) -> float:
     """Stiffness of two springs in series, N/m."""
     return one_npm * other_npm / (one_npm + other_npm)
-
-
-def _format_npmm(stiffness_npm: float) -> str:
-    return f"{1e-3 * stiffness_npm:.3g} N/mm"

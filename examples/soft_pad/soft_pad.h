@@ -1,4 +1,4 @@
-/* springpot 0.1.0 a5f9e9bc60de1ef6b2c3000f8e8c7205c89e63dbb7e99b0cfd50b11db5e385a8 */
+/* springpot 0.1.0 bc5e07b35f5d57273bdf535a94340f3d8667aa5187342dfa6570f32518fa2b76 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SOFT_PAD_RATE_HZ:

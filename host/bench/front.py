@@ -16,7 +16,7 @@ from springpot.host.emission.emission import write_emission
 from springpot.host.native.replay import Replay, TickTimes
 from springpot.host.native.scene_library import build_and_load
 from springpot.host.stability.check import stability
-from springpot.host.stability.linear import require_stable
+from springpot.host.stability.linear import require_stable, spectral_radius
 
 PACED_S = 2.0
 _PACED_TRIES = 3
@@ -24,7 +24,8 @@ _DISTURBED = 5.0  # times the median: other work had the processor in one of 100
 _COUNTED_TICKS = 4000
 _AXES = ("rmse_n", "tick_ns_hot", "flash_bytes")
 ALONE = ("tick_ns_p50", "tick_ns_p99", "tick_ns_p999", "tick_ns_max", "bounded",
-         "spectral_radius", "verdict", "instructions", "instructions_why")  # fmt: skip
+         "spectral_radius", "held_times_as_stiff", "verdict", "instructions",
+         "instructions_why")  # fmt: skip
 
 
 def pareto_front(points: Iterable[Point]) -> list[bool]:
@@ -87,11 +88,13 @@ def _closed_loop(model: Model, number: Number) -> Point:
         require_stable(plan)
         found = stability(plan)
     except UnsafeError as error:
-        return {"bounded": False, "spectral_radius": None, "verdict": str(error)}
+        return {"bounded": False, "spectral_radius": None, "held_times_as_stiff": None,
+                "verdict": str(error)}  # fmt: skip
     whole = [outcome for outcome in found.outcomes if outcome.losses is None]
     return {
         "bounded": found.check.stable and all(outcome.bounded for outcome in whole),
-        "spectral_radius": found.check.spectral_radius,
+        "spectral_radius": spectral_radius(plan),
+        "held_times_as_stiff": found.check.margin.least,
         "verdict": found.as_dict()["recommendation"],
     }
 

@@ -83,13 +83,13 @@ def emission_rows(emission: Emission) -> dict[str, str]:
 
 
 def _stability(emission: Emission) -> str:
-    found = emission.check
-    if found is None:
+    checked = emission.check
+    if checked is None:
         return "not checked"
-    active, cells = found.model_map.active(False)
+    active, cells = checked.model_map.active(False)
     return (
-        f"spectral radius {found.spectral_radius:.4f}, {active} of {cells} cells active; "
-        "the closed loop with hands: springpot stability"
+        f"{checked.sentence} No energy given in {cells - active} of {cells} small motions; "
+        "whole sessions: springpot stability"
     )
 
 

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 @scene_options
 @json_option
 def stability_(scene_file: Path | None, model_file: Path | None, as_json: bool) -> None:
-    """Spectral radius, small-signal maps, and a closed loop with three hands."""
+    """Gain margin, small-signal maps, and a closed loop with three hands."""
     from springpot import stability
 
     with progress_bar("all cases, three hands, two delays"):
@@ -47,7 +47,10 @@ def stability_rows(found: Stability) -> dict[str, str]:
     rows |= {
         "cases": f"{len(judged) - len(doubtful)} of {len(judged)} are good with three hands and "
         "two delays; --json lists them",
-        "spectral radius": f"{checked.spectral_radius:.4f}",
+        "holds": f"the object {checked.margin.least:.3g} times as stiff, in the "
+        f"{checked.margin.hand_text}; vibrates with "
+        f"{1e3 * checked.loudest.hold_speed_mps:.2g} mm/s on a short hold in the "
+        f"{checked.loudest.hand} hand",
         "device": checked.plan.loop_device.words(checked.plan.dt_s),
         "active cells, model": f"{_cells(checked.model_map)}; scene {_cells(checked.scene_map)}",
         "stiffness felt": f"{1e-3 * checked.plan.coupling.felt_npm:.3g} N/mm; ten times stiffer "

@@ -22,7 +22,13 @@ from springpot.host.emission.checksums import (
     require_replaceable,
     write_checksums,
 )
-from springpot.host.emission.result import Emission, coupling_notices, over_budget, rate_notices
+from springpot.host.emission.result import (
+    Emission,
+    coupling_notices,
+    over_budget,
+    rate_notices,
+    vibration_notices,
+)
 from springpot.host.emission.scene_file import (
     model_path,
     read_scene,
@@ -35,7 +41,6 @@ from springpot.host.native.toolchain import SOFT_DOUBLES, measure_footprint
 from springpot.host.output import print_line
 from springpot.host.stability.check import Check, check
 from springpot.host.stability.linear import require_stable
-from springpot.host.stability.verdict import vibrates_when_held
 
 # What the C was made from, beside it: whoever holds the folder can check it, and emit it again.
 MODEL_COPY = "from/model.spm"
@@ -132,13 +137,9 @@ def _built(plan: Plan, aside: Path, folder: Path, write_s: float) -> Emission:
             unmeasured = str(error)
             notices.append(f"flash and stack could not be measured: {error}")
         checked = check(plan, library)
-        notices += _activity(checked)
-        if (
-            plan.scene.coupling.mode == "auto"
-            and plan.at_proxy
-            and vibrates_when_held(plan, library)
-        ):
-            notices.append("warning: what auto chose vibrates on a hold: see `springpot stability`")
+        if not plan.accept_unsafe:
+            checked.require_stable()
+        notices += [*_activity(checked), *vibration_notices(checked)]
     except NoCompilerError as error:
         unmeasured = str(error)
         notices.append(f"not built, so flash and stack could not be measured: {error}")

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from pathlib import Path
 
+from springpot.codegen.coupling.linear_loop import CHECKED_HANDS
 from springpot.codegen.errors import BudgetError
 from springpot.codegen.make_plan import MIN_FELT_FRACTION
 from springpot.codegen.messages import counted_noun
@@ -11,7 +12,8 @@ from springpot.codegen.scene import Budget
 from springpot.codegen.types import JsonObject
 from springpot.host.native.toolchain import Footprint
 from springpot.host.stability.check import Check
-from springpot.host.stability.linear import plans_at_higher_rates
+from springpot.host.stability.linear import plan_margin, plans_at_higher_rates
+from springpot.host.stability.verdict import MAX_QUIET_SPEED_MPS
 
 # Keys of `emit --json` that the manifest has too.
 _OF_MANIFEST = ("units", "left_out", "orders", "coupling", "outside", "accept_unsafe")
@@ -93,13 +95,14 @@ def over_budget(emission: Emission, budget: Budget) -> str:
 
 
 def coupling_notices(plan: Plan) -> list[str]:
-    """Warn if a hand feels less than 80 % of the stiffness, or if not every hand holds the loop."""
+    """Warn if a hand feels less than 80 % of the stiffness, or if `auto` left no spare delay."""
     felt_npm, object_npm = plan.coupling.felt_npm, plan.stiffness_npm
     notices = []
-    if not plan.coupling.every_hand:
+    margin = plan_margin(plan, CHECKED_HANDS)
+    if plan.scene.coupling.mode == "auto" and not margin.is_stable:
         notices.append(
-            f"warning: no coupling at {1.0 / plan.dt_s:g} Hz is stable with every hand: let no "
-            "hand hold it before `springpot stability` says so, or take a faster loop"
+            f"warning: the {margin.hand_text} holds this object only {margin.least:.2g} times as "
+            "stiff as it is: state the device's delay, or take a faster loop"
         )
     if felt_npm >= MIN_FELT_FRACTION * object_npm:
         return notices
@@ -112,6 +115,17 @@ def coupling_notices(plan: Plan) -> list[str]:
         *notices,
         f"warning: the hand feels {1e-3 * felt_npm:.3g} of the object's {1e-3 * object_npm:.3g} "
         f"N/mm, for {why}: {_remedy(plan)}",
+    ]
+
+
+def vibration_notices(checked: Check) -> list[str]:
+    """Warn if a hold vibrates so that a hand feels it."""
+    loudest = checked.loudest
+    if loudest.hold_speed_mps <= MAX_QUIET_SPEED_MPS:
+        return []
+    return [
+        f"warning: a hold vibrates with {1e3 * loudest.hold_speed_mps:.2g} mm/s in the "
+        f"{loudest.hand} hand: see `springpot stability`"
     ]
 
 

@@ -20,7 +20,7 @@ from springpot.host.pages.page import page_text, plain
 from springpot.host.pages.wasm_module import node_force_hash, page_module
 from springpot.host.session.outcome import NOTE_WORDS
 from springpot.host.simulation.scenarios import Workspace
-from springpot.host.stability.linear import is_stable, linear_loop_sentence, scene_loop
+from springpot.host.stability.linear import margin_sentence, plan_margin
 from springpot.host.validation.store import read_validation
 
 STIFFNESS_NPM = (100.0, 200.0, 300.0, 400.0, 600.0, 1000.0, 1500.0)  # of the hand
@@ -89,10 +89,7 @@ def _entry(folder: Path, emitted: Emitted, module: bytes) -> JsonObject:
 def _verdict(plan: Plan, stiffness_npm: float, more_delay: int) -> str:
     """Return what the stability check says of a hand, in words."""
     hand = Hand(DESIGN_HAND.name, DESIGN_HAND.mass_kg, stiffness_npm, DESIGN_HAND.damping_nspm)
-    loop = scene_loop(plan, hand, more_delay)
-    return linear_loop_sentence(
-        is_stable(plan, loop), float(loop.spectral_radius(plan.stiffness_npm)[0])
-    )
+    return margin_sentence(plan_margin(plan, ((hand, more_delay),)))
 
 
 def _recording(folder: Path) -> list[str] | None:

@@ -40,6 +40,7 @@ _RATES = {"rate-90": (1, 10, False), "rate-50": (1, 2, True), "rate-10": (9, 10,
 HOLDS = tuple(0.05 + 0.105 * i for i in range(11))  # of the trained depth: 5 to 110 %
 STIFF_HOLDS = (0.2, 0.5, 0.8)
 HOLD_S, STIFF_HOLD_S = 12.0, 1.5
+SHORT_HOLD_S = 3.0  # what is unstable has grown to its size by then; `emit` asks each time
 NUDGE_N, NUDGE_S = 0.5, 0.02  # at the beginning of each long hold: what rings, begins to
 GLITCH_M = 0.005
 JITTER, DROPPED = 0.3, 0.1
@@ -117,14 +118,14 @@ def stiff_case(plan: Plan, force: Force, hand: Hand) -> Case:
     return Case("stiff", scenario, still, quiet=True, stiffer=True)
 
 
-def hold_case(space: Workspace, force: Force, hand: Hand) -> Case:
+def hold_case(space: Workspace, force: Force, hand: Hand, hold_s: float = HOLD_S) -> Case:
     """Hold at eleven depths, and nudge the tool as each one begins."""
-    motion, seconds = hold_motion(space, HOLDS, HOLD_S)
+    motion, seconds = hold_motion(space, HOLDS, hold_s)
     scenario = press_scenario(space, motion, force, hand, seconds)
-    time_s = np.cumsum(scenario.dt_s) % (RISE_S + HOLD_S)
+    time_s = np.cumsum(scenario.dt_s) % (RISE_S + hold_s)
     nudged = (time_s > RISE_S) & (time_s <= RISE_S + NUDGE_S)
     scenario.intended_m[nudged] += NUDGE_N / hand.stiffness_npm
-    return Case("hold", scenario, settled_hold_ticks(space, len(HOLDS), HOLD_S), quiet=True)
+    return Case("hold", scenario, settled_hold_ticks(space, len(HOLDS), hold_s), quiet=True)
 
 
 def cases(plan: Plan, force: Force, hand: Hand) -> list[Case]:

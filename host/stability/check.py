@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from springpot.codegen.coupling.linear_loop import DESIGN_HAND
+from springpot.codegen.coupling.loop_margin import LoopMargin
 from springpot.codegen.errors import UnsafeError
 from springpot.codegen.messages import short_repr
 from springpot.codegen.plan import Plan
@@ -13,19 +13,21 @@ from springpot.host.stability.closed_loop import (
     BuiltScene,
     Outcome,
     closed_loop_outcomes,
+    hold_outcomes,
     rendered,
     stiff_plan,
 )
 from springpot.host.stability.linear import (
     is_stable,
-    linear_loop_sentence,
+    margin_sentence,
+    plan_margin,
     require_stable,
-    scene_loop,
     spectral_radius,
     stiffness_limits,
 )
 from springpot.host.stability.small_signal import SmallSignalMap, small_signal_map
 from springpot.host.stability.verdict import (
+    MAX_STABLE_SPEED_MPS,
     closed_loop_sentences,
     device_sentences,
     passivity_sentences,
@@ -39,24 +41,62 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Check:
-    """Parts (a) and (b): what `emit` decides by. scene_map: coupling, smoothing and delay too."""
+    """What `emit` decides by. scene_map: coupling, smoothing and delay too.
+
+    holds: of the emitted C in the closed loop with each hand.
+    """
 
     plan: Plan
-    spectral_radius: float
     model_map: SmallSignalMap
     scene_map: SmallSignalMap
+    holds: tuple[Outcome, ...]
     __repr__ = short_repr
 
     @property
+    def margin(self) -> LoopMargin:
+        """Of every hand at the device's own delay."""
+        return plan_margin(self.plan)
+
+    @property
+    def loudest(self) -> Outcome:
+        """The hold that vibrates most."""
+        return max(self.holds, key=lambda hold: hold.hold_speed_mps)
+
+    @property
     def stable(self) -> bool:
-        """Whether `emit` would take it."""
-        return is_stable(self.plan, scene_loop(self.plan, DESIGN_HAND))
+        """Whether `emit` takes the scene: by its gain margin, and by what the C does on a hold."""
+        return is_stable(self.plan) and self.loudest.hold_speed_mps <= MAX_STABLE_SPEED_MPS
+
+    @property
+    def sentence(self) -> str:
+        """The verdict."""
+        if self.loudest.hold_speed_mps > MAX_STABLE_SPEED_MPS and self.margin.is_stable:
+            return (
+                f"Unstable in the {self.loudest.hand} hand, in which a hold vibrates with "
+                f"{1e3 * self.loudest.hold_speed_mps:.3g} mm/s: do not hold the device with this "
+                "scene."
+            )
+        return margin_sentence(self.margin)
+
+    def require_stable(self) -> None:
+        """Raise UnsafeError where a hand cannot hold the scene."""
+        require_stable(self.plan)
+        if not self.stable:
+            raise UnsafeError(
+                f'{self.plan.scene.name}: {self.sentence} Take coupling.mode = "auto", a passive '
+                "model (hammerstein), a finer encoder or less delay; or emit with "
+                "--accept-unsafe, for replay only"
+            )
 
     def as_dict(self) -> JsonObject:
         return {
             "scene": self.plan.scene.name,
-            "spectral_radius": self.spectral_radius,
+            "spectral_radius": spectral_radius(self.plan),
             "stable": self.stable,
+            "held_times_as_stiff": self.margin.least,
+            "worst_hand": self.margin.hand.name,
+            "expected_vibration_mps": self.margin.vibration_mps,
+            "hold_vibration_mps": self.loudest.hold_speed_mps,
             "device": self.plan.loop_device.as_dict(self.plan.dt_s),
             "limit": stiffness_limits(self.plan),
             **self.model_map.as_dict(),
@@ -77,8 +117,7 @@ class Stability:
     outcomes: tuple[Outcome, ...]
 
     def __repr__(self) -> str:
-        loop = linear_loop_sentence(self.check.stable, self.check.spectral_radius)
-        return f"Stability({loop} {len(self.outcomes)} cases of the closed loop)"
+        return f"Stability({self.check.sentence} {len(self.outcomes)} cases of the closed loop)"
 
     def as_dict(self) -> JsonObject:
         """Keys of `stability --json`."""
@@ -109,7 +148,7 @@ class Stability:
         """The verdict in words."""
         checked, plan = self.check, self.check.plan
         sentences = [
-            linear_loop_sentence(checked.stable, checked.spectral_radius),
+            checked.sentence,
             *closed_loop_sentences(self.outcomes, checked.stable),
             *passivity_sentences(checked.model_map),
             *device_sentences(plan),
@@ -117,15 +156,15 @@ class Stability:
         return " ".join(sentences)
 
     def require_bounded(self) -> None:
-        """Raise UnsafeError where the linear loop is not stable or the closed loop not bounded."""
-        require_stable(self.check.plan)
+        """Raise UnsafeError where a hand cannot hold the scene, or a case is not bounded."""
+        self.check.require_stable()
         why = refusal_reason(self.check.plan.scene.name, self.outcomes)
         if why:
             raise UnsafeError(why)
 
 
 def check(plan: Plan, library: SceneLibrary) -> Check:
-    """Parts (a) and (b) of a scene that is built."""
+    """Check a scene that is built: gain margin, holds, and small-signal maps."""
     return _checked(rendered(plan, library))
 
 
@@ -142,7 +181,7 @@ def _checked(scene: BuiltScene) -> Check:
     same = scene.model is scene.library and delay == 0
     return Check(
         plan=plan,
-        spectral_radius=spectral_radius(plan),
         model_map=model_map,
         scene_map=model_map if same else small_signal_map(plan, scene.library, delay),
+        holds=tuple(hold_outcomes(scene)),
     )

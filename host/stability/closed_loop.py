@@ -1,5 +1,6 @@
 """What the closed loop did: bounds, vibration, fidelity and energy of each case and hand."""
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass, field, replace
 
@@ -11,7 +12,13 @@ from springpot.codegen.make_plan import make_plan
 from springpot.codegen.messages import log_progress, short_repr
 from springpot.codegen.plan import Plan
 from springpot.host.native.scene_library import SceneLibrary, build_and_load, without_coupling
-from springpot.host.simulation.cases import cases, sample_loss_cases, stiff_case
+from springpot.host.simulation.cases import (
+    SHORT_HOLD_S,
+    cases,
+    hold_case,
+    sample_loss_cases,
+    stiff_case,
+)
 from springpot.host.simulation.hand_loop import HandLoop, Operator, Trace
 from springpot.host.simulation.scenarios import Case, Workspace
 from springpot.host.stability.losses import (
@@ -112,6 +119,11 @@ class Outcome:
         """Name of the case."""
         return self.played.name
 
+    @property
+    def hold_speed_mps(self) -> float:
+        """RMS speed of the tool where it is held, from 0.5 Hz on."""
+        return math.hypot(self.hf_speed_mps, self.vibration.lf_speed_mps or 0.0)
+
     def as_dict(self) -> dict[str, object]:
         names = (
             "hand", "case", "bounded", "max_depth_m", "delay_samples", "max_force_n",
@@ -153,6 +165,16 @@ def rendered(plan: Plan, library: SceneLibrary, loop: type[HandLoop] = HandLoop)
     )
 
 
+def hold_outcomes(scene: BuiltScene) -> list[Outcome]:
+    """Return short holds in every hand with the device's own delay: what `emit` decides by."""
+    space = Workspace.of(scene.plan)
+    return [
+        case_outcome(scene, hold_case(space, scene.felt, hand, SHORT_HOLD_S), hand, more_delay)
+        for hand, more_delay in CHECKED_HANDS
+        if not more_delay
+    ]
+
+
 def closed_loop_outcomes(scene: BuiltScene, stiff: BuiltScene) -> Iterator[Outcome]:
     """Every case with every hand and delay. stiff: the object ten times stiffer."""
     for number, (hand, more_delay) in enumerate(CHECKED_HANDS):
@@ -169,7 +191,9 @@ def sample_loss_outcomes(scene: BuiltScene, hand: Hand, more_delay: int) -> Iter
     for case, clean in sample_loss_cases(scene.plan, scene.felt, hand):
         if clean.name not in found:
             found[clean.name] = case_outcome(scene, clean, hand, more_delay)
-        outcome = case_outcome(scene, case, hand, more_delay)
+        # A stroke may be deep without any loss: then the losses are not to blame.
+        clean_m = found[clean.name].max_depth_m
+        outcome = case_outcome(scene, case, hand, more_delay, clean_m)
         without = found[clean.name].trace
         losses = compare_with_lossless(
             scene.plan, scene.library, case.scenario, outcome.trace, without
@@ -202,8 +226,13 @@ def _deepest_m(rendered: BuiltScene, space: Workspace, case: Case) -> float:
     return deepest_m
 
 
-def case_outcome(rendered: BuiltScene, case: Case, hand: Hand, more_delay: int) -> Outcome:
-    """One case with one hand; more_delay: samples beyond the delay of the scene's device."""
+def case_outcome(
+    rendered: BuiltScene, case: Case, hand: Hand, more_delay: int, clean_m: float = 0.0
+) -> Outcome:
+    """One case with one hand; more_delay: samples beyond the delay of the scene's device.
+
+    clean_m: how deep the same case goes without what it loses, m.
+    """
     plan, space = rendered.plan, Workspace.of(rendered.plan)
     operator = Operator(hand.name, plan.loop_device.with_delay(more_delay))
     trace = rendered.loop.run(case.scenario, operator, space.free_m)
@@ -215,7 +244,7 @@ def case_outcome(rendered: BuiltScene, case: Case, hand: Hand, more_delay: int) 
     # Without a sample no force may grow: the tool goes on meanwhile, as fast as it is.
     silent_s = longest_silence_ticks(case.scenario) * plan.dt_s
     missed_m = silent_s * float(np.abs(trace.velocity_mps).max())
-    may_m = _deepest_m(rendered, space, case) + give_m + missed_m
+    may_m = max(_deepest_m(rendered, space, case), clean_m) + give_m + missed_m
     inside = case.quiet or case.beyond or deepest_m <= may_m
     still = [trace.velocity_mps[part] for part in case.still or (slice(None),)]
     error_n = rms(trace.felt_n - model_only_n)

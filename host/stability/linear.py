@@ -1,6 +1,6 @@
 """The linear loop of a scene: what `emit` refuses, and what it would allow instead."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import replace
 
@@ -11,35 +11,52 @@ from springpot.codegen.coupling.gains import (
     published_step_is_stable,
     require_plausible_damping,
 )
-from springpot.codegen.coupling.linear_loop import DESIGN_HAND, HAND_MODELS, Hand, LinearLoop
+from springpot.codegen.coupling.linear_loop import (
+    CHECKED_HANDS,
+    DESIGN_HAND,
+    HAND_MODELS,
+    Hand,
+    LinearLoop,
+)
+from springpot.codegen.coupling.loop_margin import LoopMargin, compute_loop_margin
 from springpot.codegen.errors import SpringpotError, UnsafeError
 from springpot.codegen.make_plan import SERVED_HZ, make_plan
 from springpot.codegen.messages import counted_noun
 from springpot.codegen.plan import Plan
 from springpot.codegen.types import JsonObject
 
+OWN_DELAY = tuple((hand, extra) for hand, extra in CHECKED_HANDS if not extra)
 
-def scene_loop(plan: Plan, hand: Hand, more_delay: int = 0) -> LinearLoop:
-    """The linear loop of a plan with a hand."""
+
+def scene_loop(plan: Plan, hand: Hand, extra_delay: int = 0) -> LinearLoop:
+    """The linear loop of a plan with a hand, its object a spring."""
     smoothing = 1.0 if plan.smooth_alpha is None else float(plan.smooth_alpha)
-    device = plan.loop_device.with_delay(more_delay)
+    device = plan.loop_device.with_delay(extra_delay)
     return LinearLoop(plan.dt_s, plan.coupling.coupling, hand, device, smoothing)
 
 
-def is_stable(plan: Plan, loop: LinearLoop) -> bool:
-    """Whether a loop may be held: stable with the object where it is stiffest, and all softer."""
-    return (
-        float(loop.spectral_radius(plan.stiffness_npm)[0]) < 1.0
-        and loop.max_stiffness_npm() > plan.stiffness_npm
-        and not is_unit_error(plan.coupling.coupling)
+def plan_margin(plan: Plan, hands: Sequence[tuple[Hand, int]] = OWN_DELAY) -> LoopMargin:
+    """Compute the gain margin of a plan's loop in the worst of the hands."""
+    smoothing = 1.0 if plan.smooth_alpha is None else float(plan.smooth_alpha)
+    coupling = plan.coupling.coupling
+    return compute_loop_margin(
+        plan.tangent, coupling, plan.dt_s, plan.loop_device, smoothing, hands
     )
 
 
-def linear_loop_sentence(stable: bool, radius: float) -> str:
-    """What the linear loop means for a hand, in a sentence."""
-    if not stable:
-        return "Unstable: do not hold the device with this scene."
-    return f"The linear loop is stable (radius {radius:.4f})."
+def is_stable(plan: Plan) -> bool:
+    """Whether a scene may be held: in every hand, at every depth, and on all softer objects."""
+    return plan_margin(plan).is_stable and not is_unit_error(plan.coupling.coupling)
+
+
+def margin_sentence(margin: LoopMargin) -> str:
+    """Say whether a hand may hold the device, and by what margin."""
+    if not margin.is_stable:
+        return (
+            f"Unstable in the {margin.hand_text}, which holds this object only {margin.least:.2g} "
+            "times as stiff as it is: do not hold the device with this scene."
+        )
+    return f"Stable in every hand: the loop holds this object {margin.least:.2g} times as stiff."
 
 
 def plans_at_higher_rates(plan: Plan) -> Iterator[Plan]:
@@ -68,44 +85,46 @@ def stiffness_limits(plan: Plan) -> JsonObject:
 
 
 def spectral_radius(plan: Plan) -> float:
-    """Of the linear loop with the design hand, the object at its maximum tangent stiffness."""
+    """Of the loop with the design hand, the object a spring of its greatest secant."""
     return float(scene_loop(plan, DESIGN_HAND).spectral_radius(plan.stiffness_npm)[0])
 
 
 def require_stable(plan: Plan) -> None:
-    """Raise UnsafeError for a radius >= 1 or a unit error, naming gains that are stable."""
+    """Raise UnsafeError if a hand cannot hold the scene, or for a unit error; name gains that do.
+
+    Every hand of CHECKED_HANDS, with the device's own delay.
+    """
     if plan.couple is not None:
         require_plausible_damping(plan.coupling.coupling)
-    loop, object_npmm = scene_loop(plan, DESIGN_HAND), 1e-3 * plan.stiffness_npm
-    if is_stable(plan, loop):
+    if is_stable(plan):
         return
-    radius, limit_npmm = spectral_radius(plan), 1e-3 * loop.max_stiffness_npm()
-    found = (
-        f"spectral radius {radius:.4g} with the {DESIGN_HAND.name} hand, object "
-        f"{object_npmm:.4g} N/mm, this coupling allows {limit_npmm:.3g} N/mm"
-    )
-    if radius < 1.0:
-        found += ": an object as stiff as that is passed where this one is touched first"
+    margin = plan_margin(plan)
     raise UnsafeError(
-        f"{plan.scene.name}: the loop is unstable ({found}): {_what_is_stable(plan)}; "
-        "or emit with --accept-unsafe, for replay only"
+        f"{plan.scene.name}: the loop is unstable (the {margin.hand_text} holds this object only "
+        f"{margin.least:.2g} times as stiff as it is, {1e-3 * plan.stiffness_npm:.4g} N/mm): "
+        f"{_what_is_stable(plan)}; or emit with --accept-unsafe, for replay only"
     )
 
 
 def _what_is_stable(plan: Plan) -> str:
     """Gains that would do without smoothing, or that none do at this rate and delay."""
     device = plan.loop_device
-    choice = select_coupling(plan.stiffness_npm, plan.dt_s, device, 1.0, plan.coupling.coupling)
-    found, loop = choice.coupling, LinearLoop(plan.dt_s, choice.coupling, DESIGN_HAND, device)
-    if not is_stable(plan, loop):
+    choice = select_coupling(
+        plan.tangent, plan.stiffness_npm, plan.dt_s, device, 1.0, plan.coupling.coupling
+    )
+    remedy = replace(plan, coupling=choice, smooth_alpha=None)
+    if not is_stable(remedy):
         return (
             f"no coupling is stable at {1 / plan.dt_s:g} Hz with "
             f"{counted_noun(device.delay_samples, 'sample')} of delay: {_what_holds_it(plan)}"
         )
+    gains = choice.coupling
+    if gains.mode == "off":
+        return 'this would be stable: coupling.mode = "off", no smoothing'
     return (
-        f'this would be stable: coupling.mode = "{found.mode}", stiffness_npm = '
-        f"{found.stiffness_npm:g}, damping_nspm = {found.damping_nspm:g}, mass_kg = "
-        f"{found.mass_kg:g}, no smoothing, no delay or a faster loop"
+        f'this would be stable: coupling.mode = "{gains.mode}", stiffness_npm = '
+        f"{gains.stiffness_npm:g}, damping_nspm = {gains.damping_nspm:g}, mass_kg = "
+        f"{gains.mass_kg:g}, no smoothing, no delay or a faster loop"
     )
 
 
@@ -117,7 +136,7 @@ def _what_holds_it(plan: Plan) -> str:
         way = "record at a higher rate, or take a kind of model that holds at any (hammerstein)"
         return way + either
     for faster in plans_at_higher_rates(plan):
-        if is_stable(faster, scene_loop(faster, DESIGN_HAND)):
+        if is_stable(faster):
             return f"raise runtime.rate_hz to {1.0 / faster.dt_s:g}{either}"
     return (
         f"nor at a higher rate: {1e-3 * plan.stiffness_npm:.4g} N/mm are stiffer than a device "

@@ -10,9 +10,10 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 from scipy.signal import cont2discrete
+from support.springs import select_for_spring
 
 from springpot.codegen.coupling import gains
-from springpot.codegen.coupling.auto import STIFFNESS_MARGIN_PROXY, select_coupling
+from springpot.codegen.coupling.auto import STIFFNESS_MARGIN_PROXY
 from springpot.codegen.coupling.linear_loop import (
     CHECKED_HANDS,
     DESIGN_HAND,
@@ -20,6 +21,8 @@ from springpot.codegen.coupling.linear_loop import (
     LinearLoop,
 )
 from springpot.codegen.coupling.loop_device import DEVICE_DAMPING_NSPM, DEVICE_MASS_KG, LoopDevice
+from springpot.codegen.coupling.loop_margin import compute_loop_margin
+from springpot.codegen.coupling.object_tangent import ObjectTangent
 from springpot.codegen.errors import UnsafeError
 from springpot.codegen.proxy_motion import VirtualCoupling
 from springpot.codegen.scene import Coupling
@@ -89,7 +92,7 @@ def test_off_reaches_as_far_as_the_damping_of_the_least_stable_hand(stiffness_np
     limit_npm = min(
         (hand.damping_nspm + 4.0) / (5e-4 + 1e-3 * more) for hand, more in CHECKED_HANDS
     )
-    choice = select_coupling(stiffness_npm, 1e-3, LoopDevice(), 1.0, Coupling())
+    choice = select_for_spring(stiffness_npm, 1e-3, LoopDevice())
     assert (choice.coupling.mode == "off") is (1.25 * stiffness_npm < limit_npm)
 
 
@@ -188,7 +191,7 @@ def test_what_auto_picks_is_stable_with_every_hand_or_says_that_it_is_not(seed: 
     rng = np.random.default_rng(seed)
     rate_hz, stiffness_npm = 10.0 ** rng.uniform(1.8, 3.7), 10.0 ** rng.uniform(2.5, 4.7)
     device = LoopDevice(delay_samples=int(rng.integers(0, 3)))
-    choice = select_coupling(stiffness_npm, 1.0 / rate_hz, device, 1.0, Coupling())
+    choice = select_for_spring(stiffness_npm, 1.0 / rate_hz, device)
     assert choice.why.startswith(f"{choice.coupling.mode}: auto: ")
     assert choice.felt_npm <= stiffness_npm
     proxy = choice.coupling.mode == "proxy"
@@ -200,4 +203,6 @@ def test_what_auto_picks_is_stable_with_every_hand_or_says_that_it_is_not(seed: 
     most = STIFFNESS_MARGIN_PROXY if proxy else 1.0
     loads_npm = stiffness_npm * np.geomspace(0.01, most, 100)
     radius = max(float(loop.spectral_radius(loads_npm).max()) for loop in loops)
-    assert (radius < 1.0 + 1e-3) == choice.every_hand
+    spring = ObjectTangent.from_spring(stiffness_npm)
+    margin = compute_loop_margin(spring, choice.coupling, 1.0 / rate_hz, device, 1.0)
+    assert (radius < 1.0 + 1e-3) == (margin.gain_margin > most)

@@ -61,6 +61,8 @@ def usual(*instead: Outcome) -> list[Outcome]:
     ("found", "grade", "words"),
     [
         (outcome("hold"), Grade.GOOD, "bounded, quiet"),
+        (outcome("hold", hf_speed_mps=1.9e-2), Grade.LOOK, "vibrates with 19 mm/s on a hold"),
+        (outcome("hold", hf_speed_mps=2.1e-2), Grade.BAD, "vibrates with 21 mm/s on a hold"),
         (outcome("tap-4hz", hf_speed_mps=0.1), Grade.GOOD, "bounded"),
         (outcome("hold", hf_speed_mps=2e-3), Grade.LOOK, "vibrates with 2 mm/s on a hold"),
         (outcome("fast", fidelity_percent=12.0), Grade.LOOK, "felt otherwise than the model"),
