@@ -26,8 +26,6 @@ FORCE_MARGIN = 1.2
 MIN_SLEW_NPS = 1500.0
 SLEW_S = 0.004
 SLEW_TICK_S = 0.001
-# Behind a coupling the force is the model's within this after a silence: half of it in 5 ms.
-RETURN_RAMP_S = 0.01
 
 
 @dataclass(frozen=True)
@@ -37,6 +35,7 @@ class GuardConfig:
     max_step_m: Real
     min_m: Real
     max_m: Real
+    air_m: Real
     resync_ticks: int
 
 
@@ -48,7 +47,6 @@ class OutputConfig:
     max_n: Real
     slew_n: Real
     rise: Real
-    back: Real
     fall_n: Real
 
 
@@ -75,10 +73,13 @@ def watchdog_timeout_s(scene: Scene, dt_s: float) -> float:
     return watchdog_s
 
 
-def build_guard_config(model: Model, watchdog_s: float, ticks: SceneTicks) -> GuardConfig:
-    """Positions that are believed: up to ten trained depths, by steps of at most a hand's speed.
+def build_guard_config(
+    model: Model, watchdog_s: float, ticks: SceneTicks, coupled: bool
+) -> GuardConfig:
+    """Build limits of plausible positions: ten trained depths, steps of at most a hand's speed.
 
-    A tool may also wait far above a surface.
+    A tool may also wait far above a surface, and fly there as fast as it likes: nothing is
+    touched. Not so behind a coupling, whose damper would carry that speed into the next touch.
     """
     dt_s, real, trained = ticks.dt_s, ticks.dtype, model.trained
     deepest_m = max(abs(trained.min_m), abs(trained.max_m))
@@ -88,6 +89,7 @@ def build_guard_config(model: Model, watchdog_s: float, ticks: SceneTicks) -> Gu
         max_step_m=real(max(MIN_JUMP_M, dt_s * compute_max_mps(model))),
         min_m=real(-_MAX_HEIGHT_M if ticks.surface else -plausible_m),
         max_m=real(plausible_m),
+        air_m=real(0.0 if ticks.surface and not coupled else -_MAX_HEIGHT_M),
         resync_ticks=min(max(before_latch, RESYNC_TICKS[0]), RESYNC_TICKS[1]),
     )
 
@@ -113,7 +115,6 @@ def build_output_config(model: Model, scene: Scene, ticks: SceneTicks) -> Output
         max_n=real(max_n),
         slew_n=real(max(dt_s, SLEW_TICK_S) * max(MIN_SLEW_NPS, max_n / SLEW_S)),
         rise=real(min(1.0, dt_s / RAMP_S)),
-        back=real(min(1.0, dt_s / RETURN_RAMP_S)),
         fall_n=real(dt_s * max_n / LATCH_FALL_S),
     )
 

@@ -97,7 +97,7 @@ def _build_plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
         model=model,
         real="float" if dtype is np.float32 else "double",
         dt_s=dt_s,
-        guard=build_guard_config(model, watchdog_s, ticks),
+        guard=build_guard_config(model, watchdog_s, ticks, couple is not None),
         range=trained,
         per_onset=dtype(1.0 / (ONSET_DEPTH_FRACTION * model.trained.max_m)) if contact else None,
         per_fade=dtype(1.0 / fade_m) if scene.guard.outside == "zero" else None,

@@ -185,7 +185,7 @@ def list_state_members(plan: Plan) -> list[Member]:
         members.append(Member("sp_couple_state couple", (REAL, REAL, U32)))
     if plan.smooth_alpha is not None:
         members.append(Member("sp_real smoothed_n", (REAL,)))
-    return [*members, Member("sp_output_state output", (REAL, REAL, REAL))]
+    return [*members, Member("sp_output_state output", (REAL, REAL))]
 
 
 def state_bytes(plan: Plan) -> int:

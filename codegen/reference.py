@@ -144,8 +144,7 @@ class OutputStage:
                 else:
                     self._forget()
                     self._output.release()
-            after_silence = ticks > 1 and self._couple is not None
-            force_n[i], note = self._output.force(latched, after_silence, force)
+            force_n[i], note = self._output.force(latched, force)
             notes[i] |= note
         return force_n
 
@@ -163,11 +162,10 @@ class OutputLimiter:
         self._real = plan.dtype
         self.last_force_n: Scalar = self._real(0)
         self._share: Scalar = self._real(0)
-        self._rise: Scalar = self._real(0)
 
     def restart(self) -> None:
         """The ramp begins again."""
-        self._share, self._rise = self._real(0), self._config.rise
+        self._share = self._real(0)
 
     def release(self) -> None:
         """No contact."""
@@ -183,19 +181,14 @@ class OutputLimiter:
             return self._fall(fall), LATCHED
         return self.last_force_n, HELD
 
-    def force(self, latched: Scalar, back: bool, force: Scalar) -> tuple[Scalar, int]:
-        """Force at a good sample, N, and notes; back: after a silence, behind a coupling."""
+    def force(self, latched: Scalar, force: Scalar) -> tuple[Scalar, int]:
+        """Force at a good sample, N, and notes."""
         if latched:
             return self._fall(self._real(1)), LATCHED
         note = 0
-        before, now = abs(self._last_same_sign(force)), abs(force)
-        share = before / now if before < now else self._real(1)
-        if back and share < 1 and share < self._share:
-            self._rise = self._rise if self._share < 1 else self._config.back
-            self._share = share + self._rise
         if self._share < 1:
             force = force * self._share
-            self._share = self._share + self._rise * self._real(1)
+            self._share = self._share + self._config.rise * self._real(1)
             note |= RAMPED
         force, clamped = self._clamp(force)
         self.last_force_n, limited = self._limit_slew(force)

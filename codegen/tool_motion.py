@@ -10,7 +10,7 @@ from springpot.codegen.model.formulas import SMALLEST
 from springpot.codegen.plan import Plan
 from springpot.codegen.stages.stage import Starts
 
-SILENCE_PAYBACK = 0.15625  # SP_SILENCE_PAYBACK
+SILENCE_PAYBACK, SILENCE_MAX_DEBT = 0.15625, 5.0  # SP_SILENCE_PAYBACK, SP_SILENCE_MAX_DEBT
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,7 +53,12 @@ def run_guard(plan: Plan, raw: Reals, believed: Flags) -> Guarded:
         since = 1 + (int(elapsed - real(0.5)) if elapsed >= 1.5 else 0)
         if believed[i] and not plausible[i]:
             agreeing = 0
-        elif believed[i] and started and abs(x - last_good_m) > config.max_step_m * real(since):
+        elif (
+            believed[i]
+            and started
+            and abs(x - last_good_m) > config.max_step_m * real(since)
+            and not (x <= config.air_m and last_good_m <= config.air_m)
+        ):
             agrees = agreeing and abs(x - suspect_m) <= config.max_step_m
             agreeing = agreeing + 1 if agrees else 1
             suspect_m = x
@@ -75,8 +80,10 @@ def run_guard(plan: Plan, raw: Reals, believed: Flags) -> Guarded:
         else:
             silent_s = silent_s + silence.dt_s
             lost_s = (lost_s if lost_s > 0 else real(0)) + silence.dt_s
-            latched = not lost_s <= silence.watchdog_s
-            beyond = (lost_s - silence.watchdog_s) * silence.rate_hz
+            max_lost_s = real(SILENCE_MAX_DEBT) * silence.watchdog_s
+            latched = not (silent_s <= silence.watchdog_s and lost_s <= max_lost_s)
+            overrun_s = max(silent_s - silence.watchdog_s, lost_s - max_lost_s)
+            beyond = overrun_s * silence.rate_hz
             if latched:
                 fall[i], silent_s = min(real(int(beyond) + 1), tick), real(0)
         latches[i] = latched
@@ -157,6 +164,7 @@ def _fill_gap(plan: Plan, position: Reals, end: int, since: int, begin: Reals | 
     step = (position[end] - position[end - since]) / real(since)
     ticks_left = np.arange(since - 1, 0, -1).astype(real)
     if begin is not None:
-        step = step + (step - begin) / real(since) * (real(since) - ticks_left)
+        bend = (step - begin) / (real(since) + plan.velocity.lag)
+        step = step + bend * (real(since) - ticks_left)
     path_m = position[end] - ticks_left * step
     position[end - since + 1 : end] = np.clip(path_m, plan.guard.min_m, plan.guard.max_m)

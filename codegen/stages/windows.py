@@ -219,6 +219,7 @@ class ToolVelocityStage(Stage):
 
     rate_hz: Real
     weight: Real
+    lag: Real  # twice the lag of the velocity, ticks: of the low-pass, and half a tick
 
     headers = ("sp_tool_velocity.h",)
     members = (Member("sp_tool_velocity_state tool_velocity", (REAL, REAL)),)
@@ -229,6 +230,7 @@ class ToolVelocityStage(Stage):
         return [
             constant_text("rate_hz", self.rate_hz),
             constant_text("velocity_weight", self.weight),
+            constant_text("velocity_lag", self.lag),  # used by make_up of scene.c.j2
         ]
 
     def next(self, velocity_mps: Scalar, before_m: Scalar, x: Scalar) -> Scalar:
@@ -239,4 +241,8 @@ class ToolVelocityStage(Stage):
 def build_tool_velocity_stage(ticks: SceneTicks) -> ToolVelocityStage:
     """Difference at 1/dt_s, low-passed over TIME_S by backward Euler."""
     dt_s, dtype = ticks.dt_s, ticks.dtype
-    return ToolVelocityStage(rate_hz=dtype(1.0 / dt_s), weight=dtype(dt_s / (dt_s + LOWPASS_TAU_S)))
+    return ToolVelocityStage(
+        rate_hz=dtype(1.0 / dt_s),
+        weight=dtype(dt_s / (dt_s + LOWPASS_TAU_S)),
+        lag=dtype(2.0 * LOWPASS_TAU_S / dt_s + 1.0),
+    )

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 bc5e07b35f5d57273bdf535a94340f3d8667aa5187342dfa6570f32518fa2b76 */
+/* springpot 0.1.0 0343c4717af38673bddb83c9dd712b8b705f5255b569354753af030c37ec4326 */
 /* pad: the whole scene, its self-test too. How to call it: soft_pad.h.
  *
  * In the order of a tick: units, each named by its file in springpot and without what this scene does
@@ -80,34 +80,40 @@ static inline float soft_pad_clamp_state(float x)
 
 /* --------------------------------------------------------------------------------- sp_silence.h */
 
-/* Silence: how long no good sample came. Everything that remembers is moved through that time by
- * the next good sample, as if the tool had moved evenly; too long a silence is latched, and so are
- * silences that add up: a good tick makes up for 5/32 of a silent one, so that a source that is
- * silent for more than a seventh of the time ends. */
+/* Silence watchdog: counts the time without a good sample, and latches when it is too long.
+ *
+ * After a short gap the next good sample moves every filter through the missed ticks, as if the
+ * tool had moved evenly. Gaps that add up latch as well, by a leaky bucket of five timeouts: each
+ * silent tick puts one tick of debt in, each good tick takes 5/32 of a tick out. A source that is
+ * silent for more than a seventh of the time therefore latches: in half a second if for a third. */
 
 typedef struct {
-    float dt_s;       /* of a tick */
-    float rate_hz;    /* 1/dt_s, 1/s */
-    float watchdog_s; /* longest time without a good sample, and half a tick */
+    float dt_s;       /* sample time */
+    float rate_hz;    /* 1 / dt_s */
+    float watchdog_s; /* watchdog timeout plus half a tick, so that rounded sums agree on it */
 } soft_pad_silence_config;
 
-/* Of a silent tick, what a good one makes up for: if every third tick is silent, that ends within
- * five times the watchdog's time. */
+/* Ticks of debt that one good tick pays back. */
 #define SP_SILENCE_PAYBACK ((float)0.15625)
 
-/* A good sample, of a tick of tick_s. */
-static inline void soft_pad_silence_good_sample(soft_pad_silence_state *state, float tick_s)
+/* Debt that latches, in watchdog timeouts. With one alone, a source that lost 1 % of its samples in
+ * bursts of 14 ms latched every few minutes, though no silence reached the timeout. */
+#define SP_SILENCE_MAX_DEBT ((float)5)
+
+/* Cap on the latched ticks that one call reports: the force is zero long before. It keeps the
+ * conversion to uint32_t in range for an infinite dt_s. */
+#define SP_SILENCE_MAX_LATCHED_TICKS ((float)1048576)
+
+/* Record a good sample that stands for dt_s of time. */
+static inline void soft_pad_silence_good_sample(soft_pad_silence_state *state, float dt_s)
 {
     state->silent_s = (float)0;
     if (state->debt_s > (float)0) {
-        state->debt_s -= SP_SILENCE_PAYBACK * tick_s;
+        state->debt_s -= SP_SILENCE_PAYBACK * dt_s;
     }
 }
 
-/* Latched ticks of one call, at most: every force has fallen in fewer. */
-#define SP_SILENCE_MAX_LATCHED_TICKS ((float)1048576)
-
-/* dt_s have passed without a good sample; returns how many ticks of them it was latched. */
+/* Record dt_s without a good sample. Returns for how many ticks of it the watchdog was latched. */
 static inline float soft_pad_silence_no_sample(const soft_pad_silence_config *config, soft_pad_silence_state *state,
                                            float dt_s)
 {
@@ -117,29 +123,33 @@ static inline float soft_pad_silence_no_sample(const soft_pad_silence_config *co
     }
     const float silent_s = state->silent_s + dt_s;
     const float debt_s = (state->debt_s > (float)0 ? state->debt_s : (float)0) + dt_s;
-    if (debt_s <= config->watchdog_s) {
-        state->silent_s = silent_s < config->watchdog_s ? silent_s : config->watchdog_s;
+    const float max_debt_s = SP_SILENCE_MAX_DEBT * config->watchdog_s;
+    if (silent_s <= config->watchdog_s && debt_s <= max_debt_s) {
+        state->silent_s = silent_s;
         state->debt_s = debt_s;
         return (float)0;
     }
-    const float beyond = (debt_s - config->watchdog_s) * config->rate_hz;
-    const float most =
-        beyond < SP_SILENCE_MAX_LATCHED_TICKS ? beyond : SP_SILENCE_MAX_LATCHED_TICKS;
-    const float over = (float)((uint32_t)most + 1u);
+    const float silent_overrun_s = silent_s - config->watchdog_s;
+    const float debt_overrun_s = debt_s - max_debt_s;
+    const float overrun =
+        (silent_overrun_s > debt_overrun_s ? silent_overrun_s : debt_overrun_s) * config->rate_hz;
+    const float capped =
+        overrun < SP_SILENCE_MAX_LATCHED_TICKS ? overrun : SP_SILENCE_MAX_LATCHED_TICKS;
+    const float latched_ticks = (float)((uint32_t)capped + 1u);
     state->latched = 1;
     state->silent_s = (float)0;
     state->debt_s = (float)0;
-    return over < ticks ? over : ticks;
+    return latched_ticks < ticks ? latched_ticks : ticks;
 }
 
-/* Ticks without a good sample before this one, which lasts tick_s: no more than the watchdog
- * allows, whatever a stray write made of the state. */
+/* Ticks missed before a sample that stands for dt_s. The watchdog timeout bounds the result even if
+ * a stray write has corrupted the state, so that catching up always ends. */
 static inline uint32_t soft_pad_silence_missed_ticks(const soft_pad_silence_config *config,
-                                               const soft_pad_silence_state *state, float tick_s)
+                                               const soft_pad_silence_state *state, float dt_s)
 {
-    const float most_s = config->watchdog_s;
-    const float silent_s = state->silent_s < most_s ? state->silent_s : most_s;
-    const float ticks = (silent_s + tick_s) * config->rate_hz;
+    const float max_s = config->watchdog_s;
+    const float silent_s = state->silent_s < max_s ? state->silent_s : max_s;
+    const float ticks = (silent_s + dt_s) * config->rate_hz;
     return ticks >= (float)1.5 ? (uint32_t)(ticks - (float)0.5) : 0;
 }
 
@@ -155,6 +165,7 @@ typedef struct {
     float max_step_m;    /* maximum believable step, m a tick */
     float min_m;         /* believable positions: from here */
     float max_m;         /* to here */
+    float air_m;         /* at most there nothing is touched: any step is plausible */
     uint32_t resync_ticks; /* agreeing_samples samples after which a new position is true */
 } soft_pad_guard_config;
 
@@ -190,7 +201,8 @@ static inline float soft_pad_guard_accept(const soft_pad_guard_config *config, s
         *notes |= SP_NOTE_RESYNC;
         return x;
     }
-    if (soft_pad_abs(x - state->last_good_m) <= config->max_step_m * ticks) {
+    if (soft_pad_abs(x - state->last_good_m) <= config->max_step_m * ticks ||
+        (x <= config->air_m && state->last_good_m <= config->air_m)) {
         state->agreeing_samples = 0;
         state->last_good_m = x;
         return x;
@@ -518,24 +530,22 @@ static inline float soft_pad_contact_onset(float onset_per_m, float x, float for
  *
  * Down at once: a force that the model lowers is lower in the same tick. Up by two limits: never
  * more than slew_n above the force that was given before, whatever the reason that it was less; and
- * after a start at depth, or a silence, by a share of the model's force that rises to 1. Without a
- * sample the force never rises; latched, it falls to zero and stays there.
- * docs/explanation/output.md has the equations. */
+ * after a start at depth by a share of the model's force that rises to 1. Without a sample the
+ * force never rises; latched, it falls to zero and stays there. docs/explanation/output.md has the
+ * equations. */
 
 typedef struct {
     float min_n;
     float max_n;
     float slew_n; /* maximum growth of the force from call to call: a fault's, not a touch's */
     float rise;   /* share of the force gained in a tick after a start or restart at depth */
-    float back;   /* the same after a silence */
     float fall_n; /* of the force in one tick once it is latched */
 } soft_pad_output_config;
 
 /* A position was taken as true without a history: the force rises from zero. */
-static inline void soft_pad_output_begin_ramp(const soft_pad_output_config *config, soft_pad_output_state *state)
+static inline void soft_pad_output_begin_ramp(soft_pad_output_state *state)
 {
     state->share = (float)0;
-    state->rise = config->rise;
 }
 
 /* No contact: whatever comes next starts from zero by itself. */
@@ -586,31 +596,13 @@ static inline float soft_pad_output_last_along(const soft_pad_output_state *stat
     return last_n < zero ? last_n : zero;
 }
 
-/* First good sample after a silence, behind a coupling, which overshoots: the share rises from what
- * was given. A ramp that was under way goes on as slowly. Bare, a slow return gives energy back. */
-SP_COLD void soft_pad_output_ramp_after_silence(const soft_pad_output_config *config, soft_pad_output_state *state,
-                                          float force_n)
-{
-    const float before_n = soft_pad_abs(soft_pad_output_last_along(state, force_n));
-    const float now_n = soft_pad_abs(force_n);
-    const float share = before_n < now_n ? before_n / now_n : (float)1;
-    if (share < (float)1 && share < state->share) {
-        state->rise = state->share < (float)1 ? state->rise : config->back;
-        state->share = share + state->rise;
-    }
-}
-
-/* The model's force of a good sample; returns what leaves, N. back: it comes after a silence,
- * behind a coupling. ticks: of this call, at most 1. */
+/* The model's force of a good sample; returns what leaves, N. ticks: of this call, at most 1. */
 static inline float soft_pad_output_limit(const soft_pad_output_config *config, soft_pad_output_state *state,
-                                      int back, float ticks, float force_n, int *notes)
+                                      float ticks, float force_n, int *notes)
 {
-    if (back) {
-        soft_pad_output_ramp_after_silence(config, state, force_n);
-    }
     if (state->share < (float)1) {
         force_n *= state->share;
-        state->share += state->rise * ticks;
+        state->share += config->rise * ticks;
         *notes |= SP_NOTE_RAMPED;
     }
     force_n = soft_pad_output_clamp(config, force_n, notes);
@@ -642,6 +634,7 @@ static const soft_pad_guard_config guard = {
     0.0027968f, /* max_step_m */
     -10.0f,     /* min_m */
     0.144908f,  /* max_m */
+    0.0f,       /* air_m */
     5,          /* resync_ticks */
 };
 static const soft_pad_range_config range = {
@@ -653,7 +646,6 @@ static const soft_pad_output_config output = {
     12.002745f, /* max_n */
     3.0006862f, /* slew_n */
     0.02f,      /* rise */
-    0.1f,       /* back */
     1.5003431f, /* fall_n */
 };
 static const float per_onset = 6900.93f;
@@ -751,7 +743,7 @@ static void restart(soft_pad_state *state, float position)
                         state->penetration_before, state->penetration_held, state->penetration_play);
     state->penetration_surface.u = penetration_u;
     state->penetration_surface.force_n = (float)0;
-    soft_pad_output_begin_ramp(&output, &state->output);
+    soft_pad_output_begin_ramp(&state->output);
 }
 
 /* One tick with the tool at `position`; returns the model's force, N. */
@@ -849,7 +841,7 @@ int soft_pad_step(soft_pad_state *state, float position_m, float velocity_mps, f
     if (state->silence.latched) {
         (void)soft_pad_output_fall_latched(&output, &state->output, (float)1, &notes);
     } else {
-        (void)soft_pad_output_limit(&output, &state->output, 0, (float)1, force, &notes);
+        (void)soft_pad_output_limit(&output, &state->output, (float)1, force, &notes);
     }
     *force_n = state->output.last_n;
     return notes;
@@ -908,7 +900,7 @@ uint32_t soft_pad_state_size(void)
 
 const char *soft_pad_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"bc5e07b35f5d57273bdf535a94340f3d8667aa5187342dfa6570f32518fa2b76\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"0343c4717af38673bddb83c9dd712b8b705f5255b569354753af030c37ec4326\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 bc5e07b35f5d57273bdf535a94340f3d8667aa5187342dfa6570f32518fa2b76 */
+/* springpot 0.1.0 0343c4717af38673bddb83c9dd712b8b705f5255b569354753af030c37ec4326 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SOFT_PAD_RATE_HZ:
@@ -106,13 +106,13 @@ int soft_pad_selftest(void);
 #define SOFT_PAD_MAX_FORCE_N 12.002745f
 #define SOFT_PAD_TRAINED_DEPTH_M 0.0144908f
 #define SOFT_PAD_WATCHDOG_S 0.02f
-#define SOFT_PAD_STATE_BYTES 160
+#define SOFT_PAD_STATE_BYTES 156
 
 /* What one tick hands to the next, here so that a state can be allocated: not to be read, nor
  * written, but by the functions above. */
 typedef struct {
-    float silent_s; /* since the last good sample; 0 once it is latched */
-    float debt_s;   /* silence that good samples have not yet made up for */
+    float silent_s; /* since the last good sample; 0 once latched */
+    float debt_s;   /* silence not yet paid back by good ticks */
     uint32_t latched;
 } soft_pad_silence_state;
 
@@ -131,7 +131,6 @@ typedef struct {
 typedef struct {
     float last_n; /* by the last call: from here the force grows */
     float share;  /* 0 .. 1, of the model's force that is given */
-    float rise;   /* of the share in a tick */
 } soft_pad_output_state;
 
 struct soft_pad_state {
@@ -146,7 +145,7 @@ struct soft_pad_state {
 };
 
 /* Fails where a header of another number type or version was included first. */
-typedef char soft_pad_state_is_as_planned[sizeof(struct soft_pad_state) == 160 ? 1 : -1];
+typedef char soft_pad_state_is_as_planned[sizeof(struct soft_pad_state) == 156 ? 1 : -1];
 
 /* For the picture of a game, where no hand feels the force: the ticks of `seconds`, 1 s at most, with the
  * tool on a straight line from its last good position to this one. Returns all notes, or misuse;

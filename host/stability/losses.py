@@ -19,7 +19,7 @@ ERROR_N, ERROR_OF_PEAK = 0.5, 0.05
 # A force that is held while the hand turns gives energy: 4 % of a press for a silence of 19 ms at
 # the worst phase. The hand's own damping takes that.
 RETURNED_OF_STORED = 0.05
-MAX_WATCHDOG_TIMEOUTS = 5.0  # times the watchdog's, where too few samples come from the beginning
+MAX_WATCHDOG_TIMEOUTS = 25.0  # times the watchdog's, where too few samples come from the beginning
 _ROUNDING_N = 1e-4
 _TOUCH = 0.05  # of the trained depth: contact beyond doubt
 

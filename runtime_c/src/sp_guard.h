@@ -15,6 +15,7 @@ typedef struct {
     sp_real max_step_m;    /* maximum believable step, m a tick */
     sp_real min_m;         /* believable positions: from here */
     sp_real max_m;         /* to here */
+    sp_real air_m;         /* at most there nothing is touched: any step is plausible */
     uint32_t resync_ticks; /* agreeing_samples samples after which a new position is true */
 } sp_guard_config;
 
@@ -57,7 +58,8 @@ static inline sp_real sp_guard_accept(const sp_guard_config *config, sp_guard_st
         *notes |= SP_NOTE_RESYNC;
         return x;
     }
-    if (sp_abs(x - state->last_good_m) <= config->max_step_m * ticks) {
+    if (sp_abs(x - state->last_good_m) <= config->max_step_m * ticks ||
+        (x <= config->air_m && state->last_good_m <= config->air_m)) {
         state->agreeing_samples = 0;
         state->last_good_m = x;
         return x;

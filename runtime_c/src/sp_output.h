@@ -2,9 +2,9 @@
  *
  * Down at once: a force that the model lowers is lower in the same tick. Up by two limits: never
  * more than slew_n above the force that was given before, whatever the reason that it was less; and
- * after a start at depth, or a silence, by a share of the model's force that rises to 1. Without a
- * sample the force never rises; latched, it falls to zero and stays there.
- * docs/explanation/output.md has the equations. */
+ * after a start at depth by a share of the model's force that rises to 1. Without a sample the
+ * force never rises; latched, it falls to zero and stays there. docs/explanation/output.md has the
+ * equations. */
 #ifndef SP_OUTPUT_H
 #define SP_OUTPUT_H
 
@@ -16,21 +16,18 @@ typedef struct {
     sp_real max_n;
     sp_real slew_n; /* maximum growth of the force from call to call: a fault's, not a touch's */
     sp_real rise;   /* share of the force gained in a tick after a start or restart at depth */
-    sp_real back;   /* the same after a silence */
     sp_real fall_n; /* of the force in one tick once it is latched */
 } sp_output_config;
 
 typedef struct {
     sp_real last_n; /* by the last call: from here the force grows */
     sp_real share;  /* 0 .. 1, of the model's force that is given */
-    sp_real rise;   /* of the share in a tick */
 } sp_output_state;
 
 /* A position was taken as true without a history: the force rises from zero. */
-static inline void sp_output_begin_ramp(const sp_output_config *config, sp_output_state *state)
+static inline void sp_output_begin_ramp(sp_output_state *state)
 {
     state->share = (sp_real)0;
-    state->rise = config->rise;
 }
 
 /* No contact: whatever comes next starts from zero by itself. */
@@ -81,31 +78,13 @@ static inline sp_real sp_output_last_along(const sp_output_state *state, sp_real
     return last_n < zero ? last_n : zero;
 }
 
-/* First good sample after a silence, behind a coupling, which overshoots: the share rises from what
- * was given. A ramp that was under way goes on as slowly. Bare, a slow return gives energy back. */
-SP_COLD void sp_output_ramp_after_silence(const sp_output_config *config, sp_output_state *state,
-                                          sp_real force_n)
-{
-    const sp_real before_n = sp_abs(sp_output_last_along(state, force_n));
-    const sp_real now_n = sp_abs(force_n);
-    const sp_real share = before_n < now_n ? before_n / now_n : (sp_real)1;
-    if (share < (sp_real)1 && share < state->share) {
-        state->rise = state->share < (sp_real)1 ? state->rise : config->back;
-        state->share = share + state->rise;
-    }
-}
-
-/* The model's force of a good sample; returns what leaves, N. back: it comes after a silence,
- * behind a coupling. ticks: of this call, at most 1. */
+/* The model's force of a good sample; returns what leaves, N. ticks: of this call, at most 1. */
 static inline sp_real sp_output_limit(const sp_output_config *config, sp_output_state *state,
-                                      int back, sp_real ticks, sp_real force_n, int *notes)
+                                      sp_real ticks, sp_real force_n, int *notes)
 {
-    if (back) {
-        sp_output_ramp_after_silence(config, state, force_n);
-    }
     if (state->share < (sp_real)1) {
         force_n *= state->share;
-        state->share += state->rise * ticks;
+        state->share += config->rise * ticks;
         *notes |= SP_NOTE_RAMPED;
     }
     force_n = sp_output_clamp(config, force_n, notes);

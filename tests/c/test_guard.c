@@ -4,8 +4,11 @@
 #include "sp_guard.h"
 #include "sp_guard_velocity.h"
 
-static const sp_guard_config config = {
-    .max_step_m = (sp_real)0.001, .min_m = (sp_real)-10, .max_m = (sp_real)0.1, .resync_ticks = 3};
+static const sp_guard_config config = {.max_step_m = (sp_real)0.001,
+                                       .min_m = (sp_real)-10,
+                                       .max_m = (sp_real)0.1,
+                                       .air_m = (sp_real)-10,
+                                       .resync_ticks = 3};
 
 TEST(unbelievable_samples_hold_the_last_good_one)
 {
@@ -57,9 +60,31 @@ TEST(only_believable_device_velocities_are_taken)
     }
 }
 
+/* A tool flies through the air as fast as it likes, and is not let in by that. */
+TEST(any_step_in_the_air_is_plausible)
+{
+    sp_guard_config surface = config;
+    surface.air_m = (sp_real)0;
+    sp_guard_state state = {.last_good_m = (sp_real)-0.5, .started = 1};
+    int notes = 0;
+    CHECK(sp_guard_accept(&surface, &state, (sp_real)1, (sp_real)-2, &notes) == (sp_real)-2);
+    CHECK(sp_guard_accept(&surface, &state, (sp_real)1, (sp_real)0, &notes) == (sp_real)0);
+    CHECK(notes == 0);
+    state.last_good_m = (sp_real)-0.5;
+    CHECK(sp_guard_accept(&surface, &state, (sp_real)1, (sp_real)0.01, &notes) == (sp_real)-0.5);
+    CHECK(notes == SP_NOTE_HELD);
+    state.last_good_m = (sp_real)0.01;
+    notes = 0;
+    CHECK(sp_guard_accept(&surface, &state, (sp_real)1, (sp_real)-0.5, &notes) == (sp_real)0.01);
+    CHECK(notes == SP_NOTE_HELD);
+}
+
 /* Numbers that float holds exactly: at a border, not near it. */
-static const sp_guard_config exact = {
-    .max_step_m = (sp_real)0.25, .min_m = (sp_real)-8, .max_m = (sp_real)8, .resync_ticks = 3};
+static const sp_guard_config exact = {.max_step_m = (sp_real)0.25,
+                                      .min_m = (sp_real)-8,
+                                      .max_m = (sp_real)8,
+                                      .air_m = (sp_real)-8,
+                                      .resync_ticks = 3};
 enum { OTHER_NOTE = SP_NOTE_RAMPED }; /* said before by another unit: it stays */
 
 /* Takes a sample one tick after the last; whether position and notes are these. */

@@ -8,7 +8,6 @@ static const sp_output_config config = {.min_n = (sp_real)-12,
                                         .max_n = (sp_real)16,
                                         .slew_n = (sp_real)4,
                                         .rise = (sp_real)0.25,
-                                        .back = (sp_real)0.5,
                                         .fall_n = (sp_real)1.5};
 enum { OTHER_NOTE = 1 << 20 }; /* said before by another unit: it stays, alone */
 
@@ -19,7 +18,7 @@ static sp_output_state after(double last_n)
 
 static sp_real next(sp_output_state *state, double force_n, int *notes)
 {
-    return sp_output_limit(&config, state, 0, (sp_real)1, (sp_real)force_n, notes);
+    return sp_output_limit(&config, state, (sp_real)1, (sp_real)force_n, notes);
 }
 
 TEST(what_leaves_is_within_the_limits)
@@ -64,16 +63,16 @@ TEST(a_shorter_call_grows_and_rises_less)
 {
     sp_output_state state = after(0);
     int notes = 0;
-    CHECK(sp_output_limit(&config, &state, 0, (sp_real)0.5, (sp_real)9, &notes) == (sp_real)2);
-    sp_output_state ramp = {.rise = (sp_real)0.25};
-    (void)sp_output_limit(&config, &ramp, 0, (sp_real)0.5, (sp_real)8, &notes);
+    CHECK(sp_output_limit(&config, &state, (sp_real)0.5, (sp_real)9, &notes) == (sp_real)2);
+    sp_output_state ramp = {0};
+    (void)sp_output_limit(&config, &ramp, (sp_real)0.5, (sp_real)8, &notes);
     CHECK(ramp.share == (sp_real)0.125);
 }
 
 TEST(a_restart_rises_from_zero)
 {
     sp_output_state state = after(8);
-    sp_output_begin_ramp(&config, &state);
+    sp_output_begin_ramp(&state);
     for (int i = 0; i < 4; i++) {
         int notes = OTHER_NOTE;
         CHECK(next(&state, 8, &notes) == (sp_real)(2 * i));
@@ -81,35 +80,9 @@ TEST(a_restart_rises_from_zero)
     }
     int notes = 0;
     CHECK(next(&state, 8, &notes) == (sp_real)8 && notes == 0);
-    sp_output_begin_ramp(&config, &state);
+    sp_output_begin_ramp(&state);
     sp_output_end_ramp(&state); /* in air: what comes next starts from zero by itself */
     CHECK(next(&state, 3, &notes) == (sp_real)3 && notes == 0);
-}
-
-/* given, model's force, share before; share after, and what is given in that tick. */
-TEST(after_a_silence_the_share_rises_from_what_was_given)
-{
-    const struct {
-        double given, in, share, share_after, out;
-    } cases[] = {{2, 8, 1, 1.25, 6},    /* 1/4 + 1/2, the slew; then + 1/2 */
-                 {6, 8, 1, 1.25, 8},    /* 3/4 + 1/2: there */
-                 {9, 8, 1, 1, 8},       /* lower: at once */
-                 {-2, -8, 1, 1.25, -6}, /* pulling */
-                 {-2, 8, 1, 1, 4},      /* the other way: from zero */
-                 {0, 8, 0.5, 0.5, 2},   /* a ramp that is under way stays as slow */
-                 {4, 8, 0.25, 0.5, 2},  /* nor does it jump */
-                 {2, 4, 0.5, 0.75, 2},  /* where it is already */
-                 {0, 0, 1, 1, 0}};
-    for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
-        sp_output_state state = {.last_n = (sp_real)cases[i].given,
-                                 .share = (sp_real)cases[i].share,
-                                 .rise = (sp_real)0.25};
-        int notes = 0;
-        const sp_real out =
-            sp_output_limit(&config, &state, 1, (sp_real)1, (sp_real)cases[i].in, &notes);
-        CHECK((double)out == cases[i].out);
-        CHECK((double)state.share == cases[i].share_after);
-    }
 }
 
 TEST(a_latched_force_falls_for_as_many_ticks_as_passed)

@@ -9,13 +9,15 @@
 #include "sp_guard_velocity.h"
 #include "sp_output.h"
 
-static const sp_guard_config guard = {
-    .max_step_m = (sp_real)0.001, .min_m = (sp_real)-10, .max_m = (sp_real)0.1, .resync_ticks = 3};
+static const sp_guard_config guard = {.max_step_m = (sp_real)0.001,
+                                      .min_m = (sp_real)-10,
+                                      .max_m = (sp_real)0.1,
+                                      .air_m = (sp_real)-10,
+                                      .resync_ticks = 3};
 static const sp_output_config output = {.min_n = (sp_real)0,
                                         .max_n = (sp_real)12,
                                         .slew_n = (sp_real)3,
                                         .rise = (sp_real)0.25,
-                                        .back = (sp_real)0.1,
                                         .fall_n = (sp_real)1.5};
 
 static sp_real pattern(uint32_t bits)
@@ -42,9 +44,9 @@ static int gets_past(uint32_t bits)
     int notes = 0;
     const sp_real first_m = sp_guard_accept(&guard, &fresh, (sp_real)1, x, &notes);
     const sp_real next_m = sp_guard_accept(&guard, &held, (sp_real)1, x, &notes);
-    const sp_real slow_n = sp_output_limit(&output, &rest, 0, (sp_real)1, x, &notes);
-    const sp_real fast_n = sp_output_limit(&output, &pressed, 0, (sp_real)1, x, &notes);
-    const sp_real late_n = sp_output_limit(&output, &late, 1, (sp_real)1, x, &notes);
+    const sp_real slow_n = sp_output_limit(&output, &rest, (sp_real)1, x, &notes);
+    const sp_real fast_n = sp_output_limit(&output, &pressed, (sp_real)1, x, &notes);
+    const sp_real late_n = sp_output_limit(&output, &late, (sp_real)1, x, &notes);
     return !(first_m >= guard.min_m && first_m <= guard.max_m) ||
            !(sp_abs(next_m - (sp_real)0.005) <= guard.max_step_m) ||
            (sp_guard_plausible_velocity((sp_real)2, x) && !(sp_abs(x) <= (sp_real)2)) ||

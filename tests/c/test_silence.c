@@ -49,16 +49,18 @@ TEST(endless_silence_is_latched)
     }
 }
 
-/* 2 ms of every 14 may be silent, not 3; a third of the ticks ends within 0.1 s. */
+/* A source that is silent for a seventh of the time ends, for a third of it within half a second;
+ * one that loses 1 % in bursts of 14 ms, or 19 ms of every 142, goes on. */
 TEST(silences_add_up)
 {
     const struct {
-        int silent, of, ends;
-    } cases[] = {{1, 8, 0}, {2, 15, 0}, {19, 142, 0}, {1, 7, 1}, {18, 40, 1}, {1, 3, 1}};
+        int silent, of, end_before;
+    } cases[] = {{1, 8, 0},      {2, 15, 0},    {19, 142, 0}, {14, 1400, 0}, {1, 7, 60000},
+                 {6, 42, 60000}, {18, 40, 500}, {1, 3, 500},  {1, 2, 500},   {6, 18, 500}};
     for (unsigned i = 0; i < sizeof cases / sizeof cases[0]; i++) {
         sp_silence_state state = {0};
         int end = 0;
-        for (int tick = 0; tick < 20000 && !state.latched; tick++) {
+        for (int tick = 0; tick < 60000 && !state.latched; tick++) {
             end = tick;
             if (tick % cases[i].of < cases[i].silent) {
                 (void)sp_silence_no_sample(&config, &state, config.dt_s);
@@ -67,9 +69,31 @@ TEST(silences_add_up)
                 CHECK(state.silent_s == (sp_real)0);
             }
         }
-        CHECK((int)state.latched == cases[i].ends);
-        CHECK(cases[i].of > 3 || end < 100);
+        CHECK((int)state.latched == (cases[i].end_before > 0));
+        CHECK(!state.latched || end < cases[i].end_before);
     }
+}
+
+/* Half an hour of bursts of 1 to 14 ms at random, 1 % of the time: none latches. */
+TEST(rare_bursts_at_random_latch_never)
+{
+    sp_silence_state state = {0};
+    uint32_t random = 1, lost = 0, left = 0;
+    for (int tick = 0; tick < 1800000; tick++) {
+        random = random * 1664525u + 1013904223u;
+        if (left == 0 && (random >> 8) % 750u == 0u) {
+            left = 1u + (random >> 4) % 14u;
+        }
+        if (left > 0) {
+            left--;
+            lost++;
+            (void)sp_silence_no_sample(&config, &state, config.dt_s);
+        } else {
+            sp_silence_good_sample(&state, config.dt_s);
+        }
+    }
+    CHECK(!state.latched);
+    CHECK(lost > 15000 && lost < 21000);
 }
 
 /* A tick of 2^-10 s: all that follows is exact, in float too. */

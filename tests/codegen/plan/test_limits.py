@@ -41,7 +41,7 @@ def scene(**guard: Any) -> Scene:
 def test_what_a_hand_may_do_is_believed(
     trained: TrainedRange, rate_hz: float, surface: bool
 ) -> None:
-    guard = limits.build_guard_config(model(trained), 0.02, ticks(rate_hz, surface))
+    guard = limits.build_guard_config(model(trained), 0.02, ticks(rate_hz, surface), False)
     fastest_mps = max(1.0, 8.0 * trained.max_mps)
     assert limits.compute_max_mps(model(trained)) == fastest_mps
     assert guard.max_step_m == near(max(1e-3, fastest_mps / rate_hz))  # no encoder's noise jumps
@@ -54,7 +54,9 @@ def test_a_new_place_is_believed_before_the_watchdog_latches(
     trained: TrainedRange, rate_hz: float, watchdog_ticks: float
 ) -> None:
     """Two samples that agree at least, five at most."""
-    guard = limits.build_guard_config(model(trained), watchdog_ticks / rate_hz, ticks(rate_hz))
+    guard = limits.build_guard_config(
+        model(trained), watchdog_ticks / rate_hz, ticks(rate_hz), False
+    )
     assert 2 <= guard.resync_ticks <= 5 and guard.resync_ticks < watchdog_ticks
     assert guard.resync_ticks == 5 or guard.resync_ticks + 2 > watchdog_ticks - 1e-9
 
@@ -98,16 +100,15 @@ def test_forces_that_leave(
         assert output.min_n == 0.0
     else:
         assert output.min_n == near(max(-output.max_n, min(0.0, 1.2 * trained.min_n)))
-    for config in (output, limits.build_guard_config(model(trained), 0.02, ticks(rate_hz))):
+    for config in (output, limits.build_guard_config(model(trained), 0.02, ticks(rate_hz), False)):
         with pytest.raises(FrozenInstanceError):
             config.max_n = 0.0  # type: ignore[misc]
     # It grows to its maximum in 4 ms, by 1.5 N a millisecond at least, and by as much in a tick.
     assert output.slew_n == near(max(1.0 / rate_hz, 1e-3) * max(1500.0, output.max_n / 0.004))
     # A latched force falls from its maximum to zero in 8 ms.
     assert output.fall_n * rate_hz == near(output.max_n / 0.008)
-    # A start ramps in over 50 ms, a return after a silence over 10 ms.
+    # A start ramps in over 50 ms.
     assert output.rise == near(min(1.0, 1.0 / (0.05 * rate_hz)))
-    assert output.back == near(min(1.0, 1.0 / (0.01 * rate_hz)))
 
 
 @given(st.floats(-50.0, 0.0))

@@ -88,15 +88,15 @@ def test_no_call_breaks_what_a_hand_is_owed(name: str, options: dict[str, str | 
 
 
 @pytest.mark.parametrize("mode", ["off", "proxy"])
-def test_a_source_that_misses_every_third_sample_ends_within_a_tenth_of_a_second(mode: str) -> None:
+def test_a_source_that_misses_every_third_sample_ends_within_half_a_second(mode: str) -> None:
     """What a drive sends for an estimate that is not valid is 0.0: the surface itself."""
     plan = make_plan(golden_forces.model("hammerstein"), scene(mode=mode))
     depth_m = 0.8 * plan.model.trained.max_m
-    position_m = depth_m * np.minimum(np.arange(400) / 300, 1.0)
+    position_m = depth_m * np.minimum(np.arange(900) / 300, 1.0)
     position_m[300::3] = 0.0
     library = build_and_load(plan)
-    force_n, notes = Replay(library).run(position_m.astype(plan.dtype), np.zeros(400, plan.dtype))
+    force_n, notes = Replay(library).run(position_m.astype(plan.dtype), np.zeros(900, plan.dtype))
     ended = int(np.flatnonzero(notes & LATCHED)[0])
-    assert 300 < ended <= 400
+    assert 300 < ended <= 800
     rises_n = np.diff(force_n[300:])
     assert rises_n.max() <= plan.output.slew_n and not force_n[ended + 10 :].any()

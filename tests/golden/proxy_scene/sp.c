@@ -9,6 +9,7 @@ static const sp_guard_config guard = {
     0.0014693231f, /* max_step_m */
     -10.0f,        /* min_m */
     0.119984604f,  /* max_m */
+    -10.0f,        /* air_m */
     5,             /* resync_ticks */
 };
 static const sp_range_config range = {
@@ -20,7 +21,6 @@ static const sp_output_config output = {
     10.955592f, /* max_n */
     2.738898f,  /* slew_n */
     0.02f,      /* rise */
-    0.1f,       /* back */
     1.369449f,  /* fall_n */
 };
 static const sp_couple_config couple = {
@@ -84,6 +84,7 @@ static const sp_hammerstein_tables passive_tables = {
 
 static const float rate_hz = 1000.0f;
 static const float velocity_weight = 0.2f;
+static const float velocity_lag = 9.0f;
 
 /* ---------------------------------------------------- the tick, and the functions of the header */
 
@@ -98,7 +99,7 @@ static void restart(sp_state *state, float position)
     state->penetration_surface.force_n = (float)0;
     sp_tool_velocity_rest(&state->tool_velocity, position);
     sp_couple_release(&state->couple);
-    sp_output_begin_ramp(&output, &state->output);
+    sp_output_begin_ramp(&state->output);
 }
 
 /* One tick with the tool at `position`; returns the model's force, N. */
@@ -156,9 +157,9 @@ static int hold(sp_state *state, float dt_s, float share, float *force_n)
 SP_COLD void make_up(sp_state *state, float position, float step,
                      float ticks, uint32_t left)
 {
-    /* At a constant acceleration from the velocity before: the damper would feel a kink. */
+    /* At a constant acceleration, or the damper would feel a kink. The velocity before is late. */
     const float begin = state->tool_velocity.velocity_mps * silence.dt_s;
-    const float bend = (step - begin) / ticks;
+    const float bend = (step - begin) / (ticks + velocity_lag);
     for (; left > 0; left--) {
         const float curve = bend * (ticks - (float)left);
         const float way = (float)left * (step + curve);
@@ -205,7 +206,7 @@ int sp_step(sp_state *state, float position_m, float velocity_mps, float *force_
     if (state->silence.latched) {
         (void)sp_output_fall_latched(&output, &state->output, (float)1, &notes);
     } else {
-        (void)sp_output_limit(&output, &state->output, left > 0, (float)1, force, &notes);
+        (void)sp_output_limit(&output, &state->output, (float)1, force, &notes);
     }
     *force_n = state->output.last_n;
     return notes;
@@ -264,7 +265,7 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"b8b905aa568fe9de535596b060c18f040ddc72374add881f2e9419e05a4d2f5f\", \"scene\": \"proxy\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [2.3093100251531682e-07, 0.011998460459983215], \"speed_mps\": 0.18366538639667027, \"force_n\": [-7.121525591458066e-15, 9.129659751043853]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"7c840311ce0611d910cc2aab9874b880e2c55fe5d0e4c65dc18bb3800cc79b90\", \"scene\": \"proxy\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [2.3093100251531682e-07, 0.011998460459983215], \"speed_mps\": 0.18366538639667027, \"force_n\": [-7.121525591458066e-15, 9.129659751043853]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

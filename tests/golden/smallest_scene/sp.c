@@ -9,6 +9,7 @@ static const sp_guard_config guard = {
     0.001f, /* max_step_m */
     -10.0f, /* min_m */
     0.1f,   /* max_m */
+    0.0f,   /* air_m */
     5,      /* resync_ticks */
 };
 static const sp_range_config range = {
@@ -20,7 +21,6 @@ static const sp_output_config output = {
     12.0f, /* max_n */
     3.0f,  /* slew_n */
     0.02f, /* rise */
-    0.1f,  /* back */
     1.5f,  /* fall_n */
 };
 static const float per_onset = 10000.0f;
@@ -95,7 +95,7 @@ static void restart(sp_state *state, float position)
     int ignored = 0;
     const float clipped = sp_range_clip(&range, penetration, &ignored);
     sp_window_fill(state->history, &state->newest, N_TAPS, clipped);
-    sp_output_begin_ramp(&output, &state->output);
+    sp_output_begin_ramp(&state->output);
 }
 
 /* One tick with the tool at `position`; returns the model's force, N. */
@@ -187,7 +187,7 @@ int sp_step(sp_state *state, float position_m, float velocity_mps, float *force_
     if (state->silence.latched) {
         (void)sp_output_fall_latched(&output, &state->output, (float)1, &notes);
     } else {
-        (void)sp_output_limit(&output, &state->output, 0, (float)1, force, &notes);
+        (void)sp_output_limit(&output, &state->output, (float)1, force, &notes);
     }
     *force_n = state->output.last_n;
     return notes;
@@ -247,7 +247,7 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"41755ab93f5520f5b9d88c8ca0a6eddd539dc02338325ff4b47ee792141130cc\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"cf786d5405de084fb6741c879a658806cea5fd7636a6618dd832e1301cc5c1c9\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 41755ab93f5520f5b9d88c8ca0a6eddd539dc02338325ff4b47ee792141130cc */
+/* springpot 0.1.0 cf786d5405de084fb6741c879a658806cea5fd7636a6618dd832e1301cc5c1c9 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:
@@ -106,13 +106,13 @@ int sp_selftest(void);
 #define SP_MAX_FORCE_N 12.0f
 #define SP_TRAINED_DEPTH_M 0.01f
 #define SP_WATCHDOG_S 0.02f
-#define SP_STATE_BYTES 184
+#define SP_STATE_BYTES 180
 
 /* What one tick hands to the next, here so that a state can be allocated: not to be read, nor
  * written, but by the functions above. */
 typedef struct {
-    float silent_s; /* since the last good sample; 0 once it is latched */
-    float debt_s;   /* silence that good samples have not yet made up for */
+    float silent_s; /* since the last good sample; 0 once latched */
+    float debt_s;   /* silence not yet paid back by good ticks */
     uint32_t latched;
 } sp_silence_state;
 
@@ -126,7 +126,6 @@ typedef struct {
 typedef struct {
     float last_n; /* by the last call: from here the force grows */
     float share;  /* 0 .. 1, of the model's force that is given */
-    float rise;   /* of the share in a tick */
 } sp_output_state;
 
 struct sp_state {
@@ -141,7 +140,7 @@ struct sp_state {
 };
 
 /* Fails where a header of another number type or version was included first. */
-typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 184 ? 1 : -1];
+typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 180 ? 1 : -1];
 
 /* For the picture of a game, where no hand feels the force: the ticks of `seconds`, 1 s at most, with the
  * tool on a straight line from its last good position to this one. Returns all notes, or misuse;

@@ -67,7 +67,7 @@ def test_rates_that_must_end_do_and_no_others(suffix: str) -> None:
     told, untold = outcomes("off"), outcomes("off", SilentLosses)
     for case in ("rate-50", "rate-10"):
         found = told[case + suffix]
-        assert found.ended and found.latched_s < 0.1 and not untold[case + suffix].ended
+        assert found.ended and found.latched_s < 0.5 and not untold[case + suffix].ended
     for case in GOING_ON:
         assert told[case + suffix].latched_s is None
 

@@ -6,7 +6,6 @@
 | jump | a sample that is far off is rendered |
 | resync | a jump that stays ends the session |
 | watchdog | the last force stays when no more samples come |
-| return (behind a coupling) | the coupling kicks where samples come back |
 | onset | a force that does not begin at 0 is felt as a step at the surface |
 | fade (outside = "zero") | the force ends at once beyond the trained depth |
 
@@ -44,7 +43,6 @@ WITHOUT: dict[str, Callable[[Plan], Plan]] = {
         plan, silence=replace(plan.silence, watchdog_s=plan.dtype(NEVER))
     ),
     "resync": lambda plan: replace(plan, guard=replace(plan.guard, resync_ticks=2**31)),
-    "return": lambda plan: replace(plan, output=replace(plan.output, back=plan.dtype(NEVER))),
     "onset": lambda plan: replace(plan, per_onset=plan.dtype(NEVER)),
     "fade": lambda plan: replace(plan, per_fade=None if plan.per_fade is None else
                                  plan.dtype(NEVER)),
@@ -153,17 +151,25 @@ def test_the_last_force_stays_without_a_watchdog() -> None:
     assert forces[""](position_m)[0][-1] == 0.0 and forces["watchdog"](position_m)[0][-1] > 1.0
 
 
-def test_a_coupling_kicks_where_samples_come_back_without_a_return() -> None:
-    forces = rendered(
-        make_plan(golden_forces.model("hammerstein"), scene(mode="tool")), ("return",)
-    )
+def test_the_path_between_samples_bends_by_the_velocity_as_late_as_it_is() -> None:
+    """Behind a coupling, at the worst phase of strokes of 8 Hz, 5 ms lost: .05 N of 11.
+
+    Taken for that of the last sample, and not for one of 4 ms before, it overshoots: .32 N.
+    """
+    plan = make_plan(golden_forces.model("hammerstein"), scene(mode="tool"))
+    assert plan.velocity is not None
+    prompt = replace(plan, velocity=replace(plan.velocity, lag=plan.dtype(0)))
     whole_m = 4e-3 * (1.0 - np.cos(2.0 * np.pi * 8.0 * np.arange(600) * 1e-3))
-    kicks_n: dict[str, list[float]] = {name: [] for name in forces}
-    for begin in range(130, 500, 7):
-        lost_m = np.where((np.arange(600) - begin) // 19 == 0, np.nan, whole_m)
-        for name, along in forces.items():
-            kicks_n[name].append(np.max((along(lost_m)[0] - along(whole_m)[0])[begin + 19 :]))
-    assert max(kicks_n[""]) < 0.3 and max(kicks_n["return"]) > 1.8 * max(kicks_n[""])
+    kicks_n = []
+    for forces in (rendered(each, ())[""] for each in (plan, prompt)):
+        clean_n = forces(whole_m)[0]
+        losses = [(np.arange(600) - begin) // 5 == 0 for begin in range(130, 500, 7)]
+        felt_n = [forces(np.where(lost, np.nan, whole_m))[0] for lost in losses]
+        kicks_n.append(max(
+            (force_n - clean_n)[np.flatnonzero(lost)[-1] + 1 :].max()
+            for force_n, lost in zip(felt_n, losses, strict=True)
+        ))  # fmt: skip
+    assert kicks_n[0] < 0.1 and kicks_n[1] > 0.25
 
 
 def test_a_force_that_does_not_begin_at_zero_is_a_step_without_an_onset() -> None:
