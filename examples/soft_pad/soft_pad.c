@@ -1,4 +1,4 @@
-/* springpot 0.1.0 a5f9e9bc60de1ef6b2c3000f8e8c7205c89e63dbb7e99b0cfd50b11db5e385a8 */
+/* springpot 0.1.0 767e2d926e5e99d1409acbd3a066c40e59c8f644dd4a8c9784e3f3bed4ba13fd */
 /* pad: the whole scene, its self-test too. How to call it: soft_pad.h.
  *
  * In the order of a tick: units, each named by its file in springpot and without what this scene does
@@ -908,7 +908,7 @@ uint32_t soft_pad_state_size(void)
 
 const char *soft_pad_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"a5f9e9bc60de1ef6b2c3000f8e8c7205c89e63dbb7e99b0cfd50b11db5e385a8\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"767e2d926e5e99d1409acbd3a066c40e59c8f644dd4a8c9784e3f3bed4ba13fd\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 a5f9e9bc60de1ef6b2c3000f8e8c7205c89e63dbb7e99b0cfd50b11db5e385a8 */
+/* springpot 0.1.0 767e2d926e5e99d1409acbd3a066c40e59c8f644dd4a8c9784e3f3bed4ba13fd */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SOFT_PAD_RATE_HZ:

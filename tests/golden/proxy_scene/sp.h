@@ -1,4 +1,4 @@
-/* springpot 0.1.0 b8b905aa568fe9de535596b060c18f040ddc72374add881f2e9419e05a4d2f5f */
+/* springpot 0.1.0 726f58f91bf53a29e8b87d37198aa15e16898a8b79fde9e9aa3fb91ac299f110 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:
