@@ -71,18 +71,20 @@ def _build_plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
         dtype=np.float32 if scene.runtime.number == "float32" else np.float64,
         vector_width=select_vector_width(scene.runtime),
         surface=(scene.guard.contact or model.contact) == "surface",
-        conditioned={"auto": None, "rested": False, "conditioned": True}[scene.runtime.start],
+        start_reach_m=model.start_reach_m,
     )
     dt_s, dtype, contact = ticks.dt_s, ticks.dtype, ticks.surface
     watchdog_s = watchdog_timeout_s(scene, dt_s)
-    stages = build_stages(model, scene, ticks)
+    stages = build_stages(model.with_start(scene.runtime.start), scene, ticks)
     trained = RangeConfig(
         min_m=dtype(0.0 if contact else model.trained.min_m), max_m=dtype(model.trained.max_m)
     )
     fade_m = FADE_DEPTH_FRACTION * (float(trained.max_m) - float(trained.min_m))
     output = build_output_config(model, scene, ticks)
-    stiffness_npm = find_max_stiffness_npm(stages, model, trained, ticks, float(output.max_n))
-    tangent = compute_tangent(stages, trained, float(output.max_n), stiffness_npm)
+    # A rested object is the stiffest: damage, or a surface that is not back yet, takes from it.
+    rested = build_stages(model.with_start("rested"), scene, ticks)
+    stiffness_npm = find_max_stiffness_npm(rested, model, trained, ticks, float(output.max_n))
+    tangent = compute_tangent(rested, trained, float(output.max_n), stiffness_npm)
     choice = _select_coupling(scene, stiffness_npm, tangent, dt_s)
     couple = None
     if choice.coupling.mode != "off":

@@ -11,6 +11,7 @@ from typing import Annotated, Literal
 from annotated_types import Gt, Interval
 
 from springpot.codegen.messages import short_repr
+from springpot.codegen.model.passive import Start
 
 Number = Literal["float32", "float64"]
 Target = Literal["host", "cortex-m4f", "cortex-m7", "rv32imafc"]
@@ -38,9 +39,9 @@ class Runtime:
     letters, digits, underscores."""
     forest: Literal["table", "m2cgen"] = "table"
     """Node tables, or nested ifs by m2cgen, for small forests and comparison."""
-    start: Literal["auto", "rested", "conditioned"] = "auto"
-    """The object as new, or as it is after the training presses. Default: as the training
-    recordings begin."""
+    start: Start = "auto"
+    """The object as new, or as the training presses left it. Default: as the training recordings
+    begin."""
     __repr__ = short_repr
 
 

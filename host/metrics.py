@@ -1,6 +1,6 @@
 """Figures of a prediction against a measurement: of force, and of the stiffness along presses."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -125,6 +125,17 @@ def error_ratio_keys(found: Accuracy, floor: NoiseFloor) -> JsonObject:
         "error_per_floor": per_floor,
         "error_per_jnd": found.error_per_jnd,
     }
+
+
+def format_start_errors(by_start_n: Mapping[str, float | None]) -> str:
+    """Say how the model itself errs where recordings begin at rest, or go on from the training.
+
+    "" for a model that has no state, whose features begin at rest.
+    """
+    if not by_start_n or by_start_n["continues"] is None:
+        return ""
+    rested_n, continues_n = by_start_n["rested"], by_start_n["continues"]
+    return f"rested {rested_n:.4g} N, continues {continues_n:.4g} N where the training ended"
 
 
 def ratio_rows(ratios: JsonObject) -> dict[str, str]:

@@ -14,6 +14,7 @@ from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.files import parse_path
 from springpot.codegen.messages import notice
 from springpot.codegen.model.model import Model
+from springpot.codegen.model.passive import Start
 from springpot.codegen.scene import Scene, Target
 from springpot.codegen.types import JsonObject
 from springpot.host.files import (
@@ -135,6 +136,7 @@ def predict(
     dt_s: float | None = None,
     *,
     place_m: tuple[float, float] | None = None,
+    start: Start = "auto",
 ) -> Samples:
     """Force of the model itself along positions (n,), m: (n,), N, in float64; >= 0 at a surface.
 
@@ -143,7 +145,8 @@ def predict(
     ten times deeper than the training presses, as in millimetres. A UserWarning says from 1.5 times
     the trained depth, and from 4 times the trained speed on, that the force is an extrapolation; of
     a recording, that its signs are no object's, or that it begins in motion; and that a model with
-    a map was given no place. place_m: x and y, m; by default the recording's.
+    a map was given no place. place_m: x and y, m; by default the recording's. start: "rested", with
+    the object at rest; "continues", as the training presses left it; as those began by default.
 
     >>> predict(model, [0.0, 1e-3, 2e-3]).shape
     (3,)
@@ -172,7 +175,7 @@ def predict(
     if place_m is not None:
         recording = replace(recording, place_x_m=place_m[0], place_y_m=place_m[1])
     require_compatible(recording, model)
-    (force_n,) = predict_limited_n(model, [recording])
+    (force_n,) = predict_limited_n(model.with_start(start), [recording])
     doubts += [missing_place_message(model, recording), *find_extrapolation(model, recording)]
     for doubt in (*doubts, *find_moving_starts(model, [recording])):
         if doubt:

@@ -5,14 +5,22 @@ from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from typing import Literal
 
-from springpot.codegen.arrays import require
-from springpot.codegen.errors import DataError
+import numpy as np
+
+from springpot.codegen.arrays import Samples, require
+from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.model.features import Features
-from springpot.codegen.model.passive import Hammerstein
+from springpot.codegen.model.passive import Hammerstein, Start
 from springpot.codegen.model.regressors import Regressor
 from springpot.codegen.types import JsonMapping
 
 Contact = Literal["surface", "always"]
+# Of the depth: from here on a tool is inside the object. Above it all presses begin, which tells
+# nothing of what came before.
+_INSIDE_DEPTH_FRACTION = 0.002
+# Times the fastest trained motion: an object without a surface, entered from farther than a tick of
+# it, would pull at the tool for that tick.
+_MAX_START_SPEED_RATIO = 4.0
 
 
 @contextmanager
@@ -115,6 +123,48 @@ class Model:
         features_s = 0.0 if self.features is None else self.features.memory_s(self.dt_s)
         adds = self.hammerstein is not None and self.hammerstein_adds
         return max(features_s, self.hammerstein.memory_s if adds and self.hammerstein else 0.0)
+
+    @property
+    def has_state(self) -> bool:
+        """Whether its force has a state that training can leave; features begin at rest."""
+        return self.hammerstein is not None and self.hammerstein_adds
+
+    @property
+    def start_reach_m(self) -> float:
+        """How far from where training ended a motion without a surface may begin and go on, m."""
+        return _MAX_START_SPEED_RATIO * self.trained.max_mps * self.dt_s
+
+    def with_start(self, start: Start) -> "Model":
+        """The model whose motions begin so. Raises UsageError for a state that it does not have."""
+        passive = self.hammerstein
+        if start == "auto" or passive is None:
+            return self
+        if start == "continues" and not self.has_state:
+            raise UsageError(
+                f"start {start!r}: {self.kind} keeps no state of its training presses: give "
+                '"rested", or train --model hammerstein'
+            )
+        started = replace(passive, continues=start == "continues", end_depth_m=None)
+        return replace(self, hammerstein=started)
+
+    def continues_training(self, depth_m: Samples) -> bool:
+        """Whether a motion, (n,), m, goes on where the training recordings ended.
+
+        Without a surface only from near there: elsewhere the object begins at rest.
+        After a single one, which shows no start but its own: a motion that begins inside the
+        object, within one of its own samples' steps of where that ended.
+        """
+        passive = self.hammerstein
+        if passive is None or not self.has_state:
+            return False
+        if passive.end_depth_m is None:
+            left_m = passive.origin_m + passive.span_m * passive.memory.u
+            near = self.contact == "surface" or abs(depth_m[0] - left_m) <= self.start_reach_m
+            return bool(passive.continues and near)
+        step_m = float(np.abs(np.diff(depth_m)).max(initial=0.0))
+        base_m = 0.0 if self.contact == "surface" else passive.origin_m
+        inside = depth_m[0] - base_m > _INSIDE_DEPTH_FRACTION * passive.span_m
+        return bool(inside and abs(depth_m[0] - passive.end_depth_m) <= step_m)
 
     def stiffened(self, factor: float) -> "Model":
         """The model of an object so many times stiffer: its force at x is this one's at factor x.

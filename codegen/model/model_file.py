@@ -31,7 +31,8 @@ from springpot.codegen.model.passive import Damage, Flow, Hammerstein, Memory
 from springpot.codegen.model.places import Places
 from springpot.codegen.model.regressors import Forest, Linear, Quantisation, Rbf
 
-MODEL_SCHEMA = 5
+MODEL_SCHEMA = 6
+_OLD_SCHEMA = 5  # without the whole state: what begins at rest means the same
 MODEL_MAGIC = b"springpot-model"
 MODEL_SUFFIX = ".spm"
 _MAX_BYTES = 1 << 29  # a forest of 19 million nodes
@@ -106,9 +107,10 @@ def read_model(path: Path) -> Model:
     found = re.fullmatch(MODEL_MAGIC + rb" ([0-9]{1,9}) ([0-9a-f]{64})", first_line)
     if not found:
         raise DataError(f"{path}: not a {_FILE_DESCRIPTION}")
-    if int(found[1]) != MODEL_SCHEMA:
+    schema = int(found[1])
+    if schema not in (_OLD_SCHEMA, MODEL_SCHEMA):
         raise DataError(
-            f"{path}: model schema {int(found[1])}, this springpot reads {MODEL_SCHEMA}: upgrade "
+            f"{path}: model schema {schema}, this springpot reads {MODEL_SCHEMA}: upgrade "
             "springpot, or train again with this one"
         )
     if found[2] != hashlib.sha256(body).hexdigest().encode():
@@ -116,7 +118,10 @@ def read_model(path: Path) -> Model:
     try:
         with np.load(io.BytesIO(body), allow_pickle=False) as stored:
             arrays = {name: stored[name] for name in stored.files}
-        model = _unpack(json.loads(arrays.pop("header").tobytes()), arrays, "model")
+        header = json.loads(arrays.pop("header").tobytes())
+        if schema == _OLD_SCHEMA:
+            _drop_old_memory(header)
+        model = _unpack(header, arrays, "model")
         if not isinstance(model, Model):
             raise DataError("describes no model")
         _pack(model, "model", {})  # finite numbers alone, and known parts
@@ -128,6 +133,14 @@ def read_model(path: Path) -> Model:
         reason = " ".join(str(error).split())[:200]
         raise DataError(f"{path}: holds no springpot model ({reason}): train again") from None
     return model
+
+
+def _drop_old_memory(header: Any) -> None:
+    """Take a part of a state out of a header of the old schema; raise DataError if it begins so."""
+    passive = header["hammerstein"] or {}
+    passive.pop("conditioned", None)
+    if passive.pop("starts_conditioned", False):
+        raise DataError("begins with a part of the object's state, as an older springpot wrote it")
 
 
 def _pack(value: Any, path: str, arrays: _Arrays) -> object:

@@ -1,6 +1,7 @@
 """The passive model: springs, Maxwell branches, stops, flow, damage; curves that never fall."""
 
 from dataclasses import dataclass, field, replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +18,9 @@ from springpot.codegen.arrays import (
 from springpot.codegen.messages import short_repr
 from springpot.codegen.model.places import MAX_NODES, Places
 
+# How a motion begins: with the object at rest, or with the state in which the training presses left
+# it; auto: as the training recordings begin.
+Start = Literal["auto", "rested", "continues"]
 _MAX_RATE_RATIO = 1e4  # of relaxation at the surface and at u = 1
 _BOUND_TOLERANCE = 1.0 - 1e-12
 FLOW_REFERENCE_FRACTION = 0.2  # of the force at u = 1: there a flow has its stated time constant
@@ -83,21 +87,26 @@ def sort_by_power(part: Flow | Damage) -> Indices:
 
 @dataclass(frozen=True, eq=False)
 class Memory:
-    """Memory of a pressed object: forces of branches, flow, and the deepest press.
+    """The whole state of a pressed object that stands at u and gives force_n there, N.
 
-    branch_n: of each branch, (P,), N; flow: h of each flowing branch, (F,); deepest: M of each
-    curve of damage, (D,).
+    branch_n: force of each branch, (P,), N; flow: h of each flowing branch, (F,); deepest: M of
+    each curve of damage, (D,); play: where that of each stop is, (K,). With less than all of it
+    a model went where no motion leads: it pushed with 2 N on a hand that touched nothing.
     """
 
     branch_n: Samples
     flow: Samples
     deepest: Samples
+    play: Samples
+    u: float
+    force_n: float
 
-    def require_valid(self, branches: int, flowing: int, curves: int) -> None:
+    def require_valid(self, branches: int, flowing: int, curves: int, stops: int) -> None:
         """Raise DataError, with field and reason."""
-        require_shape("conditioned.branch_n", self.branch_n, (branches,))
-        require_shape("conditioned.flow", self.flow, (flowing,))
-        require_not_negative("conditioned.deepest", self.deepest, (curves,))
+        require_shape("end_memory.branch_n", self.branch_n, (branches,))
+        require_shape("end_memory.flow", self.flow, (flowing,))
+        require_not_negative("end_memory.deepest", self.deepest, (curves,))
+        require_shape("end_memory.play", self.play, (stops,))
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,9 +123,10 @@ class Hammerstein:
     is that at the surface over that at u = 1. recovers: where the object has a surface,
     it comes back by itself while the tool is away (sp_surface.h); else the force is 0 at least.
     places: how slopes differ from place to place; those above are then the most of any place.
-    conditioned: the memory after the training presses; None: only what damage does not heal.
-    starts_conditioned: the training recordings go on where the one before ended, so a press begins
-    with that memory, and not with an object at rest.
+    end_memory: the state after the training presses; None: only what damage does not heal.
+    continues: a motion begins with that state, and not with an object at rest. end_depth_m: where
+    the tool was at the end of the only training recording, m: nothing else shows how others begin;
+    None: there are more recordings, or a person has said how a motion begins.
     """
 
     origin_m: float
@@ -133,8 +143,9 @@ class Hammerstein:
     damage: Damage | None = None
     recovers: bool = False
     places: Places | None = field(default=None, metadata={"left_out": True})
-    conditioned: Memory | None = None
-    starts_conditioned: bool = False
+    end_memory: Memory | None = field(default=None, metadata={"left_out": True})
+    continues: bool = False
+    end_depth_m: float | None = field(default=None, metadata={"left_out": True})
     __repr__ = short_repr
 
     def require_valid(self) -> None:
@@ -156,7 +167,7 @@ class Hammerstein:
             self.damage.require_valid(nodes)
         flowing = 0 if self.flow is None else self.flow.rate_ps.size
         curves = 0 if self.damage is None else self.damage.heal_s.size
-        self.memory.require_valid(branches, flowing, curves)
+        self.memory.require_valid(branches, flowing, curves, stops)
         if self.places is not None:
             self.places.require_valid(self.slopes_n.size)
             bounded = bool(np.all(self.slopes_n >= _BOUND_TOLERANCE * self.places.most_n))
@@ -187,11 +198,12 @@ class Hammerstein:
     @property
     def memory(self) -> Memory:
         """After the training presses. If it was not stored: unhealed damage, all else at rest."""
-        if self.conditioned is not None:
-            return self.conditioned
+        if self.end_memory is not None:
+            return self.end_memory
         pressed = np.zeros(0) if self.damage is None else np.where(self.damage.heal_s > 0, 0.0, 1.0)
         flow = np.zeros(0 if self.flow is None else len(self.flow.rate_ps))
-        return Memory(np.zeros(len(self.tau_s)), flow, pressed)
+        branch_n, play = np.zeros(len(self.tau_s)), np.zeros(len(self.radius_m))
+        return Memory(branch_n, flow, pressed, play, 0.0, 0.0)
 
     @property
     def slopes_n(self) -> Samples:
@@ -228,4 +240,5 @@ class Hammerstein:
             origin_m=self.origin_m / factor,
             span_m=self.span_m / factor,
             radius_m=self.radius_m / factor,
+            end_depth_m=None if self.end_depth_m is None else self.end_depth_m / factor,
         )

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import singledispatch
 from importlib.resources import files
 from itertools import pairwise
+from math import inf
 from typing import ClassVar
 
 import numpy as np
@@ -59,15 +60,14 @@ class SceneTicks:
     """What all parts of a scene share: its time step, s, and numpy's type of sp_real.
 
     vector_width: branches that are stepped side by side. surface: the object has one, above which
-    positions are free air. conditioned: the history starts as after training; None: as the model
-    says.
+    positions are free air. start_reach_m: see `Model`.
     """
 
     dt_s: float
     dtype: RealType = np.float64
     vector_width: int = 1
     surface: bool = False
-    conditioned: bool | None = None
+    start_reach_m: float = inf
 
 
 class Stage(ABC):

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 0343c4717af38673bddb83c9dd712b8b705f5255b569354753af030c37ec4326 */
+/* springpot 0.1.0 b1e67f6b77ed409894e07f61d0ec3a6f7fed01cf48c6a54ccd775c01d4ccd244 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SOFT_PAD_RATE_HZ:

@@ -3,17 +3,20 @@
 from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import click
 
 from springpot.codegen.errors import UsageError
 from springpot.codegen.messages import counted_noun
+from springpot.codegen.model.model import Model
+from springpot.codegen.model.passive import Start
 from springpot.codegen.types import JsonObject
 from springpot.host.metrics import (
     Accuracy,
     accuracy,
     error_ratio_keys,
+    format_start_errors,
     ratio_rows,
     slope_errors,
     slope_keys,
@@ -68,6 +71,14 @@ _fit_option = partial(field_option, FitOptions)
     NOT_NEGATIVE,
     "Zero-phase moving average of the training data, s; 0: none; default 0.025 or less.",
 )
+@click.option(
+    "--start",
+    type=click.Choice(get_args(Start)),
+    default="auto",
+    show_default=True,
+    help="How the validation recordings begin: with the object at rest, or as the training "
+    "recordings left it; auto: as those begin.",
+)
 @click.option("--smooth-validation", is_flag=True, help="Smooth the validation data as well.")
 @_fit_option(
     "select",
@@ -88,6 +99,7 @@ def train(
     recordings: tuple[str, ...],
     kind: str,
     validation: tuple[str, ...],
+    start: Start,
     out: Path,
     smooth_validation: bool,
     as_json: bool,
@@ -115,7 +127,7 @@ def train(
     out.parent.mkdir(parents=True, exist_ok=True)
     result = training_result(fit) | {"out": str(out), "hash": write_model(out, fit.model)}
     compared_s = fit.model.provenance["smooth_s"] if smooth_validation else 0.0
-    found, figures = errors(fit, training, testing, compared_s) if testing else (None, {})
+    found, figures = errors(fit, training, testing, compared_s, start) if testing else (None, {})
     result |= figures
     if figures.get("seen"):
         print_line(training_overlap_sentence(figures["seen"], len(testing)))
@@ -175,6 +187,8 @@ def training_rows(
             f"RMSE {found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak, on "
             f"{tested} validation recordings"
         )
+        if by_start := format_start_errors(result["rmse_by_start_n"]):
+            rows["  by start"] = by_start
         rows |= ratio_rows(result)
         rows["slope error"] = slope_sentence(result)
     return rows
@@ -208,7 +222,11 @@ def _law(result: JsonObject) -> str:
 
 
 def errors(
-    fit: Fit, training: Sequence[Recording], testing: Sequence[Recording], compared_s: float
+    fit: Fit,
+    training: Sequence[Recording],
+    testing: Sequence[Recording],
+    compared_s: float,
+    start: Start = "auto",
 ) -> tuple[Accuracy, JsonObject]:
     """The error on `testing`, smoothed over compared_s, and the keys of `--json` on it.
 
@@ -216,7 +234,11 @@ def errors(
 
     Raises DataError for recordings of another rate or zero.
     """
-    from springpot.trainer.models.predict import predict_limited_n
+    from springpot.trainer.models.predict import (
+        compute_start_errors_n,
+        find_moving_starts,
+        predict_limited_n,
+    )
     from springpot.trainer.recordings.quality.repeats import find_noise_floor
     from springpot.trainer.recordings.signals import smooth
 
@@ -224,11 +246,21 @@ def errors(
         require_compatible(recording, fit.model)
     known, new = ([smooth(item, compared_s) for item in part] for part in (training, testing))
     # Those of one session come after the training ones, which the object remembers.
-    predicted_n = predict_limited_n(fit.model, [*known, *new])[len(known) :]
-    found = accuracy([recording.force_n for recording in new], predicted_n)
+    model = fit.model.with_start(start)
+    predicted_n = predict_limited_n(model, [*known, *new])[len(known) :]
+    measured_n = [recording.force_n for recording in new]
+    found = accuracy(measured_n, predicted_n)
+    for line in find_moving_starts(model, new):
+        print_line(f"warning: {line}")
+
+    def rmse_n(started: Model) -> float:
+        return accuracy(measured_n, predict_limited_n(started, new)).rmse_n
+
     shown = ("rmse_n", "rmse_percent_of_peak", "mean_recording_rmse_n")
     return found, {
         "seen": count_training_recordings(fit.model, testing),
+        "start": start,
+        "rmse_by_start_n": compute_start_errors_n(fit.model, rmse_n),
         **{name: getattr(found, name) for name in shown},
         **error_ratio_keys(found, find_noise_floor([*known, *new])),
         **slope_keys(slope_errors(new, predicted_n)),

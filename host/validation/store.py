@@ -9,7 +9,13 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.codegen.files import atomic_write, write_file
 from springpot.codegen.types import JsonObject
-from springpot.host.metrics import error_ratio_keys, ratio_rows, slope_keys, slope_sentence
+from springpot.host.metrics import (
+    error_ratio_keys,
+    format_start_errors,
+    ratio_rows,
+    slope_keys,
+    slope_sentence,
+)
 from springpot.host.native.compiler import machine_metadata
 from springpot.host.session.outcome import note_sentence
 from springpot.host.validation.compared import site_sentence
@@ -110,6 +116,7 @@ def validation_rows(validation: Validation) -> dict[str, str]:
         rows |= {
             "RMSE": f"{found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak",
             "RMSE, the model alone": _parts(validation),
+            "  by start": format_start_errors(validation.rmse_by_start_n),
             "RMSE, first presses": presses,
             **ratio_rows(error_ratio_keys(found, validation.floor)),
             "slope error": slope_sentence(slope_keys(validation.slopes)),

@@ -11,6 +11,7 @@ from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.errors import DataError, MismatchError
 from springpot.codegen.files import parse_path
 from springpot.codegen.messages import caution
+from springpot.codegen.model.model import Model
 from springpot.codegen.types import JsonObject
 from springpot.host.emission.emission import Emitted, read_emission
 from springpot.host.files import File, some_recordings
@@ -47,7 +48,16 @@ if TYPE_CHECKING:
 
 PACED_S = 3.0
 # Keys of `validate --json` that are attributes of the same name.
-_NAMED = ("model_rmse_n", "rendering_n", "mismatches", "notes", "clamped_low", "min_n", "seen")
+_NAMED = (
+    "model_rmse_n",
+    "rmse_by_start_n",
+    "rendering_n",
+    "mismatches",
+    "notes",
+    "clamped_low",
+    "min_n",
+    "seen",
+)
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +84,7 @@ class Validation(Compared):
     slopes: SlopeErrors | None
     presses_n: tuple[float, float] | None
     model_rmse_n: float | None
+    rmse_by_start_n: dict[str, float | None]
     rendering_n: float | None
     edited: tuple[str, ...]
     seen: int | None
@@ -137,7 +148,7 @@ def validate(folder: File, recordings: Recordings, paced_s: float = PACED_S) -> 
     """
     folder, recordings = parse_path(folder), some_recordings(recordings)
     emitted = read_emission(folder)
-    plan, model = emitted.plan, emitted.model
+    plan, model = emitted.plan, _start_as_emitted(emitted)
     for recording in recordings:
         predict.require_compatible(recording, model, plan.dt_s)
         if plan.has_places and recording.place_m is None and not recording.channels:
@@ -155,7 +166,7 @@ def validate(folder: File, recordings: Recordings, paced_s: float = PACED_S) -> 
     found = compare_all(plan, library, recordings, ticked)
     measured_n = [recording.force_n for recording in recordings]
     longest = max(ticked, key=lambda recording: len(recording.position_m))
-    model_rmse_n, rendering_n = _parts(found, emitted, recordings, ticked)
+    model_rmse_n, rendering_n, by_start_n = _parts(found, emitted, recordings, ticked)
     errors_of = (recordings, found.predicted_n, found.ramped)
     return Validation(
         **vars(found),
@@ -167,6 +178,7 @@ def validate(folder: File, recordings: Recordings, paced_s: float = PACED_S) -> 
         slopes=slope_errors(*errors_of),
         presses_n=press_errors_n(*errors_of),
         model_rmse_n=model_rmse_n,
+        rmse_by_start_n=by_start_n,
         rendering_n=rendering_n,
         edited=emitted.edited,
         seen=count_training_recordings(model, recordings),
@@ -175,22 +187,41 @@ def validate(folder: File, recordings: Recordings, paced_s: float = PACED_S) -> 
     )
 
 
+def _start_as_emitted(emitted: Emitted) -> Model:
+    """The model that begins as the C does, which has no recording to look at."""
+    start, model = emitted.plan.scene.runtime.start, emitted.model
+    if start == "auto" and model.hammerstein is not None and not model.hammerstein.continues:
+        start = "rested"
+    return model.with_start(start)
+
+
 def _parts(
     found: Compared, emitted: Emitted, recordings: Sequence[Recording], ticked: Sequence[Recording]
-) -> tuple[float | None, float | None]:
-    """RMS of the model's own error, and of the rendering's, N; None where all are logs."""
+) -> tuple[float | None, float | None, dict[str, float | None]]:
+    """RMS of the model's own error, of the rendering's, and of its own by start, N; None: logs."""
     objects = [k for k, item in enumerate(recordings) if not is_session_log(item, emitted.hash)]
     dt_s = emitted.plan.dt_s
-    model = replace(emitted.model, dt_s=dt_s)  # of a scene with a rate of its own, as exact
-    alone = predict.predict_limited_n(model, [ticked[k] for k in objects])
-    errors, added = [], []
-    for k, ticks_n in zip(objects, alone, strict=True):
-        alone_n, begin = resample_to_samples(ticks_n, recordings[k], dt_s), found.ramped[k]
-        errors.append((alone_n - recordings[k].force_n)[begin:])
-        added.append((found.predicted_n[k] - alone_n)[begin:])
-    if not sum(map(len, errors)):
-        return None, None
-    return rms(np.concatenate(errors)), rms(np.concatenate(added))
+    if not any(len(recordings[k].force_n) > found.ramped[k] for k in objects):
+        return None, None, {}
+    # Of a scene with a rate of its own, as exact.
+    model = replace(_start_as_emitted(emitted), dt_s=dt_s)
+
+    def rms_difference_n(started: Model, compared_n: Sequence[Samples]) -> float:
+        alone_n = predict.predict_limited_n(started, [ticked[k] for k in objects])
+        differences_n = [
+            resample_to_samples(ticks_n, recordings[k], dt_s) - compared_n[k]
+            for k, ticks_n in zip(objects, alone_n, strict=True)
+        ]
+        counted = zip(objects, differences_n, strict=True)
+        return rms(np.concatenate([part_n[found.ramped[k] :] for k, part_n in counted]))
+
+    measured_n = [recording.force_n for recording in recordings]
+    by_start_n = predict.compute_start_errors_n(
+        model, lambda started: rms_difference_n(started, measured_n)
+    )
+    return (
+        rms_difference_n(model, measured_n), rms_difference_n(model, found.predicted_n), by_start_n
+    )  # fmt: skip
 
 
 def raise_on_mismatch(folder: Path, validation: Validation) -> None:

@@ -94,7 +94,7 @@ def passive_model() -> Model:
 def _at_rest(model: Model) -> Model:
     """Without a memory, so that tests can change its branches."""
     assert model.hammerstein is not None
-    return replace(model, hammerstein=replace(model.hammerstein, conditioned=None))
+    return replace(model, hammerstein=replace(model.hammerstein, end_memory=None))
 
 
 def scene(

@@ -32,6 +32,7 @@ _MAINS_PERIOD_S, _NOISE_SIGMAS = (
     4.0,
 )  # a period of the mains, over which a force is averaged; of noise
 _MAX_PAUSE_S = 600.0
+_FOREVER_S = 1e6
 _CLOCK_SLACK_SAMPLES = 5  # samples by which clocks of two recordings may overlap
 
 
@@ -165,9 +166,12 @@ def _join_session(
     depths_m: Sequence[Samples],
     surface: bool,
 ) -> DepthMotion:
-    first_m, starts, pauses = depths_m[numbers[0]], list[int](), list[tuple[int, float]]()
-    parts = [estimate_history_m(np.maximum(first_m, 0.0) if surface else first_m)]
-    length, ends_s = len(parts[0]), 0.0
+    first_m, starts = depths_m[numbers[0]], list[int]()
+    before_m = estimate_history_m(np.maximum(first_m, 0.0) if surface else first_m)
+    # What moves in the object came in from 0: stops are held by it, and all else forgot it.
+    parts = [np.zeros(len(before_m[:1])), before_m[:1], before_m]
+    pauses = [(2, _FOREVER_S)] * len(before_m[:1])
+    length, ends_s = sum(map(len, parts)), 0.0
     for number in numbers:
         recording, depth_m = recordings[number], depths_m[number]
         start_s = recording.start_s or 0.0

@@ -39,7 +39,7 @@ def fit_hammerstein(
         "nodes": passive.nodes,
         "rate_ratio": passive.rate_ratio,
         "recovers": passive.recovers,
-        "starts_conditioned": passive.starts_conditioned,
+        "starts_conditioned": passive.continues,
         "sessions": sum(len(motion.recordings) > 1 for motion in data.motions),
         **map_metadata,
     }

@@ -3,7 +3,8 @@
 And whether a recording and a model mean the same by a position and a tick.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import singledispatch
 
 import numpy as np
@@ -49,10 +50,10 @@ def predict_each_n(model: Model, pieces: Sequence[tuple[Recording, Indices]]) ->
         surface = model.contact == "surface"
         forces_n = [np.zeros(0)] * len(pieces)
         for motion in join_motions(recordings, depths, surface):
-            place_m = recordings[motion.recordings[0]].place_m
-            motion_force_n = simulate_passive(
-                model.hammerstein, motion, model.dt_s, surface, place_m
-            )[0]
+            first = motion.recordings[0]
+            passive = replace(model.hammerstein, continues=model.continues_training(depths[first]))
+            place_m = recordings[first].place_m
+            motion_force_n = simulate_passive(passive, motion, model.dt_s, surface, place_m)[0]
             for number, start in zip(motion.recordings, motion.starts, strict=True):
                 forces_n[number] = motion_force_n[start + pieces[number][1]]
         force_n += np.concatenate(forces_n)
@@ -119,6 +120,14 @@ def predict_limited_n(model: Model, recordings: Sequence[Recording]) -> list[Sam
     return [np.maximum(force_n, min_n) for force_n in predict_each_n(model, pieces)]
 
 
+def compute_start_errors_n(
+    model: Model, rmse_n: Callable[[Model], float]
+) -> dict[str, float | None]:
+    """RMSE from either start, N: only a person knows how a recording begins. None: has no state."""
+    continues_n = rmse_n(model.with_start("continues")) if model.has_state else None
+    return {"rested": rmse_n(model.with_start("rested")), "continues": continues_n}
+
+
 def find_extrapolation(model: Model, recording: Recording) -> Iterator[str]:
     """Yield a line where positions go deeper, or faster, than the force is known.
 
@@ -145,11 +154,16 @@ def find_extrapolation(model: Model, recording: Recording) -> Iterator[str]:
 
 
 def find_moving_starts(model: Model, recordings: Sequence[Recording]) -> Iterator[str]:
-    """Yield a line for each that begins in motion: `estimate_history_m` assumes its past."""
+    """Yield a line for each whose past is assumed: it begins in motion, or where training ended."""
     positions_m = [recording.position_m for recording in recordings]
     for motion in join_motions(recordings, positions_m, model.contact == "surface"):
         first = recordings[motion.recordings[0]]
-        if before_s := motion.starts[0] * first.dt_s:
+        if model.continues_training(compute_depth_m(first, model.contact)):
+            yield (
+                f"{first.name}: is taken to go on where the training recordings ended; if the "
+                'object had rested before it, say so: start "rested"'
+            )
+        elif before_s := motion.starts[0] * first.dt_s:
             yield (
                 f"{first.name}: begins in motion inside the object: its own later motion, "
                 f"{before_s:.3g} s of it, is taken to have come before"

@@ -195,7 +195,7 @@ def _trace_surface(data: TrainingSet, rows: Indices) -> tuple[TrainingSet, Indic
             surface_m = simulate_passive(law, motion, data.dt_s, surface=True)[1]
             for number, start in zip(motion.recordings, motion.starts, strict=True):
                 depths_m[number] = surface_m[start : start + len(depths_m[number])]
-        surface_set = replace(data, depths_m=tuple(depths_m), _found={})
+        surface_set = replace(data, depths_m=tuple(depths_m))
     return surface_set, rows[in_contact]
 
 

@@ -52,7 +52,10 @@ class TrainingSet:
     smooth_s: float
     warnings: tuple[str, ...] = ()
     continues: bool = False
-    _found: dict[Hashable, tuple[Any, float]] = field(default_factory=dict, repr=False)
+    # Of this set alone: `dataclasses.replace` begins with none, as another set has other answers.
+    _results: dict[Hashable, tuple[Any, float]] = field(
+        default_factory=dict, init=False, repr=False
+    )
     __repr__ = short_repr
 
     def cached(self, key: Hashable, work: Callable[[], _Result]) -> tuple[_Result, float]:
@@ -60,11 +63,11 @@ class TrainingSet:
 
         For what fits of many options on the same data share: the passive part, the pairs of orders.
         """
-        if key not in self._found:
+        if key not in self._results:
             begin = time.perf_counter()
             result = work()
-            self._found[key] = result, time.perf_counter() - begin
-        return self._found[key]
+            self._results[key] = result, time.perf_counter() - begin
+        return self._results[key]
 
     @cached_property
     def bounds(self) -> Indices:

@@ -30,7 +30,7 @@ from springpot.codegen.stages.stage import (
     segments,
     stage_code,
 )
-from springpot.codegen.types import RealType
+from springpot.codegen.types import RealType, Scalar
 
 
 @dataclass(frozen=True)
@@ -47,23 +47,39 @@ class HammersteinConfig:
 
 @dataclass(frozen=True, eq=False)
 class StartMemory:
-    """What the object holds when its history restarts, in the order of the stage.
+    """`Memory` that the object begins with when its history restarts, in the order of the stage.
 
-    held_n: of branches, (capacity,), N; flow: h, (F,); deepest: M of damage, (D,).
+    held_n: of branches, (capacity,), N; flow: h, (F,); deepest: M of damage, (D,); play: of stops,
+    (K,); force_n: at u. reach_u: how far from u a tool may be; None: of an object with a surface.
     """
 
     held_n: Reals
     flow: Reals
     deepest: Reals
+    play: Reals
+    u: Scalar
+    force_n: Scalar
+    reach_u: Scalar | None
+
+    def position(self, tool_u: Scalar) -> Scalar | None:
+        """Where the model stands for a tool at tool_u; None: it is too far, the object rests.
+
+        At a surface as deep as the tool or deeper: the next tick moves it to the tool, and lifts it
+        off. What has no surface would pull at the tool in that tick.
+        """
+        if self.reach_u is None:
+            return max(tool_u, self.u)
+        near = tool_u - self.u <= self.reach_u and self.u - tool_u <= self.reach_u
+        return self.u if near else None
 
     def tables(self) -> list[str]:
-        named = (("held", self.held_n), ("flow", self.flow), ("deepest", self.deepest))
+        named = {"held": self.held_n, "flow": self.flow, "deepest": self.deepest, "play": self.play}
         return [
-            "/* What the object still holds of earlier presses when its history restarts. */",
+            "/* The object as the training presses left it, when its history restarts. */",
             *(
                 array_text(f"start_{name}", "sp_real", values)
-                for name, values in named
-                if values.any()
+                for name, values in named.items()
+                if values.size
             ),
         ]
 
@@ -232,16 +248,24 @@ def hammerstein_stage(model: Hammerstein, ticks: SceneTicks, follows: str) -> Ha
 
     dtype, n_stops = ticks.dtype, len(model.radius_m)
     steps, slopes_n, held_n = group_branches(model, ticks)
-    remembers = model.starts_conditioned if ticks.conditioned is None else ticks.conditioned
     springs_n = np.vstack([model.elastic_n, model.stop_n])
     flow = None if model.flow is None else build_flow_branches(model.flow, ticks)
     damage = None if model.damage is None else build_damage_curves(model.damage, ticks)
     stops, start = integrate_slopes(model.stop_n).astype(dtype), None
-    if remembers:
-        flow_n, deepest = model.memory.flow, model.memory.deepest
+    if model.continues:
+        memory = model.memory
+        flow_n, deepest = memory.flow, memory.deepest
         flow_n = flow_n if model.flow is None else flow_n[sort_by_power(model.flow)]
         deepest = deepest if model.damage is None else deepest[sort_by_power(model.damage)]
-        start = StartMemory(held_n.astype(dtype), flow_n.astype(dtype), deepest.astype(dtype))
+        start = StartMemory(
+            held_n=held_n.astype(dtype),
+            flow=flow_n.astype(dtype),
+            deepest=deepest.astype(dtype),
+            play=memory.play.astype(dtype),
+            u=dtype(memory.u),
+            force_n=dtype(memory.force_n),
+            reach_u=None if ticks.surface else dtype(ticks.start_reach_m / model.span_m),
+        )
     return HammersteinStage(
         config=HammersteinConfig(
             origin_m=dtype(model.origin_m),

@@ -24,7 +24,7 @@ _CHUNK, _MIN_CHUNK = 512, 16  # ticks that are taken at once as long as the tool
 
 
 class PassiveMotion:
-    """State of one passive model from rest at u on.
+    """State of one passive model, with the tool at u, from its stage's start on.
 
     Ticks in which the tool stays on the object are computed together. Where it would pull, the
     ticks before are computed again, and then one tick after another until the tool is back.
@@ -32,20 +32,22 @@ class PassiveMotion:
 
     def __init__(self, stage: "HammersteinStage", u: Scalar) -> None:
         config, real, start = stage.config, stage.spring.dtype.type, stage.start
+        stands_at = start.position(u) if start else None
+        u, start = (u, None) if stands_at is None else (stands_at, start)
         self._set_stage(stage, u)
         held_n = start.held_n if start else np.zeros(config.n_branches, dtype=real)
         self._branch_state = [
             held_n[step.first : step.first + step.count].astype(np.float64 if step.double else real)
             for step in stage.steps
         ]
-        self._play = np.full(config.n_stops, u, dtype=real)
+        self._play = start.play if start else np.full(config.n_stops, u, dtype=real)
         self._functions = evaluate_flow_functions(np.array([u]))[0]
         self._flow = start.flow if start else np.zeros(stage.flow.count if stage.flow else 0, real)
         deepest = u if u > 0 else real(0)
         self._deepest = np.full(stage.damage.count if stage.damage else 0, deepest, dtype=real)
         if start:
             self._deepest = np.maximum(self._deepest, start.deepest)
-        self._u, self._force_n = u, real(0)
+        self._u, self._force_n = u, start.force_n if start else real(0)
 
     @property
     def u(self) -> Scalar:
@@ -59,7 +61,9 @@ class PassiveMotion:
             flow[sort_by_power(model.flow)] = self._flow
         if model.damage is not None:
             deepest[sort_by_power(model.damage)] = self._deepest
-        return Memory(np.concatenate(self._branch_state)[: len(model.tau_s)], flow, deepest)
+        branch_n = np.concatenate(self._branch_state)[: len(model.tau_s)]
+        at = float(self._u), float(self._force_n)
+        return Memory(branch_n, flow, deepest, self._play.astype(np.float64), *at)
 
     def with_stage(self, stage: "HammersteinStage") -> "PassiveMotion":
         """The same state in ticks of another length: the stage of the same model."""

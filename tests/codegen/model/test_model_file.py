@@ -5,17 +5,19 @@ import io
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from support.c import golden_forces
 from support.messages import refusing
+from support.paths import ROOT
 from support.small import DEPTH_M, VARIANTS, fitted, press, scene
 
 from springpot.codegen.errors import DataError
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.model import Model
-from springpot.codegen.model.model_file import model_bytes, model_hash, read_model
+from springpot.codegen.model.model_file import MODEL_SCHEMA, model_bytes, model_hash, read_model
 from springpot.codegen.scene import Guard
 from springpot.host.native.scene_library import build_and_load
 
@@ -36,6 +38,22 @@ def refused(folder: Path, content: bytes) -> str:
     return line
 
 
+def unpacked(content: bytes) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    """Header and arrays of a model file."""
+    with np.load(io.BytesIO(content.partition(b"\n")[2])) as stored:
+        arrays = {name: stored[name] for name in stored.files}
+    return json.loads(arrays.pop("header").tobytes()), arrays
+
+
+def packed(header: dict[str, Any], arrays: dict[str, np.ndarray], schema: int) -> bytes:
+    """A model file with the right checksum, whatever it says."""
+    memory = io.BytesIO()
+    text = np.frombuffer(json.dumps(header).encode(), np.uint8)
+    np.savez(memory, allow_pickle=False, header=text, **arrays)
+    digest = hashlib.sha256(memory.getvalue()).hexdigest().encode()
+    return b"springpot-model %d %s\n" % (schema, digest) + memory.getvalue()
+
+
 @pytest.mark.parametrize("name", golden_forces.models())
 def test_what_is_written_is_read(name: str, tmp_path: Path) -> None:
     model = golden_forces.model(name)
@@ -53,11 +71,26 @@ def test_flips_and_cuts_are_refused(tmp_path: Path) -> None:
     refused(tmp_path, content + b"x")
 
 
-@pytest.mark.parametrize("schema", [4, 6])
+@pytest.mark.parametrize("schema", [4, 7])
 def test_another_schema_is_named(schema: int, tmp_path: Path) -> None:
     head = b"model %d " % schema
-    content = model_bytes(golden_forces.model(KIND)).replace(b"model 5 ", head, 1)
-    assert f"model schema {schema}, this springpot reads 5" in refused(tmp_path, content)
+    content = model_bytes(golden_forces.model(KIND)).replace(b"model 6 ", head, 1)
+    assert f"model schema {schema}, this springpot reads 6" in refused(tmp_path, content)
+
+
+@pytest.mark.parametrize("starts_conditioned", [False, True])
+def test_a_file_of_before_the_whole_state(starts_conditioned: bool, tmp_path: Path) -> None:
+    """The stored models are such files, from rest; a part of a state is no start."""
+    path = ROOT / "tests/golden/forces/hammerstein.spm"
+    assert path.read_bytes().startswith(b"springpot-model 5 ")
+    header, arrays = unpacked(path.read_bytes())
+    header["hammerstein"] |= {"starts_conditioned": starts_conditioned}
+    header["hammerstein"]["conditioned"] = {"part": "Memory", "branch_n": {"array": "x"}}
+    content = packed(header, arrays, schema=5)
+    if starts_conditioned:
+        assert "begins with a part of the object's state" in refused(tmp_path, content)
+    else:
+        assert not read(tmp_path, content).hammerstein.continues
 
 
 @pytest.mark.parametrize(
@@ -67,15 +100,8 @@ def test_another_schema_is_named(schema: int, tmp_path: Path) -> None:
      {"features": [1, 2]}, {"part": "Lags"}, {"dt_s": np.inf}],
 )  # fmt: skip
 def test_a_header_of_another_program_is_refused(tmp_path: Path, changes: dict[str, object]) -> None:
-    body = model_bytes(golden_forces.model(KIND)).partition(b"\n")[2]
-    with np.load(io.BytesIO(body)) as stored:
-        arrays = {name: stored[name] for name in stored.files}
-    header = json.loads(arrays["header"].tobytes()) | changes
-    arrays["header"] = np.frombuffer(json.dumps(header).encode(), np.uint8)
-    memory = io.BytesIO()
-    np.savez(memory, allow_pickle=False, **arrays)
-    body = memory.getvalue()
-    refused(tmp_path, b"springpot-model 5 %s\n" % hashlib.sha256(body).hexdigest().encode() + body)
+    header, arrays = unpacked(model_bytes(golden_forces.model(KIND)))
+    refused(tmp_path, packed(header | changes, arrays, MODEL_SCHEMA))
 
 
 @pytest.mark.parametrize(

@@ -12,13 +12,16 @@ from support.c.same_bits import require_same_bits
 from springpot import Model
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.formulas import evaluate_curves, integrate_slopes, locate_on_curve
-from springpot.codegen.model.passive import Damage, Memory
+from springpot.codegen.model.passive import Damage, Memory, Start
 from springpot.codegen.plan import list_headers
 from springpot.codegen.reference import run_reference
 from springpot.codegen.stages.passive.beside import bound_damage_slopes_n
 from springpot.codegen.stages.passive.maxwell import group_branches
 from springpot.codegen.stages.stage import SceneTicks
 from springpot.host.native.scene_library import build_and_load
+from springpot.trainer.models.depths import DepthMotion
+from springpot.trainer.models.passive.passive_force import simulate_passive
+from springpot.trainer.models.predict import predict_n
 
 CURVE_N = np.linspace(0.5, 3.0, 9)
 LAWS: dict[str, dict[str, Any]] = {
@@ -79,12 +82,74 @@ def test_what_is_remembered_at_the_start_is_in_the_c_whatever_the_order(number: 
         damage = Damage(
             *(getattr(law.damage, its)[order] for its in ("heal_s", "power", "curve_n"))
         )
-        memory = Memory(np.array([0.5, 0.4, 0.3, 0.9]), np.array([0.1, 0.2]), deepest[order])
-        begun = replace(law, damage=damage, conditioned=memory, starts_conditioned=True)
+        branch_n, flow, play = np.array([0.5, 0.4, 0.3, 0.9]), np.array([0.1, 0.2]), law.radius_m
+        memory = Memory(branch_n, flow, deepest[order], 0.1 + 0.0 * play, 0.3, 1.0)
+        begun = replace(law, damage=damage, end_memory=memory, continues=True)
         plan = make_plan(replace(model, hammerstein=begun), small.scene(number=number), True)
         require_same_bits(plan, small.press(2.0))
         forces_n.append(run_reference(plan, small.press(2.0)).force_n)
     np.testing.assert_allclose(*forces_n, rtol=1e-5)
+
+
+def state_after(model: Model, depth_m: np.ndarray) -> Model:
+    """The model that continues after a motion, with a stop beside its law."""
+    surface = model.contact == "surface"
+    law = replace(
+        model.hammerstein,
+        radius_m=np.array([0.2 * small.DEPTH_M]),
+        stop_n=CURVE_N[None],
+        recovers=surface,
+    )
+    memory = simulate_passive(law, DepthMotion(depth_m, (0,), (0,)), small.DT_S, surface)[2]
+    return replace(model, hammerstein=replace(law, end_memory=memory, continues=True))
+
+
+@pytest.mark.parametrize("number", ["float32", "float64"])
+@pytest.mark.parametrize("end", [1.0, 0.3, 0.0])
+@pytest.mark.parametrize("contact", ["surface", "always"])
+def test_a_start_that_continues_is_in_the_c(contact: str, end: float, number: str) -> None:
+    """From where training ended, from afar, and after jumps that restart the history."""
+    fitted = replace(model_of("hammerstein", "all", slow=True), contact=contact)
+    end_m = end * small.DEPTH_M
+    model = state_after(fitted, np.append(small.press(2.0), np.linspace(0.0, end_m, 300)))
+    plan = make_plan(model, small.scene(number=number), True)
+    assert (
+        plan.stiffness_npm == make_plan(model.with_start("rested"), plan.scene, True).stiffness_npm
+    )
+    for begin_m in (end_m, 0.0, 0.6 * small.DEPTH_M):
+        way_m = np.linspace(begin_m, 0.0, 200)
+        position_m = np.concatenate([way_m, small.press(2.0), np.full(100, np.nan), way_m])
+        require_same_bits(plan, position_m)
+
+
+def test_without_a_surface_a_motion_from_afar_begins_at_rest() -> None:
+    """From there the object would pull at the tool for a tick; near there it goes on."""
+    fitted = replace(model_of("hammerstein", "all"), contact="always")
+    model = state_after(fitted, small.press(2.0)[:250])  # ends pressed
+    near_m, far_m = (np.full(200, share * small.DEPTH_M) for share in (1.0, 0.2))
+    for position_m, continues in ((near_m, True), (far_m, False)):
+        recording = small.recording("x", position_m)
+        rested_n, started_n = (
+            predict_n(model.with_start(start), recording) for start in ("rested", "continues")
+        )
+        assert model.continues_training(position_m) is continues
+        assert np.array_equal(rested_n, started_n) is not continues
+        plan = make_plan(model, small.scene(number="float64"), True)
+        emitted_n = run_reference(plan, position_m).force_n[-1]
+        assert emitted_n == pytest.approx(started_n[-1], rel=1e-6)
+
+
+@pytest.mark.parametrize("law", LAWS)
+@pytest.mark.parametrize("start", ["rested", "continues"])
+def test_no_hand_at_the_surface_is_pushed(start: Start, law: str) -> None:
+    """Training that ended pressed, with or without a surface that recovers."""
+    model = state_after(model_of("hammerstein", law, slow=True), small.press(2.0)[:250])
+    for recovers in (True, False):
+        passive = replace(model.hammerstein, recovers=recovers)
+        started = replace(model, hammerstein=passive).with_start(start)
+        assert np.abs(predict_n(started, small.recording("x", np.zeros(2000)))).max() < 1e-12
+        plan = make_plan(started, small.scene(), True)
+        assert not run_reference(plan, np.zeros(2000)).force_n.any()
 
 
 @pytest.mark.parametrize("law", ["all", "damage", "flow"])

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 7c840311ce0611d910cc2aab9874b880e2c55fe5d0e4c65dc18bb3800cc79b90 */
+/* springpot 0.1.0 92f87603f83b36887ecc344850d7c7658c62bd05c6228750a5f28fe0a5073256 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:

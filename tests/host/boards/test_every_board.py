@@ -41,12 +41,15 @@ OF_DEPTH = {
     "flow": {"flow": flow(4.0), "recovers": True},
     "damage": {"n_by_depth": 8, "rate_ratio": 1 / 16, "damage": damage(np.ones(9))},
 }
-MEMORY = {"conditioned": Memory(np.full(8, -0.01), *np.zeros((2, 0))), "starts_conditioned": True}
-OF_DEPTH["conditioned"] = OF_DEPTH["rates by depth"] | MEMORY
+PRESSED = Memory(
+    np.full(8, -0.01), *np.zeros((2, 0)), play=np.array([0.1, 0.3]), u=0.5, force_n=0.1
+)
+MEMORY = {"end_memory": PRESSED, "continues": True}
+OF_DEPTH["continues"] = OF_DEPTH["rates by depth"] | MEMORY
 SHAPES = {"off": {}, "tool": {"mode": "tool", "smoothing_s": 1e-3}, "proxy": {"mode": "proxy"}}
 
 FIRST = [("rf-fd", "proxy"), ("hammerstein", "tool"), ("rbf-pv", "proxy"), ("rf-fd deep", "off"),
-         ("flow", "off"), ("damage", "off"), ("conditioned", "off"), ("linear", "off")]  # fmt: skip
+         ("flow", "off"), ("damage", "off"), ("continues", "off"), ("linear", "off")]  # fmt: skip
 CASES = dict.fromkeys([
     *FIRST,
     *((variant, "off") for variant in (*PLAIN, *CHANGED, *OF_DEPTH)),
@@ -73,7 +76,7 @@ def passive_of(branches: int, stops: int, **of_depth: Any) -> Model:
         branch_n=rng.random((branches, 9)),
         radius_m=np.array([0.02, 0.2, 0.5])[:stops] * whole.hammerstein.span_m,
         stop_n=rng.random((stops, 9)),
-        **{"conditioned": None, **of_depth},
+        **{"end_memory": None, **of_depth},
     )
     return dataclasses.replace(whole, hammerstein=passive)
 

@@ -67,6 +67,19 @@ def test_train_emit_build_validate_report(job: Path) -> None:
     assert set(re.findall(r"https?://[\w.]+", page)) <= {"http://www.w3.org"}
 
 
+@pytest.mark.parametrize("kind", ["hammerstein", "rbf-pv"])
+def test_train_prints_the_error_from_either_start(kind: str, job: Path, tmp_path: Path) -> None:
+    words = "train", job / "rec", "--model", kind, "--out", tmp_path / "m.spm", "--validate"
+    done = [run(*words, job / "rec", "--start", start, "--json") for start in ("auto", "continues")]
+    errors_n = json.loads(done[0].stdout)["rmse_by_start_n"]
+    assert json.loads(done[0].stdout)["rmse_n"] in errors_n.values()
+    if kind == "hammerstein":
+        assert json.loads(done[1].stdout)["rmse_n"] == errors_n["continues"]
+    else:  # features begin at rest, whatever came before
+        assert errors_n["continues"] is None
+        assert done[1].returncode == 2 and "rbf-pv keeps no state" in done[1].stderr
+
+
 def test_without_a_compiler_the_c_is_still_written(job: Path, tmp_path: Path) -> None:
     empty = tmp_path / "bin"
     empty.mkdir()

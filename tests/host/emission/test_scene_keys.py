@@ -61,7 +61,7 @@ WORDS: dict[str, tuple[Any, list[Any]]] = {
     "runtime.target": ("host", ["host", "cortex-m4f", "cortex-m7", "rv32imafc"]),
     "runtime.prefix": ("sp", ["sp", "s", "a" * 31, "z9_"]),
     "runtime.forest": ("table", ["table", "m2cgen"]),
-    "runtime.start": ("auto", ["auto", "rested", "conditioned"]),
+    "runtime.start": ("auto", ["auto", "rested", "continues"]),
     "coupling.mode": ("auto", ["auto", "off", "tool", "proxy"]),
     "guard.outside": ("fallback", ["fallback", "hold", "zero"]),
     "guard.contact": (None, ["surface", "always"]),

@@ -8,6 +8,8 @@ from unittest import mock
 
 import numpy as np
 import pytest
+from support.files.mach1 import mach1_recordings
+from support.paths import ROOT
 from support.sessions import ended
 from support.small import DT_S, model_file, passive_model, press, recording, scene, training
 
@@ -294,3 +296,22 @@ def test_one_bit_is_a_difference(dtype: type[np.float32] | type[np.float64]) -> 
     assert not count_different_bits(one, one.copy()).any()
     assert count_different_bits(one, np.nextafter(one, dtype(9.0))).all()
     assert count_different_bits(one, np.array([-0.0, 1.0, 3.5], dtype=dtype)).sum() == 1
+
+
+def test_both_starts_of_a_real_recording_that_goes_on(tmp_path: Path) -> None:
+    """Cycles of a preloaded gel, cut in two: the second part begins where the first one ended."""
+    whole = mach1_recordings(ROOT / "tests/data/mach1/Dynamic_data.txt")[3]
+    cut = len(whole.position_m) * 6 // 10
+    first, second = (
+        replace(whole, name=name, position_m=whole.position_m[part], force_n=whole.force_n[part])
+        for name, part in (("first", slice(None, cut)), ("second", slice(cut, None)))
+    )
+    model = fit_model("hammerstein", "gel", [first], FitOptions()).model
+    for start, of_c in (("auto", "rested"), ("continues", "continues")):
+        chosen = replace(scene(number="float64"), runtime=Runtime(start=start))
+        emit(chosen, model_file(tmp_path, model), tmp_path / start, accept_unsafe=True)
+        found = validate(tmp_path / start, [second], paced_s=0.0)
+        by_start_n = found.as_dict()["rmse_by_start_n"]
+        assert by_start_n["continues"] < 0.7 * by_start_n["rested"]
+        assert found.model_rmse_n == by_start_n[of_c] and found.mismatches == 0
+        assert validation_rows(found)["  by start"].startswith("rested ")

@@ -9,16 +9,17 @@ from typing import Any
 import numpy as np
 import pytest
 from support.c.passive_run import PassiveC
-from support.small import DT_S, passive_model, press
+from support.small import DT_S, damage, flow, passive_model, press
 
 from springpot import Recording, predict
-from springpot.codegen.arrays import rms
-from springpot.codegen.model.passive import Hammerstein
+from springpot.codegen.arrays import Samples, rms
+from springpot.codegen.model.passive import Hammerstein, Memory
 from springpot.host.metrics import accuracy
 from springpot.host.recording.protocols import load_protocol
 from springpot.host.recording.session import open_press_device, record_session
 from springpot.trainer.features import highpass
 from springpot.trainer.kinds import fit_model
+from springpot.trainer.models.depths import DepthMotion
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.passive import passive_fit
 from springpot.trainer.models.passive.nonnegative import normal_equations, sparse_solve
@@ -159,7 +160,7 @@ def test_an_object_that_is_damaged_is_fitted_by_damage_and_one_session() -> None
     assert fit.metadata["law"] == "damage"
     apart = [replace(each, session="") for each in recordings]
     other = fit_model("hammerstein", "x", apart, FitOptions(smooth_s=0.0))
-    assert other.model.hammerstein.starts_conditioned  # found without the times
+    assert other.model.hammerstein.continues  # found without the times
     assert other.metadata["cv_rmse_n"] < 1.1 * fit.metadata["cv_rmse_n"]
     at_rest = passive_fit.select_passive(build_training_set(apart, 0.0), FitOptions(smooth_s=0.0))[
         0
@@ -257,11 +258,56 @@ def test_how_recordings_begin_is_learnt_from_them(goes_on: bool) -> None:
         recordings.append(Recording(f"{hz}-{share}", depth_m, force_n, DT_S, zero="none"))
         before = curve if goes_on else before
     model = fit_model("hammerstein", "x", recordings[:3], FitOptions(smooth_s=0.0)).model
-    assert model.hammerstein.starts_conditioned is goes_on
-    other = replace(model, hammerstein=replace(model.hammerstein, starts_conditioned=not goes_on))
+    assert model.hammerstein.continues is goes_on
+    other = replace(model, hammerstein=replace(model.hammerstein, continues=not goes_on))
     new = recordings[3]
     its_n, other_n = (np.abs(predict_n(each, new) - new.force_n).max() for each in (model, other))
     assert its_n < 0.5 * other_n
+
+
+@pytest.mark.parametrize("end_m", [0.0, DEPTH_M])
+@pytest.mark.parametrize("surface", [True, False])
+def test_a_motion_that_continues_is_the_second_part_of_one(end_m: float, surface: bool) -> None:
+    """With branches, a stop, flow and damage, ended at the surface or pressed; and on no hand."""
+    stops = {"radius_m": np.array([0.2 * DEPTH_M]), "stop_n": np.full((1, 9), 2.0)}
+    law = replace(LETS_GO, **stops, recovers=surface, flow=flow(4.0), damage=damage(np.ones(9)))
+    before_m = np.concatenate([press(2.0), np.linspace(0.0, end_m, 300), np.full(2000, end_m)])
+    after_m = np.concatenate([np.linspace(end_m, 0.0, 300), press(2.0, 0.8 * DEPTH_M)])
+
+    def along(model: Hammerstein, depth_m: Samples) -> tuple[Samples, Memory]:
+        motion = DepthMotion(depth_m, (0,), (0,))
+        force_n, _, memory = simulate_passive(model, motion, DT_S, surface)
+        return force_n, memory
+
+    whole_n, _ = along(law, np.append(before_m, after_m))
+    _, memory = along(law, before_m)
+    going_on = replace(law, end_memory=memory, continues=True)
+    assert np.array_equal(along(going_on, after_m)[0], whole_n[len(before_m) :])
+    if surface:
+        assert not along(going_on, np.zeros(2000))[0].any()
+
+
+@pytest.mark.parametrize(("from_m", "goes_on"), [(0.3 * DEPTH_M, True), (0.0, False)])
+def test_a_recording_that_begins_where_the_only_one_ended_goes_on(
+    from_m: float, goes_on: bool
+) -> None:
+    """Inside the object: above it, where all presses begin and end, that tells nothing."""
+    one_m = np.concatenate([press(1.0), np.linspace(0.0, from_m, 100)])
+    two_m = np.concatenate([np.full(50, from_m), np.linspace(from_m, 0.0, 100), press(1.0)])
+    slow = replace(LETS_GO, tau_s=np.array([0.3, 30.0]), recovers=False)
+    whole_m = np.append(one_m, two_m)
+    whole_n = simulate_passive(slow, DepthMotion(whole_m, (0,), (0,)), DT_S, surface=True)[0]
+    first = Recording("first", one_m, whole_n[: len(one_m)], DT_S, zero="none")
+    second = Recording("second", two_m, whole_n[len(one_m) :], DT_S, zero="none")
+    model = fit_model("hammerstein", "x", [first], FitOptions(smooth_s=0.0)).model
+    assert model.continues_training(two_m) is goes_on
+    assert not model.with_start("rested").continues_training(two_m)
+    errors_n = [
+        rms(predict_n(model.with_start(start), second) - second.force_n)
+        for start in ("auto", "rested", "continues")
+    ]
+    assert errors_n[0] == errors_n[2 if goes_on else 1]
+    assert errors_n[2] < 0.5 * errors_n[1] or not goes_on
 
 
 @pytest.mark.parametrize("cut", [8310, 8500, 8770])
@@ -301,6 +347,6 @@ def test_a_session_is_begun_as_its_later_presses_began(rest_s: float, starts: bo
     felt = [replace(each, force_n=forces_n[begin : begin + len(depth_m)])
             for each, begin in zip(timed, motion.starts, strict=True)]  # fmt: skip
     found = store_memory(slow, build_training_set(felt, 0.0))
-    assert found.starts_conditioned is starts
+    assert found.continues is starts
     # What is left as the last press begins: minutes later, nothing.
-    assert bool(np.abs(found.conditioned.branch_n).max() > 1e-4) is starts
+    assert bool(np.abs(found.end_memory.branch_n).max() > 1e-4) is starts

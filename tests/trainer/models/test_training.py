@@ -27,6 +27,7 @@ from springpot.trainer.models.folds import (
     split_by_condition,
     split_repeats,
 )
+from springpot.trainer.models.passive.passive_fit import fit_passive, select_passive
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.models.rf_fd import build_lag_features, compute_depth_scale
 from springpot.trainer.models.training_set import TrainingSet, build_training_set, select_rows
@@ -203,6 +204,14 @@ def lossy(item: Recording, pull: bool) -> Recording:
 
 
 @pytest.mark.slow
+def test_a_part_of_a_set_answers_for_itself() -> None:
+    whole = build_training_set(training(), 0.0)
+    fit_passive(whole, FitOptions())
+    part = replace(whole, recordings=whole.recordings[:2], depths_m=whole.depths_m[:2])
+    assert fit_passive(part, FitOptions()) is not fit_passive(whole, FitOptions())
+    assert select_passive(part, FitOptions())[0].rows.rows.max() < part.rows_total
+
+
 def test_same_seed_and_recordings_give_the_same_hash() -> None:
     first, again, other = (
         model_hash(fit_model("rf-fd", "a", training(), FitOptions(seed=k, trees=3, leaf=30)).model)

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from springpot.codegen.arrays import Indices, Samples, rms
-from springpot.codegen.model.passive import Hammerstein, Memory
+from springpot.codegen.model.passive import Hammerstein
 from springpot.trainer.models.depths import DepthMotion
 from springpot.trainer.models.passive.nonnegative import normal_equations
 from springpot.trainer.models.passive.passive_force import simulate_passive
@@ -121,7 +121,13 @@ def extrapolate_curves(model: Hammerstein, weights: Samples) -> Hammerstein:
         rate_ratio=ratio,
         flow=flow,
         damage=model.damage and replace(model.damage, curve_n=extrapolate(model.damage.curve_n)),
-        conditioned=Memory(memory.branch_n, branch_memory, memory.deepest / _EXTENSION_RATIO),
+        end_memory=replace(
+            memory,
+            flow=branch_memory,
+            deepest=memory.deepest / _EXTENSION_RATIO,
+            play=memory.play / _EXTENSION_RATIO,
+            u=memory.u / _EXTENSION_RATIO,
+        ),
     )
 
 

@@ -53,7 +53,6 @@ def fit_map(data: TrainingSet, options: FitOptions) -> MapFit:
             recordings=tuple(data.recordings[k] for k in numbers),
             depths_m=tuple(data.depths_m[k] for k in numbers),
             warnings=(),
-            _found={},
         )
         for numbers in sites.values()
     ]
@@ -91,7 +90,7 @@ def _rescale_sites(
         ]
         depths_m += site_sets[k].depths_m
     template = site_sets[0]
-    return replace(template, recordings=tuple(recordings), depths_m=tuple(depths_m), _found={})
+    return replace(template, recordings=tuple(recordings), depths_m=tuple(depths_m))
 
 
 def _build_problem(

@@ -125,7 +125,7 @@ def fit_passive_timed(
 ) -> tuple[Hammerstein, PassiveChoice, float]:
     """Return the model of `select_passive`, that choice, and the seconds of both; made once."""
     choice, chosen_s = select_passive(data, options)
-    key = ("passive model", data.continues, options.fraction, options.seed, options.poles)
+    key = ("passive model", options.fraction, options.seed, options.poles)
     model, model_s = data.cached(key, lambda: choice.model(data))
     return model, choice, chosen_s + model_s
 
@@ -142,7 +142,7 @@ def select_passive(data: TrainingSet, options: FitOptions) -> tuple[PassiveChoic
         build_laws.cache_clear()  # they hold all columns
         return replace(chosen, normal=normals.__getitem__)
 
-    key = ("passive", data.continues, options.fraction, options.seed, options.poles)
+    key = ("passive", options.fraction, options.seed, options.poles)
     return data.cached(key, select)
 
 
@@ -275,7 +275,7 @@ class Laws:
         if name != "flow":
             return data.map_motions(rows, partial(evaluate_added_hats, terms, data.dt_s))
         motion_args = (data.motions, data.dt_s, data.rows_by_motion(rows))
-        key = ("flow", data.continues, rows.tobytes())
+        key = ("flow", rows.tobytes())
         return data.cached(
             key, lambda: data.to_row_order(rows, simulate_flow(terms, *motion_args))
         )[0]

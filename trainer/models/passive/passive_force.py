@@ -23,7 +23,8 @@ def simulate_passive(
     """Force along a motion, (n,), N, the depth at which the model is then, (n,), m, and its memory.
 
     That is the tool's, or the surface's while the tool is away. place_m: of a map, x and y, m;
-    None: of the stiffest.
+    None: of the stiffest. A model that continues knows what came before a motion: the guess of that
+    in the motion is passed over (0 there).
     """
 
     @cache
@@ -33,9 +34,10 @@ def simulate_passive(
 
     stage = stage_of(dt_s)
     u = (motion.depth_m - stage.config.origin_m) * stage.config.u_per_m
-    state, begin = PassiveMotion(stage, u[0]), 0
-    force_n, model_u = np.empty_like(u), np.empty_like(u)
-    for end, seconds in (*motion.pauses, (len(u), 0.0)):
+    begin = motion.starts[0] if stage.start else 0
+    state, force_n, model_u = PassiveMotion(stage, u[begin]), np.zeros_like(u), u.copy()
+    pauses = (pause for pause in motion.pauses if pause[0] > begin)
+    for end, seconds in (*pauses, (len(u), 0.0)):
         force_n[begin:end], model_u[begin:end] = state.along(u[begin:end])
         if end < len(u):
             step_s, left_s = dt_s, seconds  # steps of a rest, each twice as long as the one before
@@ -60,7 +62,8 @@ def store_memory(model: Hammerstein, data: TrainingSet) -> Hammerstein:
     motion, surface = data.motions[-1], data.contact == "surface"
     if data.continues or len(motion.recordings) < 2:
         memory = simulate_passive(model, motion, data.dt_s, surface)[2]
-        return replace(model, conditioned=memory, starts_conditioned=data.continues)
+        end_depth_m = float(motion.depth_m[-1]) if len(data.recordings) == 1 else None
+        return replace(model, end_memory=memory, continues=data.continues, end_depth_m=end_depth_m)
     begin = motion.starts[-1]
     pauses = tuple(pause for pause in motion.pauses if pause[0] < begin)
     earlier = replace(motion, depth_m=motion.depth_m[:begin], pauses=pauses)
@@ -77,6 +80,6 @@ def store_memory(model: Hammerstein, data: TrainingSet) -> Hammerstein:
             - np.concatenate([data.recordings[k].force_n for k in later])
         )
 
-    rested = replace(model, conditioned=memory, starts_conditioned=False)
-    conditioned = replace(rested, starts_conditioned=True)
+    rested = replace(model, end_memory=memory, continues=False)
+    conditioned = replace(rested, continues=True)
     return conditioned if error_n(conditioned) < _MAX_ERROR_RATIO * error_n(rested) else rested

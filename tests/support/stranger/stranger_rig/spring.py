@@ -17,7 +17,7 @@ def fit_spring(
     rows = len(choice.rows.rows)
     spring = replace(
         passive, tau_s=passive.tau_s[:0], branch_n=passive.branch_n[:0], n_by_depth=0, flow=None,
-        radius_m=passive.radius_m[:0], stop_n=passive.stop_n[:0], damage=None, conditioned=None,
+        radius_m=passive.radius_m[:0], stop_n=passive.stop_n[:0], damage=None, end_memory=None,
     )  # fmt: skip
     model = assemble("spring", name, data, options, rows, (None, None), spring, True, {})
     return Fit(model, rows, 0.0, fit_s)
