@@ -83,7 +83,8 @@ def test_wraps(seed: int) -> None:
     rng = np.random.default_rng(seed)
     rate_hz = float(rng.choice([100.0, 500.0, 1000.0]))
     time_s = np.arange(0.0, 10.0, 1.0 / rate_hz)
-    x = 5e-3 * (1.0 - np.cos(2.0 * np.pi * rng.uniform(0.2, 2.0) * time_s))
+    cycles = rng.uniform(0.2, 2.0) * time_s
+    x = 5e-3 * (1.0 - np.cos(2.0 * np.pi * cycles))
     f = 1e3 * x + rng.normal(0.0, 0.02, len(time_s))
     size = rng.uniform(0.5, 0.8)
     wrapped_n = np.mod(f + 0.3 * size * np.ptp(f), size * np.ptp(f))
@@ -95,6 +96,7 @@ def test_wraps(seed: int) -> None:
         (x, wrapped_n, True),
         (drawn_back_m, 800.0 * drawn_back_m, False),
         (2e-3 + rng.normal(0.0, 1e-6, len(time_s)), held_n, False),
+        (x, f * (1.0 - 0.7 * (cycles % 1.0 > 0.4)), False),  # cracks, and heals in the air
     ):
         assert ("wrap" in kinds(Recording("a", position_m, force_n, 1.0 / rate_hz))) == wraps
 

@@ -207,3 +207,26 @@ def test_a_single_way_in_shows_its_side_though_the_object_relaxes(power: float, 
     share = np.linspace(0.0, 1.0, 2000)
     found = find_signs(Recording("x", 0.01 * side * share, side * (5.0 * share**power + 1.0), 1e-3))
     assert found.evidence and (found.position_sign, found.force_sign) == (side, side)
+
+
+@pytest.mark.parametrize("seed", range(40))
+def test_a_break_in_the_last_rows_turns_no_sign(seed: int) -> None:
+    """Of presses with an offset, a preload, a rest before or a stop behind; both errors counted."""
+    draw = np.random.default_rng(seed)
+    rows, broken = int(draw.choice([20, 40, 80, 150, 1000])), int(draw.integers(3, 7))
+    way, air = np.linspace(0.0, 1.0, rows), float(draw.choice([0.0, 0.1, 0.3]))
+    force = np.maximum(way - air, 0.0) ** draw.choice([0.7, 1.0, 1.7])
+    falls = np.linspace(draw.choice([1.0, 0.0]), 0.0, broken + 1)[1:]
+    left = draw.uniform(-0.3, 0.5)
+    force[-broken:] = force[-broken - 1] * (left + (1.0 - left) * falls)
+    mode = str(draw.choice(["plain", "offset", "preload", "hold", "stop"]))
+    if mode == "stop":
+        way[-broken:] = way[-broken - 1]
+    if mode == "hold":
+        way, force = (np.append(np.full(rows // 3, each[0]), each) for each in (way, force))
+    force += 0.05 * (mode == "preload") + draw.normal(0.0, 1e-3, len(way))
+    position_m, force_n = 3e-3 * (way + draw.uniform(0.0, 2.0) * (mode == "offset")), 40.0 * force
+    for x, f in product((1, -1), (1, -1)):
+        item = Recording("a", x * position_m, f * force_n, 0.1, source="test")
+        refused = [each for each in sign_findings(item, find_signs(item)) if each.kind == "sign"]
+        assert (x == f == 1) != bool(refused)

@@ -115,6 +115,35 @@ def test_what_a_tool_did_is_no_spike() -> None:
         assert replace_spikes(item) == (item, [])
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_hum_a_pull_at_the_surface_and_an_end_in_motion_are_no_events(seed: int) -> None:
+    draw = np.random.default_rng(seed)
+    rate_hz = float(draw.choice([50.0, 100.0, 200.0, 1000.0]))
+    time_s = np.arange(round(draw.uniform(5.0, 12.0) * rate_hz)) / rate_hz
+    moving_m = 0.005 * np.sin(2.0 * np.pi * draw.uniform(0.3, rate_hz / 40.0) * time_s) ** 2 - 1e-3
+    smooth_n = 800.0 * np.maximum(moving_m, 0.0)
+    slow_m = np.linspace(0.0, 0.001, len(time_s))
+    width, begin = int(draw.integers(10, 60)), int(draw.integers(20, 100))
+    hum_n = np.zeros(len(time_s))
+    swings = np.cos(2.0 * np.pi * draw.uniform(0.4, 0.5) * np.arange(width))
+    hum_n[begin : begin + width] = draw.uniform(0.01, 0.3) * np.hanning(width) * swings
+    burst_n = 0.6 * np.interp(
+        time_s % 0.5 * rate_hz, np.arange(8), [0, 0.2, 0.6, 1, 1, 0.6, 0.2, 0]
+    )
+    pull_n = -1.3 * ((moving_m > -2e-4) & (moving_m <= 0.0))
+    noise_n = draw.normal(0.0, 0.002, len(time_s))
+    for position_m, force_n in (
+        (moving_m, smooth_n),
+        (moving_m, smooth_n + noise_n),
+        (moving_m, smooth_n + noise_n + pull_n),
+        (slow_m, 2e3 * slow_m + noise_n + hum_n),
+        (slow_m, 2e3 * slow_m + noise_n + burst_n),
+    ):
+        item = Recording("x", position_m, force_n, 1.0 / rate_hz)
+        assert replace_spikes(item) == (item, [])
+        assert "wrap" not in [found.kind for found in check_recordings([item]).findings]
+
+
 @pytest.mark.filterwarnings("ignore::UserWarning")
 def test_spikes_spoil_no_fit() -> None:
     presses = [preloaded(hz) for hz in (0.5, 1.0, 4.0)]

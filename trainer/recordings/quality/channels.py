@@ -40,6 +40,7 @@ _MAX_STEP_FRACTION = 0.01  # quantisation step over the signal's range
 _JUMP_RANGE_FRACTION, _JUMP_STEP_RATIO = 0.4, 4.0  # of the range; times the usual step: a jump
 _NEIGHBOUR_SAMPLES = 5  # samples, over which a channel moves against its jump
 _MIN_WRAP_FRACTION = 0.8  # of the jumps
+_RETURN_FRACTION = 0.1  # of the other channel's range: it is back where it began
 _MAX_OTHER_FRACTION = 0.2  # of the other channel's range, meanwhile
 
 
@@ -231,25 +232,33 @@ def _find_filled_runs(recording: Recording) -> list[tuple[int, int]]:
 
 
 def _find_wraps(samples: Samples, other: Samples) -> list[int]:
-    """Rows before jumps through much of the range, against the motion before and after.
+    """Rows before jumps from one end of the range to the other, against the motion around them.
 
-    The other channel goes on meanwhile: where a tool is drawn back within a sample, it does not.
+    A counter that wraps stays there, jumps by one size, and is back on its turn where the other
+    channel is back where it began. Hum is undone by the next sample; a force that falls where the
+    object cracks never jumps up again. The other channel goes on meanwhile: where a tool is drawn
+    back within a sample, it does not.
     Empty if there is one alone, or if a fifth of the jumps are none.
     """
-    steps, spans = np.diff(samples), (float(np.ptp(samples)), float(np.ptp(other)))
-    usual_steps = np.append(np.abs(steps)[np.abs(steps) <= _JUMP_RANGE_FRACTION * spans[0]], 0.0)
+    steps, span, other_span = np.diff(samples), float(np.ptp(samples)), float(np.ptp(other))
+    usual_steps = np.append(np.abs(steps)[np.abs(steps) <= _JUMP_RANGE_FRACTION * span], 0.0)
     # In a hold alone, noise jumps over much of the range and back: it does so all the time.
-    min_jump = max(
-        _JUMP_RANGE_FRACTION * spans[0], _JUMP_STEP_RATIO * float(np.quantile(usual_steps, 0.95))
-    )
+    usual = float(np.quantile(usual_steps, 0.95))
+    min_jump = max(_JUMP_RANGE_FRACTION * span, _JUMP_STEP_RATIO * usual)
     jumps = np.flatnonzero(
-        (np.abs(steps) > min_jump) & (np.abs(np.diff(other)) < _MAX_OTHER_FRACTION * spans[1])
+        (np.abs(steps) > min_jump) & (np.abs(np.diff(other)) < _MAX_OTHER_FRACTION * other_span)
     )
-    wraps = [
-        row
-        for row in jumps.tolist()
-        if steps[row] * (samples[row] - samples[max(0, row - _NEIGHBOUR_SAMPLES)]) < 0.0
-        and steps[row] * (samples[row + 1 : row + 2 + _NEIGHBOUR_SAMPLES][-1] - samples[row + 1])
-        < 0.0
-    ]
-    return wraps if len(wraps) > max(1, _MIN_WRAP_FRACTION * len(jumps)) else []
+    groups = np.split(jumps, np.flatnonzero(np.diff(jumps) > _NEIGHBOUR_SAMPLES) + 1)
+    wraps = list[tuple[int, int]]()
+    for rows in groups if len(jumps) else ():
+        # Noise at the turn jumps there and back: what is left of them counts.
+        begin, end, jump = int(rows[0]), int(rows[-1]) + 1, float(steps[rows].sum())
+        before = samples[begin] - samples[max(0, begin - _NEIGHBOUR_SAMPLES)]
+        after = samples[end : end + 1 + _NEIGHBOUR_SAMPLES][-1] - samples[end]
+        if abs(jump) > min_jump and jump * before < 0.0 and jump * after < 0.0:
+            wraps.append((begin, 1 if jump > 0.0 else -1))
+    back = np.flatnonzero(np.abs(other - other[0]) < _RETURN_FRACTION * other_span)[-1]
+    signs = [sign for row, sign in wraps if row < back]
+    never_back = len(signs) > 1 and abs(sum(signs)) == len(signs)
+    many = len(wraps) > max(1, _MIN_WRAP_FRACTION * len(groups))
+    return [row for row, _ in wraps] if many and not never_back else []

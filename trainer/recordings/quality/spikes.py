@@ -1,6 +1,6 @@
 """Spikes: a few samples far from those around them, which are replaced from those beside."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -11,21 +11,45 @@ from springpot.trainer.recordings.recording import Recording
 from springpot.trainer.recordings.signals import quantisation_step
 
 SPIKES_KEY = "outliers"  # of a recording's details: what was found in each channel
-_MAX_POSITION_RUN, _MAX_FORCE_RUN = (
-    5,
-    2,
-)  # samples of position, of force: a longer run may be an impact
-_POSITION_FRACTION, _FORCE_FRACTION = (
-    0.25,
-    0.02,
-)  # of the channel's range: a spike is as far off at least
-_NOISE_SIGMAS, _MAX_STEP_RATIO = (
-    8.0,
-    5.5,
-)  # of the noise, and of the largest step around: it is farther off
-_MEDIAN_REACH = 5  # samples to each side that are compared
-_MAX_SPIKE_FRACTION = 0.05  # of the samples
-_MAX_TRAVEL_FRACTION = 0.1  # of the travel: a tool that moves more meanwhile may have hit something
+
+
+@dataclass(frozen=True)
+class SpikeRule:
+    """What a spike is: a few samples that leave their surroundings in one step, and come back.
+
+    position_samples, force_samples: at most in a row; a longer run of force may be an impact.
+    position_fraction, force_fraction: of the channel's range: a spike is as far off at least.
+    reach: samples to each side whose median a sample is compared with.
+    noise_sigmas: of the channel's noise: a spike is farther off.
+    step_ratio: times the largest step of those medians, the median of the samples' own steps, and
+    at an end the largest of the steps inside: a spike is farther off. Hum swells, and a tool at an
+    end moves on; neither is farther off than that.
+    beside_fraction: of its distance: as near are the samples beside a spike at most. The top of a
+    smooth peak of six samples is no spike.
+    travel_fraction: of the travel: a tool that moves by more meanwhile may have hit something.
+    max_fraction: of the samples: more spikes are a fault of the sensor.
+    least_events, events_fraction, band_fraction, time_fraction: so many runs or more, most of which
+    come in a band of positions, so wide of the travel, where the tool spends less of its time, are
+    made by the motion, as the pull of a sticky surface.
+    """
+
+    position_samples: int = 5
+    force_samples: int = 2
+    position_fraction: float = 0.25
+    force_fraction: float = 0.02
+    reach: int = 5
+    noise_sigmas: float = 8.0
+    step_ratio: float = 5.5
+    beside_fraction: float = 1 / 3
+    travel_fraction: float = 0.1
+    max_fraction: float = 0.05
+    least_events: int = 4
+    events_fraction: float = 0.8
+    band_fraction: float = 0.1
+    time_fraction: float = 0.4
+
+
+_RULE = SpikeRule()
 
 
 def replace_spikes(recording: Recording) -> tuple[Recording, list[Finding]]:
@@ -37,7 +61,7 @@ def replace_spikes(recording: Recording) -> tuple[Recording, list[Finding]]:
     >>> position_m = 1e-3 * (1 - np.cos(np.linspace(0, 6.28, 200)))
     >>> force_n = 500 * position_m
     >>> force_n[50] = 900.0
-    >>> held, (finding,) = hold_spikes(Recording("a", position_m, force_n, 1e-3))
+    >>> held, (finding,) = replace_spikes(Recording("a", position_m, force_n, 1e-3))
     >>> finding.what
     '1 of 200 samples of force jump away, the first at 0.05 s to 900 N'
     """
@@ -61,7 +85,7 @@ def replace_spikes(recording: Recording) -> tuple[Recording, list[Finding]]:
     ]
     if not found:
         return recording, []
-    if max(len(position_rows), len(force_rows)) > _MAX_SPIKE_FRACTION * len(force_n):
+    if max(len(position_rows), len(force_rows)) > _RULE.max_fraction * len(force_n):
         spoiled = ("too many to be replaced", "mend the sensor or its cable, and record again")
         return recording, [refusal("outlier", name, what, *spoiled) for what in found]
     details, repaired_n = (
@@ -78,10 +102,10 @@ def _find_position_spikes(position_m: Samples, force_n: Samples) -> Indices:
     At an end of the recording force has to stay: it may start just before a sudden press.
     """
     spikes, last = np.zeros(len(position_m), dtype=bool), len(position_m) - 1
-    for run in _find_outlier_runs(position_m, _MAX_POSITION_RUN, _POSITION_FRACTION):
+    for run in _find_outlier_runs(position_m, _RULE.position_samples, _RULE.position_fraction):
         inside = run[-1] + 1 if run[0] == 0 else run[0] - 1
         step_m, step_n = (float(each[run[0]] - each[inside]) for each in (position_m, force_n))
-        follows = step_m * step_n > 0.0 and abs(step_n) > _POSITION_FRACTION * float(
+        follows = step_m * step_n > 0.0 and abs(step_n) > _RULE.position_fraction * float(
             np.ptp(force_n)
         )
         spikes[run] = not follows or (run[0] > 0 and run[-1] < last)
@@ -94,38 +118,75 @@ def _find_force_spikes(position_m: Samples, force_n: Samples) -> Indices:
     Not where the tool moves by a tenth of its travel meanwhile, which may be an impact, nor at an
     end where force goes on: a recording may begin while it relaxes.
     """
-    spikes, last = np.zeros(len(force_n), dtype=bool), len(force_n) - 1
-    for run in _find_outlier_runs(force_n, _MAX_FORCE_RUN, _FORCE_FRACTION):
+    runs_found, last = list[Indices](), len(force_n) - 1
+    for run in _find_outlier_runs(force_n, _RULE.force_samples, _RULE.force_fraction):
         beside_n = force_n[run[-1] + 1 :][:2] if run[0] == 0 else force_n[: run[0]][-2:]
-        goes_on = float(np.ptp(beside_n)) > _FORCE_FRACTION * float(np.ptp(force_n))
-        if (run[0] > 0 and run[-1] < last) or not goes_on:
-            moved_m = float(np.ptp(position_m[max(run[0] - 1, 0) : run[-1] + 2]))
-            spikes[run] = moved_m <= _MAX_TRAVEL_FRACTION * float(np.ptp(position_m))
-    return np.flatnonzero(spikes)
+        goes_on = float(np.ptp(beside_n)) > _RULE.force_fraction * float(np.ptp(force_n))
+        moved_m = float(np.ptp(position_m[max(run[0] - 1, 0) : run[-1] + 2]))
+        if moved_m <= _RULE.travel_fraction * float(np.ptp(position_m)) and (
+            (run[0] > 0 and run[-1] < last) or not goes_on
+        ):
+            runs_found.append(run)
+    if _come_with_motion(position_m, [int(run[0]) for run in runs_found]):
+        return np.empty(0, dtype=np.intp)
+    return np.concatenate([*runs_found, np.empty(0, dtype=np.intp)])
+
+
+def _come_with_motion(position_m: Samples, rows: list[int]) -> bool:
+    """Whether events come at one place of the travel, where the tool is only a part of its time."""
+    band_m = _RULE.band_fraction * float(np.ptp(position_m))
+    at_m = np.sort(position_m[rows])
+    inside = np.searchsorted(at_m, at_m + band_m, side="right") - np.arange(len(at_m))
+    if len(rows) < _RULE.least_events or inside.max() < _RULE.events_fraction * len(rows):
+        return False
+    low_m = at_m[np.argmax(inside)]
+    stays = np.mean((position_m >= low_m) & (position_m <= low_m + band_m))
+    return bool(stays < _RULE.time_fraction)
 
 
 def _find_outlier_runs(samples: Samples, longest: int, share: float) -> list[Indices]:
     """Runs of rows farther from the medians around than noise, motion and a share of the range.
 
     The noise is by the median of second differences, which spikes hardly change; without those
-    that are 0, of a sensor that repeats its values. The motion is that of the medians.
+    that are 0, of a sensor that repeats its values. The motion is that of the medians, and of the
+    samples themselves: hum as fast as half the rate hardly moves a median.
     """
     second_differences = np.abs(np.diff(samples, 2))
     second_differences = second_differences[second_differences > 0.0]
-    if len(samples) <= 2 * _MEDIAN_REACH or not len(second_differences):
+    reach, steps = _RULE.reach, np.abs(np.diff(samples))
+    if len(samples) <= 2 * reach or not len(second_differences):
         return []
-    min_deviation = _NOISE_SIGMAS * 1.4826 * float(np.median(second_differences)) / np.sqrt(6.0)
-    if np.abs(np.diff(samples)).max() <= min_deviation:
+    noise = 1.4826 * float(np.median(second_differences)) / np.sqrt(6.0)
+    if steps.max() <= _RULE.noise_sigmas * noise:
         return []
-    medians = np.median(sliding_window_view(samples, 2 * _MEDIAN_REACH + 1), axis=1)
-    typical = np.pad(medians, _MEDIAN_REACH, mode="edge")
-    steps = np.pad(np.abs(np.diff(typical)), 2 * _MEDIAN_REACH)
-    steps = sliding_window_view(steps, 4 * _MEDIAN_REACH).max(axis=1)
-    min_deviation = np.maximum(
-        max(min_deviation, share * float(np.ptp(typical))), _MAX_STEP_RATIO * steps
-    )
-    far = runs(np.abs(samples - typical) > min_deviation)
-    return [np.arange(begin, end) for begin, end in far if end - begin <= longest]
+    medians = np.median(sliding_window_view(samples, 2 * reach + 1), axis=1)
+    typical = np.pad(medians, reach, mode="edge")
+    motion = np.pad(np.abs(np.diff(typical)), 2 * reach)
+    motion = sliding_window_view(motion, 4 * reach).max(axis=1)
+    own_steps = np.pad(steps, 2 * reach, mode="reflect")
+    own_steps = np.median(sliding_window_view(own_steps, 4 * reach), axis=1)[: len(samples)]
+    floor = max(_RULE.noise_sigmas * noise, share * float(np.ptp(typical)))
+    far = np.abs(samples - typical)
+    found = []
+    for begin, end in runs(
+        far > np.maximum(floor, _RULE.step_ratio * np.maximum(motion, own_steps))
+    ):
+        if end - begin > longest:
+            continue
+        run, beside = (
+            np.arange(begin, end),
+            [row for row in (begin - 1, end) if 0 <= row < len(far)],
+        )
+        if len(beside) == 2:
+            if far[beside].max() < _RULE.beside_fraction * far[run].min():
+                found.append(run)
+            continue
+        # At an end there is one side: the step away from it is compared with those inside.
+        away = steps[end - 1 if begin == 0 else begin - 1]
+        inside = steps[end : end + 2 * reach] if begin == 0 else steps[: begin - 1][-2 * reach :]
+        if away > max(_RULE.step_ratio * inside.max(initial=0.0), floor):
+            found.append(run)
+    return found
 
 
 def _interpolate_rows(samples: Samples, rows: Indices) -> Samples:
