@@ -164,6 +164,7 @@ def _fill_gap(plan: Plan, position: Reals, end: int, since: int, begin: Reals | 
     step = (position[end] - position[end - since]) / real(since)
     ticks_left = np.arange(since - 1, 0, -1).astype(real)
     if begin is not None:
+        assert plan.velocity is not None  # which alone has a step to begin with
         bend = (step - begin) / (real(since) + plan.velocity.lag)
         step = step + bend * (real(since) - ticks_left)
     path_m = position[end] - ticks_left * step

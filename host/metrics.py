@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot.codegen.arrays import Samples, rms
+from springpot.codegen.arrays import Flags, Samples, rms
 from springpot.codegen.errors import DataError
 from springpot.codegen.messages import short_repr
 from springpot.codegen.notes import RAMPED
@@ -45,7 +45,9 @@ class Accuracy:
     figure 9), and interval_n its 95 % bootstrap interval over recordings (None for one recording).
     ape_below_jnd: share of samples above 2 N with an absolute percentage error below the just
     noticeable difference (None where no sample is). error_per_jnd: RMS of the errors, each over the
-    just noticeable difference of its measured force, that below 2 N included.
+    just noticeable difference of its measured force, that below 2 N included. contact_below_jnd:
+    share of the samples in contact whose error is below that (None without contact): an RMS falls
+    with the time in the air, this does not.
     """
 
     samples: int
@@ -59,6 +61,7 @@ class Accuracy:
     p99_abs_error_n: float
     ape_below_jnd: float | None
     error_per_jnd: float
+    contact_below_jnd: float | None
     __repr__ = short_repr
 
 
@@ -72,10 +75,12 @@ def accuracy(
     measured_n: Sequence[Samples],
     predicted_n: Sequence[Samples],
     ramps: Sequence[int] | None = None,
+    contacts: Sequence[Flags] | None = None,
 ) -> Accuracy:
     """Compare recordings with predictions, one array a recording.
 
-    ramps: samples of each that are not counted, from the beginning; none by default.
+    ramps: samples of each that are not counted, from the beginning; none by default. contacts:
+    which samples are in contact, of `find_contacts`; all by default.
     """
     ramps = [0] * len(measured_n) if ramps is None else ramps
     counted = [
@@ -99,6 +104,10 @@ def accuracy(
     if (scored := np.abs(measured) >= SCORED_ABOVE_N).any():
         share = np.abs(error[scored]) / np.abs(measured[scored])
         ape_below_jnd = float(np.mean(share < WEBER_FRACTION))
+    touched = np.ones(len(error), dtype=bool)
+    if contacts is not None:
+        touched = np.concatenate([c[r:] for c, r in zip(contacts, ramps, strict=True)])
+    below = (np.abs(error) < just_noticeable_n(measured))[touched]
     rmse_n = rms(error)
     return Accuracy(
         samples=len(error) + sum(ramps),
@@ -112,7 +121,23 @@ def accuracy(
         p99_abs_error_n=float(np.percentile(np.abs(error), 99)),
         ape_below_jnd=ape_below_jnd,
         error_per_jnd=rms(error / just_noticeable_n(measured)),
+        contact_below_jnd=float(below.mean()) if len(below) else None,
     )
+
+
+def find_contacts(recordings: Sequence[Recording], has_surface: bool) -> list[Flags]:
+    """Which samples of each recording are in contact: below the surface, all if there is none."""
+    return [
+        np.asarray(recording.position_m > 0.0)
+        if has_surface
+        else np.ones(len(recording.position_m), dtype=bool)
+        for recording in recordings
+    ]
+
+
+def contact_sentence(below: float | None) -> str:
+    """Say how much of the contact has an error that no hand can tell."""
+    return "no contact" if below is None else f"{100 * below:.1f} % of contact ({JND_WORDS})"
 
 
 def error_ratio_keys(found: Accuracy, floor: NoiseFloor) -> JsonObject:
@@ -124,6 +149,7 @@ def error_ratio_keys(found: Accuracy, floor: NoiseFloor) -> JsonObject:
         "noise_floor": floor.words,
         "error_per_floor": per_floor,
         "error_per_jnd": found.error_per_jnd,
+        "contact_below_jnd": found.contact_below_jnd,
     }
 
 
@@ -150,7 +176,7 @@ def ratio_rows(ratios: JsonObject) -> dict[str, str]:
         of_floor = f"{ratio:.3g} (floor {floor_n:.3g} N, {words})"
     return {
         "error / noise floor": of_floor,
-        "error / JND": f"{ratios['error_per_jnd']:.3g}, rms ({JND_WORDS})",
+        "below the JND": contact_sentence(ratios["contact_below_jnd"]),
     }
 
 

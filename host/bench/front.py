@@ -17,6 +17,7 @@ from springpot.host.native.replay import Replay, TickTimes
 from springpot.host.native.scene_library import build_and_load
 from springpot.host.stability.check import stability
 from springpot.host.stability.linear import require_stable, spectral_radius
+from springpot.host.validation.rendered import measure_rendered
 
 PACED_S = 2.0
 _PACED_TRIES = 3
@@ -25,7 +26,8 @@ _COUNTED_TICKS = 4000
 _AXES = ("rmse_n", "tick_ns_hot", "flash_bytes")
 ALONE = ("tick_ns_p50", "tick_ns_p99", "tick_ns_p999", "tick_ns_max", "bounded",
          "spectral_radius", "held_times_as_stiff", "verdict", "instructions",
-         "instructions_why")  # fmt: skip
+         "instructions_why", "rendered_rmse_n", "rendered_rmse_percent_of_peak",
+         "rendered_contact_below_jnd", "coupling")  # fmt: skip
 
 
 def pareto_front(points: Iterable[Point]) -> list[bool]:
@@ -45,9 +47,14 @@ def _dominates(one: Sequence[object], other: Sequence[object]) -> bool:
 
 
 def measure_alone(
-    model_file: Path, number: Number, target: Target, key: str, recording: Recording
+    model_file: Path,
+    number: Number,
+    target: Target,
+    key: str,
+    recording: Recording,
+    validation: Sequence[Recording],
 ) -> Point:
-    """Return paced ticks, the closed loop of the scene with hands, instructions on the target.
+    """Return paced ticks, the scene with hands and its error, instructions on the target.
 
     key: of all that decides the result besides: joblib remembers by it.
     """
@@ -64,6 +71,7 @@ def measure_alone(
     return {
         **_paced_ticks(model, number, recording),
         **_closed_loop(model, number),
+        **_rendered(model, number, validation),
         "instructions": instructions,
         "instructions_why": why,
     }
@@ -96,6 +104,18 @@ def _closed_loop(model: Model, number: Number) -> Point:
         "spectral_radius": spectral_radius(plan),
         "held_times_as_stiff": found.check.margin.least,
         "verdict": found.as_dict()["recommendation"],
+    }
+
+
+def _rendered(model: Model, number: Number, validation: Sequence[Recording]) -> Point:
+    """Return the error behind the coupling that `emit` chooses: what a hand meets."""
+    rendered = measure_rendered(model, validation, number)
+    assert rendered is not None  # the model's own C was built before
+    return {
+        "rendered_rmse_n": rendered.accuracy.rmse_n,
+        "rendered_rmse_percent_of_peak": rendered.accuracy.rmse_percent_of_peak,
+        "rendered_contact_below_jnd": rendered.accuracy.contact_below_jnd,
+        "coupling": rendered.coupling.why,
     }
 
 

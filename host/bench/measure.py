@@ -12,7 +12,7 @@ from springpot.codegen.model.model_file import model_bytes, model_hash
 from springpot.codegen.plan import Plan, state_bytes
 from springpot.codegen.scene import Coupling, Number, Runtime, Target
 from springpot.codegen.types import JsonObject
-from springpot.host.metrics import accuracy, slope_errors, slope_keys
+from springpot.host.metrics import accuracy, find_contacts, slope_errors, slope_keys
 from springpot.host.native.compiler import CompilerError, compiler_version
 from springpot.host.native.replay import Replay, replay_forces
 from springpot.host.native.scene_library import SceneLibrary, build_and_load, emitted_folder_of
@@ -117,9 +117,8 @@ def measure_point(
         found = {
             **prediction_errors(plan, library, data.validation),
             "tick_ns_hot": hot_ns(library, data.validation),
-            "ram_bytes": state_bytes(plan),
             **small_signal_map(plan, library, 0).as_dict(),
-            **_sizes(model, candidate.number, target),
+            **measure_sizes(model, candidate.number, target),
         }
     except SpringpotError as error:
         return stated | {"error": str(error)}, None
@@ -166,9 +165,10 @@ def bench_scene(number: Number, target: Target = "host") -> Scene:
 def prediction_errors(plan: Plan, library: SceneLibrary, recordings: Sequence[Recording]) -> Point:
     """Return error of the C on recordings."""
     forces_n, ramps = replay_forces(plan, Replay(library), recordings)
-    found = accuracy([recording.force_n for recording in recordings], forces_n, ramps)
+    contacts = find_contacts(recordings, plan.contact)
+    found = accuracy([recording.force_n for recording in recordings], forces_n, ramps, contacts)
     named = ("rmse_n", "rmse_percent_of_peak", "mean_recording_rmse_n", "max_abs_error_n",
-             "ape_below_jnd", "error_per_jnd")  # fmt: skip
+             "ape_below_jnd", "error_per_jnd", "contact_below_jnd")  # fmt: skip
     return {
         **{name: getattr(found, name) for name in named},
         "mean_recording_rmse_interval_n": found.interval_n and list(found.interval_n),
@@ -191,12 +191,16 @@ def target_compiler(target: Target) -> str | None:
     return None if tools is None else compiler_version(tools.compiler)
 
 
-def _sizes(model: Model, number: Number, target: Target) -> Point:
-    """Return bytes of flash and stack of a model's C on its target; null ones with `why`."""
+def measure_sizes(model: Model, number: Number, target: Target) -> Point:
+    """Return bytes of RAM, flash and stack of a model's C on `target`.
+
+    Without a compiler for it flash and stack are null, and `why` says so.
+    """
     plan = make_plan(model, bench_scene(number, target), accept_unsafe=True)
+    ram: Point = {"ram_bytes": state_bytes(plan)}
     try:
         with emitted_folder_of(plan) as folder:
             size = measure_footprint(folder, target)
     except CompilerError as error:
-        return {"flash_bytes": None, "stack_bytes": None, "why": str(error)}
-    return {"flash_bytes": size.flash_bytes, "stack_bytes": size.stack_bytes, "why": None}
+        return ram | {"flash_bytes": None, "stack_bytes": None, "why": str(error)}
+    return ram | {"flash_bytes": size.flash_bytes, "stack_bytes": size.stack_bytes, "why": None}

@@ -62,9 +62,21 @@ def bench(
         return
     if seen := training_overlap_sentence(result["seen"], len(testing)):
         print_line(seen)
-    columns = ("model", "RMSE, N", "% of peak", "tick, ns", "flash", "RAM", "fit, s", "front")
+    columns = (
+        "model",
+        "RMSE, N",
+        "% of peak",
+        "as emitted, %",
+        "below JND, %",
+        "tick, ns",
+        "flash",
+        "RAM",
+        "fit, s",
+        "front",
+    )
     rows = [
         (point_label(p), f"{p['rmse_n']:.3g}", f"{p['rmse_percent_of_peak']:.2g}",
+         _digits(p["rendered_rmse_percent_of_peak"]), _percent(p["contact_below_jnd"]),
          f"{p['tick_ns_hot']:.0f}", _known(p["flash_bytes"]), str(p["ram_bytes"]),
          _known(p["fit_s"]),
          "" if not p["pareto"] else "yes" if p["bounded"] else "not bounded in every hand")
@@ -78,3 +90,11 @@ def bench(
 
 def _known(value: float | None) -> str:
     return "-" if value is None else f"{value:.6g}" if isinstance(value, int) else f"{value:.2f}"
+
+
+def _digits(value: float | None) -> str:
+    return "-" if value is None else f"{value:.2g}"
+
+
+def _percent(share: float | None) -> str:
+    return "-" if share is None else f"{100.0 * share:.0f}"

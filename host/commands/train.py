@@ -16,6 +16,7 @@ from springpot.host.metrics import (
     Accuracy,
     accuracy,
     error_ratio_keys,
+    find_contacts,
     format_start_errors,
     ratio_rows,
     slope_errors,
@@ -33,6 +34,7 @@ from springpot.host.options import (
     recordings_option,
 )
 from springpot.host.output import json_option, print_line, print_result, progress_bar
+from springpot.host.validation.rendered import Rendered, measure_rendered
 from springpot.host.validation.seen import count_training_recordings, training_overlap_sentence
 from springpot.trainer.kinds import fit_model, kind_names
 from springpot.trainer.models.fit import Fit, FitOptions
@@ -189,6 +191,11 @@ def training_rows(
         )
         if by_start := format_start_errors(result["rmse_by_start_n"]):
             rows["  by start"] = by_start
+        if (percent := result["rendered_rmse_percent_of_peak"]) is not None:
+            rows["  as emitted"] = (
+                f"RMSE {result['rendered_rmse_n']:.4g} N, {percent:.3g} % of peak, behind coupling "
+                f'"{result["rendered_coupling"]}"'
+            )
         rows |= ratio_rows(result)
         rows["slope error"] = slope_sentence(result)
     return rows
@@ -249,7 +256,9 @@ def errors(
     model = fit.model.with_start(start)
     predicted_n = predict_limited_n(model, [*known, *new])[len(known) :]
     measured_n = [recording.force_n for recording in new]
-    found = accuracy(measured_n, predicted_n)
+    contacts = find_contacts(new, fit.model.contact == "surface")
+    found = accuracy(measured_n, predicted_n, contacts=contacts)
+    rendered = measure_rendered(fit.model, new)
     for line in find_moving_starts(model, new):
         print_line(f"warning: {line}")
 
@@ -264,4 +273,14 @@ def errors(
         **{name: getattr(found, name) for name in shown},
         **error_ratio_keys(found, find_noise_floor([*known, *new])),
         **slope_keys(slope_errors(new, predicted_n)),
+        **rendered_keys(rendered),
+    }
+
+
+def rendered_keys(rendered: Rendered | None) -> JsonObject:
+    """Keys of `--json` on what `emit` would render; null without a compiler."""
+    return {
+        "rendered_rmse_n": rendered and rendered.accuracy.rmse_n,
+        "rendered_rmse_percent_of_peak": rendered and rendered.accuracy.rmse_percent_of_peak,
+        "rendered_coupling": rendered and rendered.coupling.coupling.mode,
     }

@@ -11,7 +11,7 @@ from springpot.codegen.arrays import Reals, Samples
 from springpot.codegen.emit.golden import differentiate
 from springpot.codegen.errors import SpringpotError
 from springpot.codegen.plan import Plan
-from springpot.host.metrics import Accuracy, accuracy, start_up_ramp
+from springpot.host.metrics import Accuracy, accuracy, find_contacts, start_up_ramp
 from springpot.host.native.c_library import INPUT, CLibrary, load_c
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.runtime_c.paths import PORT_TESTBENCH
@@ -164,4 +164,5 @@ def replay_forces(
 def replay_accuracy(plan: Plan, replay: Replay, recordings: Sequence[Recording]) -> Accuracy:
     """Error of the C on recordings, behind the start-up ramp."""
     forces, ramps = replay_forces(plan, replay, recordings)
-    return accuracy([recording.force_n for recording in recordings], forces, ramps)
+    contacts = find_contacts(recordings, plan.contact)
+    return accuracy([recording.force_n for recording in recordings], forces, ramps, contacts)

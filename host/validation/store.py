@@ -99,7 +99,6 @@ def validation_rows(validation: Validation) -> dict[str, str]:
     seen = training_overlap_sentence(validation.seen, len(validation.predicted_n))
     interval = found.interval_n
     spread = f", 95 % in {interval[0]:.4g} .. {interval[1]:.4g}" if interval else ""
-    below = found.ape_below_jnd
     again = "the calls of the session made again; the force sent is compared with that of the C, "
     rows = {
         "compared": f"{', '.join(felt)}: {again}not with a measured object" if felt else "",
@@ -124,9 +123,6 @@ def validation_rows(validation: Validation) -> dict[str, str]:
             "RMSE, mean of recordings": f"{found.mean_recording_rmse_n:.4g} N{spread}",
             "mean error": f"{found.mean_error_n:+.4g} N (the C less the measured force)",
             "maximum error": f"{found.max_abs_error_n:.4g} N; 99 %: {found.p99_abs_error_n:.4g} N",
-            "below the JND above 2 N": "no such sample"
-            if below is None
-            else f"{100 * below:.1f} %",
         }
     else:
         felt_too = ", and so does what was felt"

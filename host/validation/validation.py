@@ -20,6 +20,7 @@ from springpot.host.metrics import (
     SlopeErrors,
     accuracy,
     error_ratio_keys,
+    find_contacts,
     press_errors_n,
     slope_errors,
     slope_keys,
@@ -170,7 +171,9 @@ def validate(folder: File, recordings: Recordings, paced_s: float = PACED_S) -> 
     errors_of = (recordings, found.predicted_n, found.ramped)
     return Validation(
         **vars(found),
-        accuracy=accuracy(measured_n, found.predicted_n, found.ramped),
+        accuracy=accuracy(
+            measured_n, found.predicted_n, found.ramped, find_contacts(recordings, plan.contact)
+        ),
         ticks=Replay(library).tick_times(longest.position_m, paced_s),
         manifest=library.manifest,
         floor=find_noise_floor(judged),

@@ -47,6 +47,7 @@ def test_a_scene_that_the_device_cannot_render(wanted: DeviceRequirements, told:
     assert told in refusal(wanted=wanted)
 
 
+@pytest.mark.realtime  # the peer sends a thousand samples a second, or is refused
 @pytest.mark.parametrize(("weight_n", "held_n"), [(0.5, 0.5), (-0.5, 0.5), (0.5, 0.0)])
 def test_what_it_is_armed_with(weight_n: float, held_n: float) -> None:
     """The force limit, the mass of a handle that is held up where it renders, the watchdog."""
@@ -61,6 +62,7 @@ def test_what_it_is_armed_with(weight_n: float, held_n: float) -> None:
     assert stop["mass_kg"] == 0.12 and stop["watchdog_s"] == pytest.approx(0.02)
 
 
+@pytest.mark.realtime
 def test_without_a_watchdog_where_that_is_accepted() -> None:
     with peer("dhd_device", "--no-watchdog") as device:
         opened = open_device(device.url + "&watchdog=off", WANTED)

@@ -19,9 +19,9 @@ from springpot.codegen.arrays import rms
 from springpot.codegen.model.model_file import write_model
 from springpot.codegen.model.places import Places
 from springpot.codegen.reference import Run, run_reference
-from springpot.codegen.scene import Coupling, Runtime
+from springpot.codegen.scene import Coupling, Runtime, Scene
 from springpot.host.emission.emission import emit
-from springpot.host.metrics import accuracy, just_noticeable_n, start_up_ramp
+from springpot.host.metrics import accuracy, find_contacts, just_noticeable_n, start_up_ramp
 from springpot.host.validation import compared
 from springpot.host.validation.compared import (
     count_different_bits,
@@ -29,6 +29,7 @@ from springpot.host.validation.compared import (
     resample_to_ticks,
     samples_at_ticks,
 )
+from springpot.host.validation.rendered import measure_rendered
 from springpot.host.validation.seen import count_training_recordings, known_among
 from springpot.host.validation.store import validation_rows
 from springpot.host.validation.validation import Validation, validate
@@ -266,6 +267,37 @@ def test_figures_of_a_known_error() -> None:
     weak = accuracy([np.array([0.5, 1.0])], [np.array([0.5, 1.5])])  # one recording
     assert weak.interval_n is None and weak.ape_below_jnd is None
     np.testing.assert_allclose(just_noticeable_n(np.array([0.5, 2.0, -9.0])), [0.2, 0.2, 0.9])
+
+
+def test_the_share_of_contact_below_the_threshold_does_not_count_the_air() -> None:
+    """Errors of 0.19 N below 2 N and of 9 % above pass, of 0.21 N and 11 % do not."""
+    position_m = np.array([1e-3, 1e-3, 1e-3, 1e-3])
+    measured, errors = np.array([1.0, 1.0, 5.0, -5.0]), np.array([0.19, -0.21, 0.45, 0.55])
+
+    def below(air: int, has_surface: bool) -> float | None:
+        rest = np.zeros(air)
+        pressed = Recording(
+            "p", np.append(position_m, rest - 1e-3), np.append(measured, rest), 1e-3
+        )
+        contacts = find_contacts([pressed], has_surface)
+        predicted = pressed.force_n + np.append(errors, rest)
+        return accuracy([pressed.force_n], [predicted], [0], contacts).contact_below_jnd
+
+    assert below(0, True) == below(1000, True) == pytest.approx(0.5)
+    assert below(4, False) == pytest.approx(0.75)
+
+
+def test_what_is_rendered_is_what_emit_emits(tmp_path: Path) -> None:
+    """Behind a coupling that auto takes, at the rate that it takes."""
+    model = passive_model().stiffened(10.0)
+    recordings = [recording(f"{hz}", press(hz)) for hz in (1.0, 3.0)]
+    rendered = measure_rendered(model, recordings)
+    assert rendered is not None and rendered.coupling.coupling.mode == "proxy"
+    chosen = Scene(schema=1, name="x", model="model.spm")
+    emit(chosen, model, tmp_path / "c")
+    found = validate(tmp_path / "c", recordings, paced_s=0.01)
+    assert rendered.accuracy.rmse_n == pytest.approx(found.accuracy.rmse_n, rel=1e-12)
+    assert rendered.accuracy.contact_below_jnd == found.accuracy.contact_below_jnd
 
 
 def test_the_start_up_ramp_is_counted_apart() -> None:
