@@ -13,7 +13,6 @@ from springpot.codegen.limits import (
     build_guard_config,
     build_output_config,
     build_silence_config,
-    compute_max_mps,
     watchdog_timeout_s,
 )
 from springpot.codegen.model.model import Model
@@ -91,7 +90,6 @@ def _build_plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
         if not accept_unsafe:
             require_plausible_damping(choice.coupling)
         couple = build_couple_config(choice.coupling, dt_s, dtype)
-    estimates = couple is not None and scene.device.velocity == "estimate"
     alpha = _compute_alpha(scene, dt_s)
     return Plan(
         **vars(stages),
@@ -103,17 +101,16 @@ def _build_plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
         range=trained,
         per_onset=dtype(1.0 / (ONSET_DEPTH_FRACTION * model.trained.max_m)) if contact else None,
         per_fade=dtype(1.0 / fade_m) if scene.guard.outside == "zero" else None,
-        velocity=build_tool_velocity_stage(ticks) if estimates else None,
+        velocity=build_tool_velocity_stage(ticks) if couple is not None else None,
         couple=couple,
         at_proxy=choice.coupling.mode == "proxy",
-        max_mps=dtype(compute_max_mps(model)),
         smooth_alpha=None if alpha is None else dtype(alpha),
         output=output,
         silence=build_silence_config(watchdog_s, ticks),
         watchdog_s=float(dtype(watchdog_s)),
         left_out=(
             *find_unused_orders(model, dtype),
-            *find_left_out_units(scene, ticks, couple is not None, estimates, alpha),
+            *find_left_out_units(scene, ticks, couple is not None, alpha),
         ),
         accept_unsafe=accept_unsafe,
         stiffness_npm=stiffness_npm,

@@ -57,16 +57,15 @@ def find_unused_orders(model: Model, dtype: RealType) -> list[LeftOut]:
 
 
 def find_left_out_units(
-    scene: Scene, ticks: SceneTicks, coupled: bool, estimates: bool, alpha: float | None
+    scene: Scene, ticks: SceneTicks, coupled: bool, alpha: float | None
 ) -> list[LeftOut]:
     """List the units of the runtime that the scene does without."""
     size = np.dtype(ticks.dtype).itemsize
-    velocity_reason = "the device gives it" if coupled else "nothing in this scene needs a velocity"
     units = (
         (ticks.surface, "contact and onset", "the recordings never leave the object", size),
         # stiffness, damping, compliance, dt, phi; proxy's position, velocity, flag
         (coupled, "coupling", "coupling.mode is off", 8 * size + 2 * size + 4),
-        (estimates, "velocity estimate", velocity_reason, 4 * size),
+        (coupled, "velocity estimate", "nothing in this scene needs a velocity", 4 * size),
         (alpha is not None, "smoothing", "smoothing.time_constant_s is 0", 2 * size),
     )
     return [LeftOut(what, why, saved) for present, what, why, saved in units if not present]
@@ -90,7 +89,6 @@ class Plan(Stages):
     velocity: ToolVelocityStage | None
     couple: CoupleConfig | None
     at_proxy: bool
-    max_mps: Real
     smooth_alpha: Real | None
     output: OutputConfig
     silence: SilenceConfig
@@ -108,11 +106,6 @@ class Plan(Stages):
     def dtype(self) -> RealType:
         """Numpy type of sp_real."""
         return np.float32 if self.real == "float" else np.float64
-
-    @property
-    def needs_device_velocity(self) -> bool:
-        """Whether sp_step reads its velocity argument."""
-        return self.couple is not None and self.velocity is None
 
     @property
     def recovery_ticks(self) -> int:
@@ -163,7 +156,6 @@ def list_headers(plan: Plan) -> list[str]:
     if plan.regressor is not None:
         parts.append(plan.regressor)
     headers = ["sp_number.h", "sp_silence.h", "sp_guard.h", "sp_range.h"]
-    headers += ["sp_guard_velocity.h"] if plan.needs_device_velocity else []
     headers += [header for part in parts for header in part.headers]
     headers += ["sp_contact.h"] if plan.contact else []
     headers += ["sp_couple.h"] if plan.couple is not None else []

@@ -37,24 +37,19 @@ class Run:
 def run_reference(
     plan: Plan,
     position_m: Reals,
-    velocity_mps: Reals | None = None,
     predicted_m: Reals | None = None,
     places: PlaceTicks = (),
 ) -> Run:
-    """Run the plan on positions (and device velocities) from a fresh state.
+    """Run the plan on positions from a fresh state.
 
-    position_m, velocity_mps: shape (n,), any float type; rounded to the scene's type first.
+    position_m: shape (n,), any float type; rounded to the scene's type first.
     predicted_m: (n,), where the C's proxy was; it decides how long this takes, never the result.
     places: before which tick sp_place was called, and with what, m.
     """
     raw_m = np.asarray(position_m, dtype=plan.dtype)
     with np.errstate(over="ignore", invalid="ignore", under="ignore"):
-        device_mps, believed = np.zeros_like(raw_m), np.ones(len(raw_m), dtype=bool)
-        if plan.needs_device_velocity and velocity_mps is not None:
-            device_mps = np.asarray(velocity_mps, dtype=plan.dtype)
-            believed = np.abs(device_mps) <= plan.max_mps  # sp_guard_velocity.h
-        samples = run_guard(plan, raw_m, believed)
-        motion = fill_missed_ticks(plan, samples, device_mps)
+        samples = run_guard(plan, raw_m)
+        motion = fill_missed_ticks(plan, samples)
         starts = motion.starts
         contact = motion.position > 0 if plan.contact else np.ones(len(motion.position), dtype=bool)
         pressed = motion.position

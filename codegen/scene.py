@@ -123,8 +123,6 @@ class Device:
     """Friction that does not: for the closed loop of the checks."""
     position_noise_um: Annotated[float, Interval(ge=0, le=1e4)] | None = None
     """Standard deviation of its readings at rest: the checks assume 0.3 `resolution_um`."""
-    velocity: Literal["estimate", "device"] = "estimate"
-    """Where a coupling takes the tool's velocity from."""
     surface_mm: float = 0.0
     """Position of the undeformed surface, from the device's zero."""
     m_per_turn: Annotated[float, Interval(gt=0, le=100)] | None = None

@@ -30,10 +30,10 @@ class Guarded:
     fall: Reals
 
 
-def run_guard(plan: Plan, raw: Reals, believed: Flags) -> Guarded:
+def run_guard(plan: Plan, raw: Reals) -> Guarded:
     """sp_guard.h and sp_silence.h over a run from a fresh state.
 
-    raw: (n,), m. believed: (n,), whether the device's own velocity is.
+    raw: (n,), m.
     """
     config, silence, real = plan.guard, plan.silence, raw.dtype.type
     raw = np.where(np.abs(raw) < real(SMALLEST), real(0), raw)
@@ -51,11 +51,10 @@ def run_guard(plan: Plan, raw: Reals, believed: Flags) -> Guarded:
     for i, x in enumerate(raw):
         elapsed = (silent_s + silence.dt_s) * silence.rate_hz
         since = 1 + (int(elapsed - real(0.5)) if elapsed >= 1.5 else 0)
-        if believed[i] and not plausible[i]:
+        if not plausible[i]:
             agreeing = 0
         elif (
-            believed[i]
-            and started
+            started
             and abs(x - last_good_m) > config.max_step_m * real(since)
             and not (x <= config.air_m and last_good_m <= config.air_m)
         ):
@@ -65,7 +64,7 @@ def run_guard(plan: Plan, raw: Reals, believed: Flags) -> Guarded:
             if agreeing >= config.resync_ticks:
                 agreeing = 0
                 resync[i], ticks[i], last_good_m = True, 1, x
-        elif believed[i]:
+        else:
             agreeing = 0
             resync[i] = not started
             ticks[i], last_good_m, started = 1 if not started else since, x, True
@@ -106,11 +105,10 @@ class ToolMotion:
     starts: Starts
 
 
-def fill_missed_ticks(plan: Plan, samples: Guarded, device_mps: Reals) -> ToolMotion:
+def fill_missed_ticks(plan: Plan, samples: Guarded) -> ToolMotion:
     """Before each sample a row for every tick missed, along an even way.
 
     With the estimated velocity of a coupling: at a constant acceleration from the velocity before.
-    device_mps: (n,), the device's own velocity.
     """
     accepted = np.flatnonzero(samples.ticks)
     ticks = samples.ticks[accepted]
@@ -128,7 +126,7 @@ def fill_missed_ticks(plan: Plan, samples: Guarded, device_mps: Reals) -> ToolMo
     else:
         for k in np.flatnonzero(ticks > 1):
             _fill_gap(plan, position, rows[k], ticks[k], None)
-        velocity = select_rows(device_mps, row, missed)
+        velocity = np.zeros_like(position)
     return ToolMotion(position, velocity, missed, row, starts)
 
 

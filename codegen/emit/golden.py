@@ -62,11 +62,8 @@ def probe_inputs(probe: Probe, dtype: RealType) -> Reals:
 def golden_arrays(plan: Plan) -> list[str]:
     """Inputs and the reference's forces as bit patterns: a NaN has no literal."""
     positions = golden_positions(plan)
-    velocities = differentiate(positions, plan.dt_s) if plan.needs_device_velocity else None
     columns = {"golden_position": positions}
-    if velocities is not None:
-        columns["golden_velocity"] = velocities
-    run = run_reference(plan, positions, velocities, places=golden_places(plan))
+    run = run_reference(plan, positions, places=golden_places(plan))
     columns["golden_force"] = run.force_n
     if plan.features is not None and (probe := plan.features.probe()) is not None:
         columns["golden_probe"] = probe.sums(probe_inputs(probe, plan.dtype))

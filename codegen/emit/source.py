@@ -128,7 +128,6 @@ def render_constants(plan: Plan) -> str:
         "couple": plan.couple,
         "per_onset": plan.per_onset,
         "per_fade": plan.per_fade,
-        "max_mps": plan.max_mps if plan.needs_device_velocity else None,
         "smooth_alpha": plan.smooth_alpha,
     }
     return "\n".join(constant_text(*item) for item in configs.items() if item[1] is not None)

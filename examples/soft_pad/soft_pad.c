@@ -1,4 +1,4 @@
-/* springpot 0.1.0 b1e67f6b77ed409894e07f61d0ec3a6f7fed01cf48c6a54ccd775c01d4ccd244 */
+/* springpot 0.1.0 4de384ec3e3f93cd57ba81fac8e4a46ca3948576154c07accdae9f94e9264ac3 */
 /* pad: the whole scene, its self-test too. How to call it: soft_pad.h.
  *
  * In the order of a tick: units, each named by its file in springpot and without what this scene does
@@ -900,7 +900,7 @@ uint32_t soft_pad_state_size(void)
 
 const char *soft_pad_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"b1e67f6b77ed409894e07f61d0ec3a6f7fed01cf48c6a54ccd775c01d4ccd244\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"4de384ec3e3f93cd57ba81fac8e4a46ca3948576154c07accdae9f94e9264ac3\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

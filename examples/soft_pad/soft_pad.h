@@ -1,4 +1,4 @@
-/* springpot 0.1.0 b1e67f6b77ed409894e07f61d0ec3a6f7fed01cf48c6a54ccd775c01d4ccd244 */
+/* springpot 0.1.0 4de384ec3e3f93cd57ba81fac8e4a46ca3948576154c07accdae9f94e9264ac3 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SOFT_PAD_RATE_HZ:
@@ -80,11 +80,11 @@ const char *soft_pad_manifest(void);
 void soft_pad_init(soft_pad_state *state);
 void soft_pad_reset(soft_pad_state *state);
 
-/* One tick: the newest position (m) and velocity (m/s; ignored by scenes that need none) in, the
- * force (N) out. */
+/* One tick: the newest position (m) in, the force (N) out. velocity_mps is not used: a coupling
+ * estimates the tool's own, since a second signal of the same motion could contradict the first. */
 int soft_pad_step(soft_pad_state *state, float position_m, float velocity_mps, float *force_n);
 
-/* n ticks in order; velocity_mps may be null where the scene needs none. Returns all notes. */
+/* n ticks in order; velocity_mps, not used, may be null. Returns all notes. */
 int soft_pad_run(soft_pad_state *state, uint32_t n, const float *position_m, const float *velocity_mps,
            float *force_n);
 

@@ -87,7 +87,7 @@ def compare_all(
         force, notes = replay.run(position, velocity, place_m=place_m)
         predicted_m = proxy_positions(plan, library, position, velocity, place_m)
         places = [] if place_m is None else [(0, place_m)]
-        reference = run_reference(plan, position, velocity, predicted_m, places)
+        reference = run_reference(plan, position, predicted_m, places)
         other = count_different_bits(force, reference.force_n) | (notes != reference.notes)
         mismatches += int(np.sum(other))
         again = repeat_session(replay, first, scene_hash)

@@ -54,11 +54,11 @@ const char *sp_manifest(void);
 void sp_init(sp_state *state);
 void sp_reset(sp_state *state);
 
-/* One tick: the newest position (m) and velocity (m/s; ignored by scenes that need none) in, the
- * force (N) out. */
+/* One tick: the newest position (m) in, the force (N) out. velocity_mps is not used: a coupling
+ * estimates the tool's own, since a second signal of the same motion could contradict the first. */
 int sp_step(sp_state *state, sp_real position_m, sp_real velocity_mps, sp_real *force_n);
 
-/* n ticks in order; velocity_mps may be null where the scene needs none. Returns all notes. */
+/* n ticks in order; velocity_mps, not used, may be null. Returns all notes. */
 int sp_run(sp_state *state, uint32_t n, const sp_real *position_m, const sp_real *velocity_mps,
            sp_real *force_n);
 

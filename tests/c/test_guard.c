@@ -2,7 +2,6 @@
 
 #include "check.h"
 #include "sp_guard.h"
-#include "sp_guard_velocity.h"
 
 static const sp_guard_config config = {.max_step_m = (sp_real)0.001,
                                        .min_m = (sp_real)-10,
@@ -49,15 +48,6 @@ TEST(a_shallower_sample_that_is_not_taken_feels_no_more_than_its_depth)
     CHECK(sp_guard_held_fraction(&config, &state, (sp_real)0.01) == (sp_real)1);
     CHECK(sp_guard_held_fraction(&config, &state, (sp_real)-11) == (sp_real)1);
     CHECK(sp_guard_held_fraction(&config, &state, (sp_real)NAN) == (sp_real)1);
-}
-
-TEST(only_believable_device_velocities_are_taken)
-{
-    const sp_real bad[] = {(sp_real)1.1, (sp_real)-1.1, (sp_real)NAN, (sp_real)INFINITY};
-    CHECK(sp_guard_plausible_velocity((sp_real)1, (sp_real)0.9));
-    for (unsigned i = 0; i < sizeof bad / sizeof bad[0]; i++) {
-        CHECK(!sp_guard_plausible_velocity((sp_real)1, bad[i]));
-    }
 }
 
 /* A tool flies through the air as fast as it likes, and is not let in by that. */

@@ -6,7 +6,6 @@
 
 #include "check.h"
 #include "sp_guard.h"
-#include "sp_guard_velocity.h"
 #include "sp_output.h"
 
 static const sp_guard_config guard = {.max_step_m = (sp_real)0.001,
@@ -49,7 +48,6 @@ static int gets_past(uint32_t bits)
     const sp_real late_n = sp_output_limit(&output, &late, (sp_real)1, x, &notes);
     return !(first_m >= guard.min_m && first_m <= guard.max_m) ||
            !(sp_abs(next_m - (sp_real)0.005) <= guard.max_step_m) ||
-           (sp_guard_plausible_velocity((sp_real)2, x) && !(sp_abs(x) <= (sp_real)2)) ||
            !(slow_n >= (sp_real)0 && slow_n <= (sp_real)3) ||
            !(fast_n >= (sp_real)0 && fast_n <= (sp_real)12) ||
            !(late_n >= (sp_real)0 && late_n <= (sp_real)9) ||

@@ -13,7 +13,7 @@ from support.small import DT_S, press, scene, small_model, training, wandering
 from springpot import Recording
 from springpot.codegen import reference as codegen_reference
 from springpot.codegen.arrays import Samples
-from springpot.codegen.emit.golden import differentiate, golden_positions
+from springpot.codegen.emit.golden import golden_positions
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.notes import CLAMPED, HELD, LATCHED, LIMITED, OUTSIDE, RAMPED, RESYNC
 from springpot.codegen.plan import Plan
@@ -76,7 +76,7 @@ def test_the_proxy_of_the_c_makes_one_pass_do_and_proves_nothing_by_itself() -> 
     force_n, notes = require_same_bits(plan, position, velocity, find=True)
     predicted_m = proxy_positions(plan, build_and_load(plan), position, velocity)
     for predicted in (predicted_m, 0.9 * predicted_m):
-        found = run_reference(plan, position, velocity, predicted)
+        found = run_reference(plan, position, predicted)
         np.testing.assert_array_equal(found.force_n, force_n)
         np.testing.assert_array_equal(found.notes, notes)
 
@@ -119,9 +119,8 @@ SMOOTH_S = 3e-3
 
 
 @cache
-def silent_plan(name: str, mode: str, number: str = "float32", device: str = "estimate") -> Plan:
+def silent_plan(name: str, mode: str, number: str = "float32") -> Plan:
     chosen = scene(number=number, mode=mode, smoothing_s=SMOOTH_S if number == "float64" else 0.0)
-    chosen = replace(chosen, device=replace(chosen.device, velocity=device))
     model = golden_forces.model(name.removesuffix(" averaged"))
     if name.endswith("averaged"):
         model = replace(model, features=replace(model.features, weight=0.7))
@@ -158,17 +157,6 @@ def test_the_reference_gives_the_same_bits(name: str, mode: str, number: str) ->
     position[gaps(plan, 700, 1)] = np.nan
     force_n, notes = require_same_bits(plan, position, np.zeros(700, plan.dtype))
     assert force_n.max() > 0.5 and np.any(notes & HELD)
-
-
-def test_the_reference_gives_the_same_bits_with_the_devices_own_velocity() -> None:
-    plan = silent_plan("hammerstein", "proxy", device="device")
-    assert plan.needs_device_velocity
-    position = strokes(plan, 700, low=-0.1).astype(plan.dtype)
-    velocity = differentiate(position, plan.dt_s)
-    position[gaps(plan, 700, 2)] = np.nan
-    velocity[300:304] = np.inf
-    _, notes = require_same_bits(plan, position, velocity, find=True)
-    assert np.all(notes[300:304] & HELD)
 
 
 def test_a_silence_does_not_hurry_a_ramp() -> None:

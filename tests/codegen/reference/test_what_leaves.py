@@ -43,11 +43,10 @@ def harness(real: str) -> CLibrary:
 
 def found_in(
     name: str, mode: str, number: str = "float32", contact: str = "surface",
-    smoothing_s: float = 0.0, velocity: str = "estimate",
+    smoothing_s: float = 0.0,
 ) -> dict[str, int]:  # fmt: skip
     """Counts of hostile_found over CALLS calls of one scene."""
     chosen = scene(number=number, mode=mode, smoothing_s=smoothing_s)
-    chosen = replace(chosen, device=replace(chosen.device, velocity=velocity))
     plan = make_plan(replace(golden_forces.model(name), contact=contact), chosen)
     tool = harness("float" if number == "float32" else "double")
     found, library = tool.ffi.new("hostile_found *"), build_and_load(plan)
@@ -67,10 +66,10 @@ FAST = [("hammerstein", {"mode": mode}) for mode in ("off", "tool", "proxy")]
 SLOW = [
     *((name, {"mode": mode, "number": number})
       for name in golden_forces.models() for number, mode in golden_forces.EACH_MODE),
-    ("rbf-pv", {"mode": "proxy", "contact": "always", "velocity": "device"}),
+    ("rbf-pv", {"mode": "proxy", "contact": "always"}),
     ("hammerstein", {"mode": "tool", "contact": "always", "smoothing_s": 8e-4}),
     ("hammerstein", {"mode": "off", "smoothing_s": 0.02}),
-    ("rf-fd", {"mode": "proxy", "velocity": "device"}),
+    ("rf-fd", {"mode": "proxy"}),
 ]  # fmt: skip
 
 

@@ -89,10 +89,10 @@ def test_same_bits_as_the_reference(law: str, materials: int, mode: str, number:
     places, library = list(zip(ticks, corners, strict=True)), checked_library(plan)
     assert library.state_bytes == state_bytes(plan)
     force_n, notes = called(library, position, velocity, places)
-    reference = run_reference(plan, position, velocity, places=places)
+    reference = run_reference(plan, position, places=places)
     np.testing.assert_array_equal(force_n, reference.force_n)
     np.testing.assert_array_equal(notes, reference.notes)
-    alone = run_reference(plan, position, velocity)
+    alone = run_reference(plan, position)
     assert np.any(alone.force_n != reference.force_n)
 
 

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 cf786d5405de084fb6741c879a658806cea5fd7636a6618dd832e1301cc5c1c9 */
+/* springpot 0.1.0 4f532c6e51ca4813f208215de67c383191697e32a86521dc0a59cbd4e7a89c5d */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:
@@ -80,11 +80,11 @@ const char *sp_manifest(void);
 void sp_init(sp_state *state);
 void sp_reset(sp_state *state);
 
-/* One tick: the newest position (m) and velocity (m/s; ignored by scenes that need none) in, the
- * force (N) out. */
+/* One tick: the newest position (m) in, the force (N) out. velocity_mps is not used: a coupling
+ * estimates the tool's own, since a second signal of the same motion could contradict the first. */
 int sp_step(sp_state *state, float position_m, float velocity_mps, float *force_n);
 
-/* n ticks in order; velocity_mps may be null where the scene needs none. Returns all notes. */
+/* n ticks in order; velocity_mps, not used, may be null. Returns all notes. */
 int sp_run(sp_state *state, uint32_t n, const float *position_m, const float *velocity_mps,
            float *force_n);
 

@@ -16,7 +16,7 @@ from support.small import model_file, passive_model, press, recording, scene, sm
 
 from springpot.codegen.errors import BudgetError, DataError, MismatchError, UsageError
 from springpot.codegen.model.model import Model
-from springpot.codegen.scene import Budget, Device, Scene
+from springpot.codegen.scene import Budget, Scene
 from springpot.host.emission.budget_fit import emit_fitting
 from springpot.host.emission.emission import emit
 from springpot.host.emission.result import Emission
@@ -29,7 +29,6 @@ SHAPES = {
     "paper": scene(mode="tool", smoothing_s=8.3e-4, number="float64"),
     "prefixed": scene(prefix="eco", mode="tool"),
     "m2cgen": scene(forest="m2cgen"),
-    "velocity": replace(scene(mode="tool"), device=Device(velocity="device")),
 }
 CPU_FLAGS = Path("/proc/cpuinfo").read_text() if Path("/proc/cpuinfo").exists() else ""
 COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
@@ -70,7 +69,7 @@ def test_generated_c_is_warning_clean(
         assert result.stderr == ""
 
 
-@pytest.mark.parametrize("shape", ["plain", "velocity"])
+@pytest.mark.parametrize("shape", ["plain", "m2cgen"])
 def test_builds_by_hand_without_python(tmp_path: Path, emission_of: Emitted, shape: str) -> None:
     emission = emission_of(shape)
     shutil.copytree(emission.folder, tmp_path / "c")

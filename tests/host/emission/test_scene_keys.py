@@ -65,7 +65,6 @@ WORDS: dict[str, tuple[Any, list[Any]]] = {
     "coupling.mode": ("auto", ["auto", "off", "tool", "proxy"]),
     "guard.outside": ("fallback", ["fallback", "hold", "zero"]),
     "guard.contact": (None, ["surface", "always"]),
-    "device.velocity": ("estimate", ["estimate", "device"]),
     "device.sign": (1, [1, -1]),
     "device.force_sign": (1, [1, -1]),
 }

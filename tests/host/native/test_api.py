@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 from support.small import model_file, passive_model, press, recording, scene
 
-from springpot.codegen.errors import UsageError
 from springpot.codegen.notes import HELD, LATCHED, RAMPED, RESYNC
-from springpot.codegen.scene import Device
 from springpot.host.emission.emission import emit
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.trainer.kinds import fit_model
@@ -81,23 +79,6 @@ def test_no_force_above_the_surface_even_while_falling(tmp_path: Path) -> None:
 def test_without_a_surface_there_is_no_force_before_a_sample(tmp_path: Path) -> None:
     state = library(tmp_path, contact="always").new_state()
     assert {state.step(float("nan"))[0] for _ in range(15)} == {0.0}
-
-
-def test_a_dead_velocity_channel_trips_the_watchdog(tmp_path: Path) -> None:
-    chosen = dataclasses.replace(scene(mode="tool"), device=Device(velocity="device"))
-    emit(chosen, model_file(tmp_path), tmp_path / "c")
-    state = SceneLibrary(tmp_path / "c").new_state()
-    positions = press(1.0)[:500]
-    velocities = np.diff(positions, prepend=0.0) / DT_S
-    clean, _ = state.run(positions, velocities)
-    state.reset()
-    velocities[300] = np.nan
-    once, _ = state.run(positions, velocities)
-    assert np.abs(once - clean).max() < 0.05  # the last good velocity served: no kick
-    forces = [state.step(float(positions[-1]), float("nan"))[0] for _ in range(60)]
-    assert forces[-1] == 0.0
-    with pytest.raises(UsageError, match="give velocity_mps"):
-        state.run(positions)
 
 
 @pytest.mark.slow

@@ -24,7 +24,6 @@ class Defect:
     of_laws: bool = False  # seen where growth and the latched fall are looked at
 
 
-_DEVICE = ProvedScene("hammerstein", "proxy", "float32", contact="always", velocity="device")
 _FOREST = ProvedScene("past-positions", "off", "float32")
 _RADIAL = ProvedScene("rbf-fd", "off", "float32")
 
@@ -58,8 +57,9 @@ DEFECTS = (
     Defect("a pole that grows", "sp_poles.h", "h + (rise - loss * h)", "h + (rise + loss * h)"),
     Defect("a piece of a curve beyond the last", "sp_curve.h", "(sp_real)(n_intervals - 1u)",
            "(sp_real)(n_intervals + 1u)"),
-    Defect("a device's velocity that is no number let through", "sp_guard_velocity.h",
-           "return v == v &&", "return v != v ||", _DEVICE),
+    Defect("a missed tick that never ends", "sp_silence.h",
+           "const sp_real silent_s = state->silent_s < max_s ? state->silent_s : max_s;",
+           "const sp_real silent_s = state->silent_s;"),
 )  # fmt: skip
 
 

@@ -12,12 +12,12 @@ from proof.eva.analysis import Analysis, Known, Precision, Question, alarms_in, 
 DRIVER = Path(__file__).with_name("driver.c")
 _PRECISION = Precision(
     apart={
-        "sp_guard_accept": 60, "sp_guard_plausible": 10, "sp_guard_plausible_velocity": 10,
+        "sp_guard_accept": 60, "sp_guard_plausible": 10,
         "sp_guard_held_fraction": 20, "sp_is_valid_dt": 10, "sp_idle": 10, "sp_step": 8,
         "sp_hammerstein_static_force": 12, "sp_forest_traverse": 4000, "sp_forest_sum": 200,
         "sp_bins_search": 20,
     },
-    by_result=("sp_guard_plausible", "sp_guard_plausible_velocity", "sp_is_valid_dt"),
+    by_result=("sp_guard_plausible", "sp_is_valid_dt"),
     parts={
         "sp_poles_step": 30, "sp_slow_poles": 30, "sp_poles_by_depth": 30,
         "sp_slow_poles_by_depth": 30, "sp_smooth": 30, "sp_tool_velocity": 30, "sp_rbf_force": 4,

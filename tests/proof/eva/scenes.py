@@ -40,7 +40,6 @@ class ProvedScene:
     coupling: Mode
     number: str
     contact: Literal["surface", "always"] = "surface"
-    velocity: Literal["estimate", "device"] = "estimate"
 
     @property
     def laws(self) -> bool:
@@ -50,9 +49,7 @@ class ProvedScene:
     @property
     def name(self) -> str:
         """Of its folder and its row."""
-        also = [self.contact] * (self.contact == "always") + ["device"] * (
-            self.velocity == "device"
-        )
+        also = [self.contact] * (self.contact == "always")
         return "-".join([self.kind, self.coupling, self.number, *also])
 
 
@@ -72,7 +69,7 @@ def proved_scenes() -> Iterator[ProvedScene]:
     for coupling, number in (("off", "float32"), ("off", "float64"), ("proxy", "float32")):
         yield ProvedScene("placed", cast(Mode, coupling), number)
     for kind in ("hammerstein", "rbf-pv"):
-        yield ProvedScene(kind, "proxy", "float32", contact="always", velocity="device")
+        yield ProvedScene(kind, "proxy", "float32", contact="always")
 
 
 def emit_scene(proved: ProvedScene, folder: Path) -> Path:
@@ -81,7 +78,6 @@ def emit_scene(proved: ProvedScene, folder: Path) -> Path:
     chosen = replace(
         chosen,
         guard=replace(chosen.guard, watchdog_ms=_WATCHDOG_MS),
-        device=replace(chosen.device, velocity=proved.velocity),
     )
     model = replace(_model(proved.kind), contact=proved.contact)
     out = folder / proved.name

@@ -38,7 +38,7 @@ def require_same_bits(
     assert library.state_bytes == state_bytes(plan)
     force_n, notes = Replay(library).run(position, velocity)
     predicted_m = None if find else proxy_positions(plan, library, position, velocity)
-    reference = run_reference(plan, position, velocity, predicted_m)
+    reference = run_reference(plan, position, predicted_m)
     bits = f"u{force_n.itemsize}"
     np.testing.assert_array_equal(force_n.view(bits), reference.force_n.view(bits))
     np.testing.assert_array_equal(notes, reference.notes)

@@ -14,7 +14,7 @@ from springpot.codegen.model.model import Model
 from springpot.codegen.model.places import Places
 from springpot.codegen.model.regressors import Linear
 from springpot.codegen.plan import Plan
-from springpot.codegen.scene import Coupling, Device, Guard, Runtime, Scene, Smoothing
+from springpot.codegen.scene import Coupling, Guard, Runtime, Scene, Smoothing
 from support.c import golden_forces
 from support.small import damage, flow, small_model
 
@@ -29,7 +29,6 @@ def plan_of(
     number: str,
     mode: str,
     target: str = "host",
-    velocity: str = "estimate",
     **runtime: Any,
 ) -> Plan:
     """The plan of a scene whose prefix is its name."""
@@ -46,7 +45,6 @@ def plan_of(
         coupling=Coupling(mode=mode),  # type: ignore[arg-type]
         smoothing=Smoothing(time_constant_s=8e-4 if mode == "tool" else 0.0),
         guard=Guard(outside="zero" if mode == "proxy" else "fallback"),
-        device=Device(velocity=velocity),  # type: ignore[arg-type]
     )
     return make_plan(model, scene, accept_unsafe=True)
 
@@ -72,7 +70,7 @@ def every_plan(target: str) -> Iterator[Plan]:
     yield plan_of("places", with_map(law), "float32", "off", target)
     yield plan_of("laws", law, "float32", "off", target)
     always = replace(hammerstein, contact="always")
-    yield plan_of("velocity", always, "float32", "tool", target, velocity="device")
+    yield plan_of("velocity", always, "float32", "tool", target)
     linear = replace(small_model(), regressor=Linear(0.5, np.linspace(-1.0, 2.0, 10)))
     yield plan_of("linear", linear, "float32", "off", target)
     yield plan_of("ifs", small_model(), "float32", "off", target, forest="m2cgen")
