@@ -79,14 +79,14 @@ def fit_model(
     Raises UsageError for an unknown kind, DataError where the recordings do not fit together,
     SpringpotError where the model misses 30 % of the largest force in recordings held out.
     """
-    from springpot.trainer.models.doubts import require_acceptable_misfit
+    from springpot.trainer.models.doubts import judge_residual, require_acceptable_misfit
     from springpot.trainer.models.training_set import build_training_set
 
     kind = _resolve_kind(kind, recordings)
     data = build_training_set(recordings, options.smooth_s)
     fit = fit_kind(kind, name, data, options, validation)
     require_acceptable_misfit(fit, data, options.accept_misfit)
-    return fit
+    return judge_residual(fit, data, recordings)
 
 
 def _resolve_kind(kind: str, recordings: "Sequence[Recording]") -> str:

@@ -175,6 +175,7 @@ def training_rows(
             f"{result['places']} places, {mixed}: {result['cv_rmse_n']:.3g} N where a fifth of the "
             "places is left out"
         )
+    rows["residual"] = f"{result['residual_n']:.3g} N rms; {result['residual_where']}"
     rows |= _score_rows(result)
     if "why" in result:
         rows["  why"] = result["why"]

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.signal import lfilter
 from support.in_process import spring
 
 import springpot
@@ -229,3 +230,77 @@ def test_a_load_that_all_recordings_share_is_refused_unless_stated() -> None:
         springpot.train(inside, "hammerstein")
     stated = [condition(each, Conditioning(tare=0.0))[0] for each in inside]
     assert springpot.train(stated, "hammerstein").model.contact == "always"
+
+
+def cycles(seconds: float = 24.0, rate_hz: float = 100.0) -> Samples:
+    """Positions at three paces from 1 mm above the surface to 4 mm, m."""
+    time_s = np.arange(round(seconds * rate_hz)) / rate_hz
+    pace_hz = np.array([0.3, 0.7, 1.2])[np.minimum(3 * time_s / seconds, 2).astype(int)]
+    phase = np.concatenate([[0.0], np.cumsum(pace_hz[:-1] / rate_hz)])
+    return 5e-3 * (0.5 - 0.5 * np.cos(2.0 * np.pi * phase)) - 1e-3
+
+
+def soft_n(position_m: Samples, seed: int = 1) -> Samples:
+    """Force of a stiffening object that relaxes, N, at 100 Hz."""
+    depth = np.maximum(position_m, 0.0)
+    branch = lfilter([6.0e2, -6.0e2], [1.0, -0.95], depth)
+    noise_n = np.random.default_rng(seed).normal(0.0, 0.003, len(depth))
+    return np.maximum(500.0 * depth + 6e4 * depth**2 + branch, 0.0) * (depth > 0.0) + noise_n
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+@pytest.mark.parametrize(
+    ("gain", "slip_m", "times"),
+    [(1.0, 0.0, None), (0.6, 0.0, 0.55), (0.75, 0.0, 0.75), (1.3, 0.0, 1.3), (1.6, 0.0, 1.5),
+     (1.0, 0.8e-3, 0.75), (1.0, -0.8e-3, 1.3)],
+)  # fmt: skip
+def test_another_force_at_equal_motion_is_named_with_its_time(
+    gain: float, slip_m: float, times: float | None
+) -> None:
+    position_m = cycles()
+    later = np.arange(len(position_m)) >= 1200
+    force_n = soft_n(position_m - slip_m * later) * np.where(later, gain, 1.0)
+    fit = springpot.train(Recording("a", position_m, force_n, 0.01), "hammerstein")
+    said = [re.search(r"from (\S+) s on, force is about (\S+) times", w) for w in fit.warnings]
+    found = [(float(one[1]), float(one[2])) for one in said if one]
+    assert len(found) == (times is not None)
+    for at_s, factor in found:
+        assert at_s == pytest.approx(12.0, abs=1.5) and factor == pytest.approx(times, rel=0.12)
+    where = re.search(r"most, (\S+) %, in a from (\S+) to (\S+) s", fit.metadata["residual_where"])
+    assert where and (float(where[1]) < 0.5) == (times is None)
+
+
+@pytest.mark.filterwarnings("ignore::UserWarning")
+def test_a_residual_above_the_floor_of_cycles_is_said() -> None:
+    """A force that is late by 30 ms: its cycles repeat, and no model follows them."""
+    late_n = np.interp(np.arange(2400) - 3.0, np.arange(2400), soft_n(cycles()))
+    for force_n, said in ((soft_n(cycles()), 0), (late_n, 1)):
+        fit = springpot.train(Recording("a", cycles(), force_n, 0.01), "hammerstein")
+        assert sum("times their noise floor" in line for line in fit.warnings) == said
+
+
+def test_a_position_that_stands_still_is_named() -> None:
+    position_m, force_n = cycles(), soft_n(cycles())
+    stuck_m = position_m.copy()
+    for begin in (310, 760, 1290, 1850):
+        stuck_m[begin : begin + 45] = stuck_m[begin]
+    held_m = np.interp(np.arange(2400), [0, 300, 400, 900, 1000, 2400], [-1, -1, 4, 4, -1, -1])
+    for x, f, named in (
+        (stuck_m, force_n, True),
+        (np.round(position_m, 4), force_n, False),
+        (1e-3 * held_m, soft_n(1e-3 * held_m), False),
+    ):
+        assert ("stuck" in kinds([Recording("a", x, f, 0.01)])) == named
+
+
+@pytest.mark.parametrize("hz", [0.2, 0.5])
+def test_a_force_that_falls_on_the_way_in_is_named(hz: float) -> None:
+    time_s = np.arange(2000) / 100.0
+    turning = 0.5 - 0.5 * np.cos(2.0 * np.pi * hz * time_s)
+    ramps = np.abs((2.0 * hz * time_s + 1.0) % 2.0 - 1.0)
+    for way in (turning, ramps):
+        snaps_n = 10.0 * way - 4.0 / (1.0 + np.exp(-(way - 0.5) / 0.02))
+        flows_n = 3.0 * way + lfilter([8.0, -8.0], [1.0, -0.9], way)
+        heavy_n = 10.0 * way + 2.0 * np.gradient(np.gradient(turning, time_s), time_s)
+        for force_n, named in ((snaps_n, True), (flows_n, False), (heavy_n, False)):
+            assert ("fall" in kinds([Recording("a", 5e-3 * way, force_n, 0.01)])) == named

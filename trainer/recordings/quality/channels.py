@@ -1,6 +1,8 @@
 """Faults of a channel: constant, clipped, stuck, gone, filled, coarse, or wrapped."""
 
 from collections.abc import Iterator
+from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -9,7 +11,11 @@ from springpot.codegen.arrays import Samples, runs
 from springpot.codegen.messages import counted_noun
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.signals import quantisation_step, sensor_noise_n
+from springpot.trainer.recordings.signals import (
+    quantisation_step,
+    sensor_noise_n,
+    turning_points,
+)
 
 _MIN_FLAT_SAMPLES, _MIN_OTHER_FRACTION = (
     5,
@@ -81,6 +87,8 @@ def channel_findings(recording: Recording) -> Iterator[Finding]:
                     "use a finer sensor or range, or more amplitude",
                 )  # fmt: skip
     yield from _stuck_findings(recording)
+    yield from _stuck_position_findings(recording)
+    yield from _fall_findings(recording)
     yield from _force_loss_findings(recording)
     filled = _find_filled_runs(recording) if not steps else []  # coarse channels repeat values
     if filled:
@@ -100,7 +108,10 @@ def _clipping_findings(
     """Find a flat extreme of one channel while the other goes on."""
     for extreme, side in ((samples.max(), "maximum"), (samples.min(), "minimum")):
         flat = [run for run in runs(samples == extreme) if run[1] - run[0] >= _MIN_FLAT_SAMPLES]
-        if not flat or (side == "minimum" and extreme >= 0.0):
+        outside = channel == "force" and abs(extreme - _air_force_n(recording)) < (
+            _LOST_FORCE_FRACTION * float(np.ptp(samples))
+        )
+        if not flat or outside or (side == "minimum" and extreme >= 0.0):
             continue  # out of contact, or at rest
         moved = max(_excursion(other[begin:end], channel) for begin, end in flat)
         longest_s = max(end - begin for begin, end in flat) * recording.dt_s
@@ -144,6 +155,105 @@ def _stuck_findings(recording: Recording) -> Iterator[Finding]:
                 "no sample of the sensor came through", "cut the recording there",
             )  # fmt: skip
             return
+
+
+@dataclass(frozen=True)
+class StuckPositionRule:
+    """When the position of a sensor or a log stands still, though the tool does not.
+
+    Of 676 right recordings none holds still to the last bit, and is then elsewhere by one step.
+
+    steps: at least so many without change. step_ratio, beside: times the largest of so many steps
+    before and behind is the one that ends the hold. step_fraction: of the travel, at least.
+    force_fraction: of its range, by which force goes on meanwhile.
+    """
+
+    steps: int = 3
+    step_ratio: float = 4.0
+    beside: int = 5
+    step_fraction: float = 0.01
+    force_fraction: float = 0.03
+
+
+@dataclass(frozen=True)
+class FallRule:
+    """When force falls on the way in, as no law of springs, dashpots and friction lets it.
+
+    bins: of a stroke's way, of min_rows samples at least. stroke_fraction: of the travel: shorter
+    strokes are not looked at. fall_fraction: of the range of force, noise_sigmas: of the noise of
+    a bin's mean, by which it falls. pace_fraction: of the samples in a bin: a tool that slows down
+    more before it turns lets any object relax, and one that speeds up moves a mass.
+    """
+
+    bins: int = 16
+    min_rows: int = 8
+    stroke_fraction: float = 0.3
+    fall_fraction: float = 0.1
+    noise_sigmas: float = 8.0
+    pace_fraction: float = 0.15
+
+
+_STUCK, _FALL = StuckPositionRule(), FallRule()
+
+
+def _stuck_position_findings(recording: Recording) -> Iterator[Finding]:
+    """Find holds of the position during which force goes on, and that end by one step."""
+    position_m, force_n = recording.position_m, recording.force_n
+    steps_m, held = np.abs(np.diff(position_m)), []
+    for begin, end in runs(steps_m == 0.0):
+        before_m = steps_m[max(0, begin - _STUCK.beside) : begin]
+        after_m = steps_m[end + 1 : end + 1 + _STUCK.beside]
+        if end - begin < _STUCK.steps or not len(before_m) or not len(after_m):
+            continue
+        usual_m = max(before_m.max(), after_m.max())
+        least_m = max(_STUCK.step_ratio * usual_m, _STUCK.step_fraction * float(np.ptp(position_m)))
+        swing_n = float(np.ptp(force_n[begin : end + 1]))
+        if steps_m[end] > least_m and swing_n > _STUCK.force_fraction * float(np.ptp(force_n)):
+            held.append((begin, end))
+    if held:
+        begin, end = held[0]
+        yield warning(
+            "stuck", recording.name,
+            f"position stands still {counted_noun(len(held), 'time')} while force goes on, first "
+            f"for {(end - begin) * recording.dt_s:.3g} s at {begin * recording.dt_s:.4g} s, and "
+            f"then jumps by {1e3 * steps_m[end]:.3g} mm",
+            "force belongs to another depth there", "cut the recording there, or record again",
+        )  # fmt: skip
+
+
+def _fall_findings(recording: Recording) -> Iterator[Finding]:
+    """Find a force that falls on the way in, while the tool goes on as fast as before."""
+    position_m, force_n = recording.position_m, recording.force_n
+    travel_m, least_n = float(np.ptp(position_m)), _FALL.fall_fraction * float(np.ptp(force_n))
+    noise_n = _FALL.noise_sigmas * sensor_noise_n(force_n)
+    turns = turning_points(position_m, _AIR_FRACTION * travel_m)
+    for begin, end in pairwise(turns):
+        bins = min(_FALL.bins, (end - begin) // _FALL.min_rows)
+        if position_m[end] - position_m[begin] < _FALL.stroke_fraction * travel_m or bins < 4:
+            continue
+        levels_m = np.linspace(position_m[begin], position_m[end], bins + 1)
+        farthest_m = np.maximum.accumulate(position_m[begin : end + 1])
+        edges = begin + np.searchsorted(farthest_m, levels_m)
+        rows = np.diff(edges)
+        if rows.min() < 1:
+            continue
+        means_n = np.array([force_n[low:high].mean() for low, high in pairwise(edges)])
+        for peak in range(1, bins - 1):
+            pace = np.abs(rows[peak + 1 :] - rows[peak])
+            late = np.flatnonzero(pace > max(1.0, _FALL.pace_fraction * rows[peak]))
+            last = peak + 1 + (int(late[0]) if len(late) else bins - peak - 1)
+            fall_n = means_n[peak] - means_n[peak + 1 : last]
+            if len(fall_n) and fall_n.max() > max(least_n, noise_n / np.sqrt(rows[peak])):
+                low = peak + 1 + int(np.argmax(fall_n))
+                yield warning(
+                    "fall", recording.name,
+                    f"force falls from {means_n[peak]:.3g} to {means_n[low]:.3g} N on the way in, "
+                    f"from {1e3 * levels_m[peak]:.3g} to {1e3 * levels_m[low + 1]:.3g} mm at "
+                    f"{edges[peak] * recording.dt_s:.4g} s",
+                    "an object that snaps through, cracks or slips does so, and no model here",
+                    "cut the recording there if it is damage, else expect the model to miss it",
+                )  # fmt: skip
+                return
 
 
 def _force_loss_findings(recording: Recording) -> Iterator[Finding]:

@@ -11,6 +11,7 @@ from functools import cached_property
 
 import numpy as np
 
+from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.errors import DataError
 from springpot.codegen.messages import with_progress
 from springpot.codegen.types import JsonObject
@@ -41,6 +42,8 @@ _MIN_LOAD_FRACTION, _LOAD_TOLERANCE = (
 )  # of the peak force; of itself: tares that differ by less are one
 _MAX_UNCERTAINTY_FRACTION = 0.1  # of the deepest press: force errs by 5 to 10 % of its peak
 
+_COMPARED_LEVELS, _MOVED_RATIO = 10, 0.7  # of the depth; of the difference that a shift leaves
+_ALSO_TORN = ("gone", "fall")  # a force that is torn, late or turned round is also so
 RecordingContact = tuple[Recording, ContactPoint]
 
 
@@ -135,7 +138,7 @@ def check_recordings(given: Recordings) -> QualityReport:
                 finding for finding in sign_faults if not (stuck and finding.kind == "energy")
             ]
             found = [
-                finding for finding in found if not (sign_faults and finding.kind == "gone")
+                finding for finding in found if not (sign_faults and finding.kind in _ALSO_TORN)
             ] + sign_faults
             spoiled = _has_refusal(found) or stuck  # a turned sign moves the contact
             intact += [] if spoiled else [recording]
@@ -236,13 +239,44 @@ def _surface_findings(met: Sequence[RecordingContact]) -> Iterator[Finding]:
             "contact", where, f"{begins}, not at 0", "the surface is not where position is 0",
             "import with --contact-force auto",
         )  # fmt: skip
-    else:
+    elif moved := [item for item in off if _is_moved_throughout(*item, first[0])]:
+        where = moved[0][0].name if len(moved) == 1 else f"{len(moved)} recordings"
         yield warning(
             "contact", where, f"{begins}, in {first[0].name} at 0",
             "the object had not recovered there, or its zero was another",
             "import with --rest-s if one object was pressed in this order, with --contact-force "
             "auto if each recording has a zero of its own",
         )  # fmt: skip
+
+
+def _is_moved_throughout(recording: Recording, contact: ContactPoint, other: Recording) -> bool:
+    """Whether a recording, moved so that it begins at 0, is more like another at equal depths.
+
+    Of a press that follows the last one soon, the first contact alone is late: memory of the object
+    that any model has, and no reason for a word.
+    """
+    deepest_m = min(float(recording.position_m.max()) - contact.position_m,
+                    float(other.position_m.max()))  # fmt: skip
+    levels_m = np.linspace(0.0, deepest_m, _COMPARED_LEVELS + 1)
+    own_n, moved_n, other_n = (
+        _loading_force_n(each.position_m - shift_m, each.force_n, levels_m)
+        for each, shift_m in ((recording, 0.0), (recording, contact.position_m), (other, 0.0))
+    )
+    seen = np.isfinite(own_n + moved_n + other_n)
+    if not seen.any():
+        return False
+    off_n, off_moved_n = rms((own_n - other_n)[seen]), rms((moved_n - other_n)[seen])
+    return bool(off_moved_n < _MOVED_RATIO * off_n)
+
+
+def _loading_force_n(position_m: Samples, force_n: Samples, levels_m: Samples) -> Samples:
+    """Mean force on the way in between levels, (levels - 1,), N; nan where the tool never was."""
+    inwards = np.gradient(position_m) > 0.0
+    place = np.digitize(position_m, levels_m) - 1
+    return np.array([
+        force_n[inwards & (place == level)].mean() if (inwards & (place == level)).any() else np.nan
+        for level in range(len(levels_m) - 1)
+    ])  # fmt: skip
 
 
 def _is_displaced(recording: Recording, contact: ContactPoint, bounds: float) -> bool:
