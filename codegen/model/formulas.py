@@ -4,11 +4,13 @@ A curve of the passive model is given by its slopes at nodes of the depth (`Hamm
 relaxation change with the depth along the same nodes. Filters follow a motion.
 """
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Indices, Real, Reals, Samples
-from springpot.codegen.types import Scalar
+from springpot.codegen.types import RealType, Scalar
 
 SMALLEST = 1e-30  # SP_FLUSH_BELOW of sp_number.h
 CurveLocation = tuple[Indices, Reals]  # piece of a curve and share of the way through it, both (n,)
@@ -48,13 +50,8 @@ def evaluate_curves(nodes: Reals, location: CurveLocation) -> Reals:
     real, (interval, fraction) = nodes.dtype.type, location
     curve_index = () if fraction.ndim == 1 else (np.arange(nodes.shape[2]),)
     fraction = fraction if curve_index else fraction[:, None]
-    row = (
-        interval.item() if fraction.shape == (1, 1) else interval
-    )  # a number finds one tick's sooner
     value, slope, end = (
-        nodes[row, 0, *curve_index],
-        nodes[row, 1, *curve_index],
-        nodes[row + 1, 1, *curve_index],
+        nodes[interval + later, column, *curve_index] for later, column in ((0, 0), (0, 1), (1, 1))
     )
     values: Reals = value + fraction * (slope + real(0.5) * fraction * (end - slope))
     return values
@@ -99,6 +96,11 @@ def compute_flow_loss(rate_ps: Samples, power: NDArray[np.int64], dt_s: float) -
 def to_scalars(values: Reals) -> list[Scalar]:
     """Numbers of an array, (n,), for loops over ticks: Python's own are doubles, and fast."""
     return values.tolist() if values.dtype == np.float64 else list(values)
+
+
+def scalar_type(dtype: RealType) -> Callable[[Scalar], Scalar]:
+    """What makes a number as `to_scalars` has them of an array of this type."""
+    return float if dtype is np.float64 else dtype
 
 
 def play_operator(u: Reals, begin: Scalar, radius: Real) -> list[Scalar]:

@@ -72,9 +72,6 @@ def pad_columns(weights: Reals, used: Indices, dtype: type) -> Reals:
 
 def step_poles(loss: Reals, rises: Reals, h: Reals) -> Reals:
     """sp_poles.h: states after each tick, (n, poles), from h, (poles,); rises (n,), (n, poles)."""
-    if rises.shape == (1, len(h)):  # all poles at once
-        states: Reals = h + (rises - loss * h)
-        return states * (np.abs(states) >= SMALLEST)
     states = np.empty((len(rises), len(h)), dtype=loss.dtype)
     for k, (pole_loss, begin) in enumerate(zip(to_scalars(loss), to_scalars(h), strict=True)):
         states[:, k] = relax_pole(pole_loss, rises if rises.ndim == 1 else rises[:, k], begin)

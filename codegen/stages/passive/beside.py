@@ -1,6 +1,7 @@
 """What a passive model may have beside springs, branches and stops: flow, damage, a surface."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import sqrt
 
 import numpy as np
@@ -17,6 +18,7 @@ from springpot.codegen.model.formulas import (
     evaluate_flow_functions,
     integrate_slopes,
     locate_on_curve,
+    scalar_type,
     to_scalars,
 )
 from springpot.codegen.model.passive import Damage, Flow, sort_by_power
@@ -209,20 +211,25 @@ class RecoveringSurface:
         required_n = steepest[locate_on_curve(before, len(self.stiffest))[0]] * distance
         return (u < before) & (force_n < 1.01 * required_n)
 
+    @cached_property
+    def _stiffest(self) -> list[Scalar]:
+        return to_scalars(self.stiffest)
+
     def _retract(self, before: Scalar, force_n: Scalar) -> Scalar:
         """sp_surface_recovered_u: how far the surface comes back in a tick."""
-        real, last = self.stiffest.dtype.type, len(self.stiffest) - 1
+        real, stiffest = scalar_type(self.stiffest.dtype.type), self._stiffest
+        last = len(stiffest) - 1
         interval_position = (before if before > 0 else real(0)) * real(count_intervals(last + 1))
         interval, left_n = int(min(interval_position, last)), force_n
         fraction = interval_position - real(interval)
-        required_n = self.stiffest[interval] * fraction
+        required_n = stiffest[interval] * fraction
         while interval > 0 and left_n > required_n:
             left_n = left_n - required_n
             interval, fraction = interval - 1, real(1)
-            required_n = self.stiffest[interval]
-        fraction = fraction - left_n / self.stiffest[interval]
+            required_n = stiffest[interval]
+        fraction = fraction - left_n / stiffest[interval]
         end = real(interval) + (fraction if fraction > 0 else real(0))
-        return end / real(count_intervals(len(self.stiffest)))
+        return end / real(count_intervals(len(stiffest)))
 
 
 def build_surface(most_n: Samples, dtype: RealType) -> RecoveringSurface:

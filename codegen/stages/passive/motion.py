@@ -1,26 +1,32 @@
 """Reference of the passive model along a motion: the operations of the C, in its order."""
 
 from copy import copy
+from itertools import chain
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from springpot.codegen.arrays import Reals
 from springpot.codegen.model.formulas import (
+    SMALLEST,
+    count_intervals,
     evaluate_curves,
     evaluate_flow_functions,
     locate_on_curve,
     play_operator,
+    scalar_type,
     to_scalars,
 )
 from springpot.codegen.model.passive import Hammerstein, Memory, sort_by_power
+from springpot.codegen.stages.passive.maxwell import MaxwellBranches
 from springpot.codegen.stages.stage import VECTOR_WIDTH
-from springpot.codegen.types import Scalar
+from springpot.codegen.types import RealType, Scalar
 
 if TYPE_CHECKING:
     from springpot.codegen.stages.passive.hammerstein import HammersteinStage
 
 _CHUNK, _MIN_CHUNK = 512, 16  # ticks that are taken at once as long as the tool does not leave
+_Piece = list[tuple[Scalar, ...]]  # of each curve: value, slope, and rise of the slope
 
 
 class PassiveMotion:
@@ -112,16 +118,28 @@ class PassiveMotion:
         return len(u)
 
     def _advance_detached(self, u: Reals, done: int, force_n: Reals, at: Reals) -> int:
-        """Tick by tick from `done` on until the tool is back; returns the first tick after."""
+        """Tick by tick from `done` on until the tool is back; returns the first tick after.
+
+        In numbers and not in arrays: of one tick those take seven times as long.
+        """
         surface = self._stage.surface
         assert surface is not None
-        for i in range(done, len(u)):
-            at[i] = surface.at(u[i], self._u, self._force_n)
-            contact_n = self._advance_in_contact(at[i : i + 1])[0]
-            force_n[i] = 0 if at[i] > u[i] else contact_n
-            if not at[i] > u[i]:
-                return i + 1
-        return len(u)
+        tick, end = _DetachedTick(self._stage, self._curves, self._stops), done
+        tick.begin(self._before, self._branch_state, self._play)
+        chunks = (to_scalars(u[begin : begin + _CHUNK]) for begin in range(done, len(u), _CHUNK))
+        for tool_u in chain.from_iterable(chunks):
+            model_u = surface.at(tool_u, self._u, self._force_n)
+            contact_n = tick.advance(model_u)
+            if self._stage.flow is not None or self._stage.damage is not None:
+                contact_n = self._add_extra_force_n(np.array([model_u], u.dtype), contact_n)[0]
+            self._u, self._force_n = model_u, contact_n
+            at[end], detached = model_u, model_u > tool_u
+            force_n[end] = 0 if detached else contact_n
+            end += 1
+            if not detached:
+                break
+        self._before, self._branch_state, self._play = tick.end(u.dtype.type)
+        return end
 
     def _advance_in_contact(self, u: Reals) -> Reals:
         """Force of ticks with the model at u, (n,), N."""
@@ -141,13 +159,20 @@ class PassiveMotion:
             ends.append(states[-1])
         self._branch_state = ends
         force_n = self._static_force_n(u, curves[:, 0]) + _sum_branches(branch_n)
+        force_n = self._add_extra_force_n(u, force_n)
+        self._u, self._force_n = u[-1], force_n[-1]
+        return force_n
+
+    def _add_extra_force_n(self, u: Reals, force_n: Reals | Scalar) -> Reals:
+        """Force of ticks at u with that of flow and damage, (n,), N."""
+        stage = self._stage
         if stage.flow is not None:
             flow_n, self._functions, self._flow = stage.flow.advance(u, self._functions, self._flow)
             force_n = force_n + flow_n
         if stage.damage is not None:
+            location = locate_on_curve(u, stage.config.n_intervals)
             damage_n, self._deepest = stage.damage.advance(u, location, self._deepest)
             force_n = force_n + damage_n
-        self._u, self._force_n = u[-1], force_n[-1]
         return force_n
 
     def _static_force_n(self, u: Reals, spring_n: Reals) -> Reals:
@@ -164,6 +189,83 @@ class PassiveMotion:
             # A stop is P(u) - P(play); its P(u) is part of the spring's curve already.
             still_n = still_n - stop_n
         return still_n
+
+
+class _DetachedTick:
+    """Spring, branches and stops of a stage, tick after tick: the same bits as the arrays."""
+
+    def __init__(self, stage: "HammersteinStage", curves: Reals, stops: Reals) -> None:
+        self._real, self._stage = scalar_type(curves.dtype.type), stage
+        self._pieces = self._real(count_intervals(stage.config.n_intervals))
+        self._curves, self._stops = _list_pieces(curves), _list_pieces(stops)
+        self._radius, self._bias_n = to_scalars(stage.radius), self._real(stage.config.bias_n)
+        self._losses = [list(map(to_scalars, np.atleast_2d(step.loss))) for step in stage.steps]
+
+    def begin(self, before: Reals, branch_state: list[Reals], play: Reals) -> None:
+        self._before, self._play = to_scalars(before), to_scalars(play)
+        self._branch_state = [to_scalars(states) for states in branch_state]
+
+    def end(self, dtype: RealType) -> tuple[Reals, list[Reals], Reals]:
+        """Values of the branches' curves, their states, and plays, after the last tick."""
+        types = (np.float64 if step.double else dtype for step in self._stage.steps)
+        states = [np.array(h, dtype=t) for h, t in zip(self._branch_state, types, strict=True)]
+        return np.array(self._before, dtype), states, np.array(self._play, dtype)
+
+    def advance(self, u: Scalar) -> Scalar:
+        """Force of a tick with the model at u, N."""
+        interval, fraction = self._locate(u)
+        still_n, *g = self._evaluate(self._curves[interval], fraction)
+        rises = [now - last for now, last in zip(g, self._before, strict=True)]
+        self._before, sums = g, [self._real(0)] * VECTOR_WIDTH
+        for step, losses, states in zip(
+            self._stage.steps, self._losses, self._branch_state, strict=True
+        ):
+            here = rises[step.first : step.first + step.count]
+            _relax_by_tick(step, losses, states, here, (interval, fraction))
+            for k, h in enumerate(states, step.first):
+                sums[k % VECTOR_WIDTH] += self._real(h)
+        still_n = still_n + self._bias_n
+        for k, radius in enumerate(self._radius):
+            low, high, p = u - radius, u + radius, self._play[k]
+            p = self._play[k] = low if not p > low else p if p < high else high
+            interval, fraction = self._locate(p)
+            still_n = still_n - self._evaluate(self._stops[interval][k : k + 1], fraction)[0]
+        return still_n + ((sums[0] + sums[2]) + (sums[1] + sums[3]))
+
+    def _locate(self, u: Scalar) -> tuple[int, Scalar]:
+        """`locate_on_curve` of one depth."""
+        position = (u if u > 0 else self._real(0)) * self._pieces
+        interval = int(min(position, self._stage.config.n_intervals - 1))
+        return interval, position - self._real(interval)
+
+    def _evaluate(self, piece: _Piece, fraction: Scalar) -> list[Scalar]:
+        """`evaluate_curves` in one piece."""
+        half = self._real(0.5) * fraction
+        return [begin + fraction * (slope + half * rise) for begin, slope, rise in piece]
+
+
+def _relax_by_tick(
+    step: MaxwellBranches, losses: list[list[Scalar]], states: list[Scalar],
+    rises: list[Scalar], location: tuple[int, Scalar],
+) -> None:  # fmt: skip
+    """`MaxwellBranches.advance` by one tick; changes the states."""
+    rises = list(map(float, rises)) if step.double else rises
+    (interval, fraction), real = location, type(rises[0])
+    for k, (z, rise) in enumerate(zip(states, rises, strict=True)):
+        if step.by_depth:
+            begin = losses[interval][k]
+            loss = real(begin + fraction * (losses[interval + 1][k] - begin))
+            x = z + (rise - loss * (z + real(0.5) * rise))
+        else:
+            x = z + (rise - losses[0][k] * z)
+        states[k] = x if x >= SMALLEST or x <= -SMALLEST else x * 0
+
+
+def _list_pieces(nodes: Reals) -> list[_Piece]:
+    """Value, slope, and rise of the slope of each curve, of each piece between nodes."""
+    rise = nodes[1:, 1] - nodes[:-1, 1]
+    pieces = zip(nodes[:-1, 0], nodes[:-1, 1], rise, strict=True)
+    return [list(zip(*map(to_scalars, piece), strict=True)) for piece in pieces]
 
 
 def _sum_branches(branch_n: Reals) -> Reals:
