@@ -1,18 +1,20 @@
 """Every kind, and `auto`, on objects that do not share our models' structure.
 
-    python tests/bench/judges.py OUT [--objects a,b] [--structures x,y] [--seed 2]
+    python tests/bench/judges.py OUT [--objects a,b] [--structures x,y] [--seed 2] [--write]
 
 Simulated objects by structures of recording (support/presses/structures.py), and Mach-1 with one
 frequency left out in turn. Models are fitted on the training part, emitted, built, and replayed on
 the test part. OUT keeps what was measured: a run goes on where another ended, and measures again
-what other code would make different. All of it is in OUT/judges.json, README's
-figure in OUT/bars.svg.
+what other code would make different. All of it is in OUT/judges.json. --write: all cells, and
+with them docs/figures.json, docs/bars.svg and README's sentences. A model that fails ends the
+command with status 1, and nothing is written.
 """
 
 import argparse
 import json
 import os
-from collections.abc import Iterator, Sequence
+import sys
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -22,23 +24,31 @@ from judges_recordings import SEED, SETTINGS, Recordings, recorded
 from matplotlib.figure import Figure
 from spring_dashpot import spring_dashpot_percent
 from support.files.mach1 import mach1_recordings
+from support.pages.figures import (
+    FILE,
+    MACH1,
+    PAPER,
+    PASSIVE,
+    README,
+    errors_percent,
+    groups,
+    written,
+)
+from support.paths import ROOT
 
 from springpot import Fit, train
 from springpot.codegen.make_plan import make_plan
 from springpot.host.bench.bench import code_hash
-from springpot.host.bench.measure import bench_scene, hot_ns, prediction_errors
+from springpot.host.bench.measure import bench_scene, hot_ns, measure_sizes, prediction_errors
 from springpot.host.native.compiler import machine_metadata
 from springpot.host.native.scene_library import build_and_load
 from springpot.host.simulation.objects import FOREIGN_OBJECTS, OBJECTS
-from springpot.trainer.models.folds import geometric_mean
 from springpot.trainer.recordings.quality.repeats import find_noise_floor
 
-MACH1 = "mach1"
 MACH1_FILE = Path(__file__).parents[1] / "data" / MACH1 / "Dynamic_data.txt"
 KIN_STRUCTURES = ("paper", "left-out-depth")  # of the five that are much alike
-PAPER = "the paper's random forest"
 KINDS: dict[str, tuple[str, dict[str, Any]]] = {
-    "hammerstein": ("hammerstein", {}),
+    PASSIVE: ("hammerstein", {}),
     PAPER: ("rf-fd", {"tree_rows": 1.0, "split_features": 1 / 3}),
     "rf-fd": ("rf-fd", {}),
     "rbf-fd": ("rbf-fd", {}),
@@ -81,14 +91,15 @@ def measured(fit: Fit, training: Recordings, test: Recordings) -> dict[str, Any]
     """One model: built, and replayed on the test part."""
     plan = make_plan(fit.model, bench_scene("float32"), accept_unsafe=True)
     library = build_and_load(plan)
-    errors = prediction_errors(plan, library, test, training)
+    errors = prediction_errors(plan, library, test)
     tick_ns = hot_ns(library, test)
     percent = errors["rmse_percent_of_peak"]
     if not np.isfinite(percent):
         raise ValueError(f"the force is not finite ({percent})")
     chosen = {"chosen": fit.metadata["chosen"]} if "chosen" in fit.metadata else {}
     slopes = {name: value for name, value in errors.items() if name.startswith("slope_")}
-    return {"percent": percent, "tick_ns": tick_ns, **slopes, **chosen}
+    sizes = measure_sizes(fit.model, "float32", "cortex-m4f")
+    return {"percent": percent, "tick_ns": tick_ns, **slopes, **chosen, **sizes}
 
 
 def all_cells() -> Iterator[Cell]:
@@ -109,25 +120,16 @@ def in_a_line(found: dict[str, Any]) -> str:
     return f"{found['object']} {found['structure']}: floor {known}, {errors} %"
 
 
-def bars(cells: Sequence[dict[str, Any]], file: Path) -> None:
+def draw_bars(cells: list[dict[str, Any]], file: Path) -> None:
     """Draw README's figure: geometric means of the errors, % of peak."""
     figure = Figure(figsize=(9.0, 4.3), layout="constrained")
-    panels = {
-        "a real machine on a real material": (MACH1,),
-        "objects of other laws than our models'": FOREIGN_OBJECTS,
-    }
-    for axes, (title, names) in zip(figure.subplots(2), panels.items(), strict=True):
-        its = [cell for cell in cells if cell["object"] in names]
-        errors = {
-            "springpot": [cell["models"]["hammerstein"]["percent"] for cell in its],
-            PAPER: [cell["models"][PAPER]["percent"] for cell in its],
-            "a spring and a dashpot": [cell["spring_dashpot_percent"] for cell in its],
-            "noise of the sensors": [cell["floor_percent"] for cell in its],
-        }
-        means = [geometric_mean(values) for values in errors.values()]
+    panels = groups(cells)
+    for axes, (title, shown) in zip(figure.subplots(2), panels.items(), strict=True):
+        errors = errors_percent(shown)
+        means = list(errors.values())
         drawn = axes.barh(list(errors), means, color=("#8c3b1a", "#c98f6b", "#9a9a9a", "#d9d9d9"))
         axes.bar_label(drawn, [f"{mean:.3g} %" for mean in means], padding=4)
-        axes.set_title(f"{title}: {len(its)} recordings that the model has not seen", fontsize=10)
+        axes.set_title(f"{title}: {len(shown)} recordings that the model has not seen", fontsize=10)
         axes.invert_yaxis()
         axes.set_xticks([])
         axes.spines[:].set_visible(False)
@@ -140,6 +142,7 @@ def main() -> None:
     parser.add_argument("--objects", help="names, separated by commas; default: all")
     parser.add_argument("--structures", help="names, separated by commas; default: all")
     parser.add_argument("--seed", type=int, default=SEED, help="of noise and random commands")
+    parser.add_argument("--write", action="store_true", help="docs/figures.json, README's figures")
     asked = parser.parse_args()
     wanted = [
         cell
@@ -147,20 +150,33 @@ def main() -> None:
         if not asked.objects or cell[0] in asked.objects.split(",")
         if not asked.structures or cell[1] in asked.structures.split(",")
     ]
+    if asked.write and (wanted != list(all_cells()) or asked.seed != SEED):
+        parser.error("--write: README's figures are of all cells, with the seed as it is")
     os.environ |= {"OMP_NUM_THREADS": "1", "LOKY_MAX_CPU_COUNT": "1"}  # more wait for each other
     cached = Memory(asked.out / "measured", verbose=0).cache(judged)
-    found = []
+    cells: list[dict[str, Any]] = []
     jobs = (delayed(cached)(cell, asked.seed, code_hash()) for cell in wanted)
-    for each in Parallel(n_jobs=2, return_as="generator")(jobs):
-        found.append(each)
-        print(f"{len(found)} of {len(wanted)}, {in_a_line(each)}", flush=True)
+    for cell in Parallel(n_jobs=2, return_as="generator")(jobs):
+        cells.append(cell)
+        print(f"{len(cells)} of {len(wanted)}, {in_a_line(cell)}", flush=True)
     metadata = machine_metadata()
     machine = f"{metadata['processor']}, {metadata['system']}"
-    result = {"machine": machine, "compiler": metadata["compiler"], "cells": found}
-    (asked.out / "judges.json").write_text(json.dumps(result, indent=1) + "\n")
+    figures = {"code": code_hash(), "machine": machine, "compiler": metadata["compiler"],
+               "cells": cells}  # fmt: skip
+    (asked.out / "judges.json").write_text(json.dumps(figures, indent=1) + "\n")
     print(asked.out / "judges.json")
-    if wanted == list(all_cells()):
-        bars(found, asked.out / "bars.svg")
+    failures = [
+        f"{cell['object']} {cell['structure']}, {name}: {model['failed']}"
+        for cell in cells
+        for name, model in cell["models"].items()
+        if "failed" in model
+    ]
+    if failures:
+        sys.exit("\n".join(["failed:", *failures]))
+    if asked.write:
+        FILE.write_text(json.dumps(figures, indent=1) + "\n")
+        draw_bars(cells, ROOT / "docs/bars.svg")
+        README.write_text(written(README.read_text(encoding="utf-8"), figures), encoding="utf-8")
 
 
 if __name__ == "__main__":
