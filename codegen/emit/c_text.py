@@ -4,7 +4,7 @@ A block is what stands between blank lines outside braces: a definition with the
 """
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
 from typing import Any
 
@@ -23,6 +23,13 @@ _TEMPLATES = Environment(
 _NOT_CODE = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"', re.DOTALL)
 _FUNCTION = re.compile(r"(?:[A-Z]\w* )?(?:static )?(?:inline )?[\w *]*?\b(\w+)\([^;{]*\)\s*\{")
 _STATIC_STARTS = ("static ", "SP_")  # what a function begins with that no other file sees
+# What a block defines for this file alone: tables and constants, functions, enumerators.
+_FILE_SCOPE = (
+    (re.compile(r"^static const [\w ]+?\b(\w+)(?:\[[^\]]*\])* = ", re.MULTILINE), "sp_scene_"),
+    (re.compile(r"^(?:static|SP_[A-Z]+) [\w *]*?\b(\w+)\([^;{]*\)\s*\{", re.MULTILINE), "sp_"),
+    (re.compile(r"^ +(N_\w+) = ", re.MULTILINE), "SP_SCENE_"),
+)
+_MACRO = re.compile(r"#define (\w+)")
 _DIRECTIVE = re.compile(r"^#(?!pragma)", re.MULTILINE)
 
 
@@ -67,8 +74,36 @@ def strip_comments(text: str) -> str:
     return _NOT_CODE.sub(lambda found: "\n" * found[0].count("\n"), text)
 
 
-def drop_unused_functions(found: Sequence[str]) -> list[str]:
-    """Leave out the functions of this file that no other block calls.
+def scope_to_scene(blocks: Sequence[str]) -> list[str]:
+    """Give what the blocks define for this file alone names that carry the scene's prefix.
+
+    So that two scenes compile in one unit. Comments and members of structs are not touched.
+    """
+    renamed: dict[str, str] = {}
+    for code in map(strip_comments, blocks):
+        for pattern, prefix in _FILE_SCOPE:
+            own = (name for name in pattern.findall(code) if not name.startswith(("sp_", "SP_")))
+            renamed |= {name: prefix + name for name in own}
+    if not renamed:
+        return list(blocks)
+    used = re.compile(rf"(?<![\w.])(?<!->)({'|'.join(map(re.escape, renamed))})\b")
+    return [
+        _change_code(block, lambda code: used.sub(lambda name: renamed[name[1]], code))
+        for block in blocks
+    ]
+
+
+def _change_code(text: str, change: Callable[[str], str]) -> str:
+    """Change a text outside its comments and strings."""
+    parts, end = [], 0
+    for prose in _NOT_CODE.finditer(text):
+        parts += [change(text[end : prose.start()]), prose[0]]
+        end = prose.end()
+    return "".join([*parts, change(text[end:])])
+
+
+def drop_unused(found: Sequence[str]) -> list[str]:
+    """Leave out the functions and macros of this file that no other block uses.
 
     One that stands among directives of the preprocessor stays.
     """
@@ -78,18 +113,21 @@ def drop_unused_functions(found: Sequence[str]) -> list[str]:
         unused = [
             i
             for i, block in enumerate(used)
-            if (name := _static_function(block)) is not None
-            and not any(name in other for k, other in enumerate(words) if k != i)
+            if (names := _private_names(block))
+            and not any(names & other for k, other in enumerate(words) if k != i)
         ]
         if not unused:
             return used
         used = [block for i, block in enumerate(used) if i not in unused]
 
 
-def _static_function(block: str) -> str | None:
-    """Name of the static function that a block defines; None for others, or with a directive."""
+def _private_names(block: str) -> set[str]:
+    """Names of the static function or of the macros that a block defines; of others none."""
     code = strip_comments(block).strip()
+    macros = [_MACRO.match(line) for line in code.splitlines()]
+    if all(macros):
+        return {macro[1] for macro in macros if macro}
     if not code.startswith(_STATIC_STARTS) or _DIRECTIVE.search(code):
-        return None
-    found = _FUNCTION.match(code)
-    return found[1] if found else None
+        return set()
+    function = _FUNCTION.match(code)
+    return {function[1]} if function else set()

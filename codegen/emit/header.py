@@ -3,6 +3,8 @@
 import re
 from functools import cache
 
+import numpy as np
+
 from springpot.codegen.emit.c_text import render_template, split_blocks, strip_comments
 from springpot.codegen.literals import c_literal
 from springpot.codegen.plan import Plan, list_headers, list_state_members, state_bytes
@@ -12,6 +14,9 @@ _PUBLIC = "abi_version|state_size|manifest|init|reset|step|run|idle|place|selfte
 _WHOLE_HZ = 1e-6  # a rate nearer to a whole number is one, but for rounding
 # What the source includes itself, at its head.
 _INCLUDES = re.compile(r'^#include (?:"[^"]*"|<(?:float|math|std\w+|string)\.h>)\n', re.MULTILINE)
+_CAST_NUMBER = re.compile(r"\(sp_real\)(\d+(?:\.\d+)?)(?![\w.])")
+# Notes and errors are the same for all scenes of a program; a build sets the other two.
+_MACRO = re.compile(r"\bSP_(?!NOTE|ERROR|NO_SELFTEST\b|SIMD\b)(\w+)")
 _ELSEWHERE = re.compile(r" \((?:see )?flags\.mk\)")
 
 
@@ -36,12 +41,22 @@ def render_header(plan: Plan) -> str:
     ):
         text, changed = re.subn(pattern, replacement.replace("\\", r"\\"), text)
         assert changed == 1, f"sp.h has no {pattern} any more"
-    text = re.sub(r"\bSP_(H|RATE_HZ)\b", rf"{prefix.upper()}_\1", text)
     return apply_prefix(text, prefix, plan.real)
 
 
 def apply_prefix(text: str, prefix: str, real: str) -> str:
-    """Give every name the scene's prefix and number type; sp_NAME.h names a section."""
+    """Give every name the scene's prefix and number type; sp_NAME.h names a section.
+
+    Numbers that a float holds exactly become literals: (sp_real)0 is 0.0f, or 0.0 in double.
+    """
+
+    def as_literal(number: re.Match[str]) -> str:
+        if float(np.float32(number[1])) != float(number[1]):
+            return number[0]
+        return (number[1] if "." in number[1] else f"{number[1]}.0") + "f" * (real == "float")
+
+    text = _CAST_NUMBER.sub(as_literal, text)
+    text = _MACRO.sub(rf"{prefix.upper()}_\1", text)
     text = re.sub(r"\bsp_real\b(?!\.h)", real, text)
     return re.sub(r"\bsp_(\w+)\b(?!\.h)", rf"{prefix}_\1", text)
 

@@ -7,10 +7,11 @@ that this scene does not call are left out.
 import re
 
 from springpot.codegen.emit.c_text import (
-    drop_unused_functions,
+    drop_unused,
     has_block,
     render_block,
     render_template,
+    scope_to_scene,
     split_blocks,
 )
 from springpot.codegen.emit.golden import LEG_TICKS, golden_arrays, golden_places
@@ -95,7 +96,8 @@ def render_source(plan: Plan, manifest: str, selftest: bool = True) -> str:
     for header in list_headers(plan):
         blocks = (block for block in read_unit_blocks(header) if block not in in_header)
         parts += [_heading(header), *blocks]
-    parts += [_heading("constants of this scene"), render_constants(plan)]
+    n_units = len(parts)
+    parts += [_heading("constants of this scene"), *split_blocks(render_constants(plan))]
     # The two stages of the excess share their tables.
     holders: list[Stage | RegressorStage] = [*list_stages(plan)]
     holders = [one for one in holders if not plan.excess or one is not plan.excess[1]]
@@ -107,12 +109,13 @@ def render_source(plan: Plan, manifest: str, selftest: bool = True) -> str:
     if selftest:
         parts += [_heading("self-test"), "#ifndef SP_NO_SELFTEST /* to leave it out of an image */"]
         parts += ["\n".join(golden_arrays(plan)), *split_blocks(_render_selftest(plan)), "#endif"]
+    parts[n_units:] = scope_to_scene(parts[n_units:])
     text = render_template(
         "source.c.j2",
         plan=plan,
         prefix=prefix,
         forest="sp_forest.h" in list_headers(plan),
-        body="\n\n".join(drop_unused_functions(parts)),
+        body="\n\n".join(drop_unused(parts)),
     )
     escaped = manifest.replace("\\", "\\\\").replace('"', '\\"')
     return apply_prefix(text, prefix, plan.real).replace(_MANIFEST, escaped)

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 4de384ec3e3f93cd57ba81fac8e4a46ca3948576154c07accdae9f94e9264ac3 */
+/* springpot 0.1.0 aad305c3d309469659a012a66a2a3ff8aa564cea80c100feb3bd4bba65b43d8b */
 /* pad: the whole scene, its self-test too. How to call it: soft_pad.h.
  *
  * In the order of a tick: units, each named by its file in springpot and without what this scene does
@@ -27,7 +27,7 @@ typedef char soft_pad_int_is_as_planned[sizeof(int) >= 4 ? 1 : -1];
 
 /* ------------------------------------------------------------------------------------ sp_real.h */
 
-#define SP_REAL_MAX FLT_MAX
+#define SOFT_PAD_REAL_MAX FLT_MAX
 
 /* Instructions with every FPU: no library is called. */
 #define soft_pad_abs(x) fabsf(x)
@@ -37,7 +37,8 @@ typedef char soft_pad_int_is_as_planned[sizeof(int) >= 4 ? 1 : -1];
 
 /* The few number helpers that the units share. */
 
-#if defined(__FAST_MATH__) || (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ != 0)
+#if defined(__FAST_MATH__) || defined(_M_FP_FAST) || \
+    (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ != 0)
 #error                                                                                             \
     "springpot needs IEEE arithmetic: build without -ffast-math, -ffinite-math-only"
 #endif
@@ -45,37 +46,37 @@ typedef char soft_pad_int_is_as_planned[sizeof(int) >= 4 ? 1 : -1];
 /* A function that few ticks call, out of the way of the others; and a long one that is called in
  * two places: a copy in each would cost the inlining within it. */
 #if defined(__GNUC__)
-#define SP_COLD __attribute__((noinline, cold, unused)) static
-#define SP_NOINLINE __attribute__((noinline)) static
+#define SOFT_PAD_COLD __attribute__((noinline, cold, unused)) static
+#define SOFT_PAD_NOINLINE __attribute__((noinline)) static
 #else
-#define SP_COLD static inline
-#define SP_NOINLINE static
+#define SOFT_PAD_COLD static inline
+#define SOFT_PAD_NOINLINE static
 #endif
 
 /* A length of time: positive, not infinite and not NaN, without libm. */
 static inline int soft_pad_is_valid_dt(float x)
 {
-    return x == x && x > (float)0 && x <= SP_REAL_MAX;
+    return x == x && x > 0.0f && x <= SOFT_PAD_REAL_MAX;
 }
 
 /* Values below this are 0: a denormal costs a hundred times a number's time on some processors. */
-#define SP_FLUSH_BELOW_DOUBLE 1e-30
-#define SP_FLUSH_BELOW ((float)SP_FLUSH_BELOW_DOUBLE)
+#define SOFT_PAD_FLUSH_BELOW_DOUBLE 1e-30
+#define SOFT_PAD_FLUSH_BELOW ((float)SOFT_PAD_FLUSH_BELOW_DOUBLE)
 
 static inline float soft_pad_flush_denormal(float x)
 {
-    return soft_pad_abs(x) < SP_FLUSH_BELOW ? (float)0 : x;
+    return soft_pad_abs(x) < SOFT_PAD_FLUSH_BELOW ? 0.0f : x;
 }
 
 /* Far above every state of a model in its units. Where bounds of one step do not add up to a bound
  * of the state (a measured time step, a mass on a spring), it is stated. The analysis shows that no
  * NaN comes here; one would become the largest. */
-#define SP_MAX_STATE 1e6
+#define SOFT_PAD_MAX_STATE 1e6
 
 static inline float soft_pad_clamp_state(float x)
 {
-    const float below = x < (float)SP_MAX_STATE ? x : (float)SP_MAX_STATE;
-    return below > (float)-SP_MAX_STATE ? below : (float)-SP_MAX_STATE;
+    const float below = x < (float)SOFT_PAD_MAX_STATE ? x : (float)SOFT_PAD_MAX_STATE;
+    return below > (float)-SOFT_PAD_MAX_STATE ? below : (float)-SOFT_PAD_MAX_STATE;
 }
 
 /* --------------------------------------------------------------------------------- sp_silence.h */
@@ -94,22 +95,22 @@ typedef struct {
 } soft_pad_silence_config;
 
 /* Ticks of debt that one good tick pays back. */
-#define SP_SILENCE_PAYBACK ((float)0.15625)
+#define SOFT_PAD_SILENCE_PAYBACK (0.15625f)
 
 /* Debt that latches, in watchdog timeouts. With one alone, a source that lost 1 % of its samples in
  * bursts of 14 ms latched every few minutes, though no silence reached the timeout. */
-#define SP_SILENCE_MAX_DEBT ((float)5)
+#define SOFT_PAD_SILENCE_MAX_DEBT (5.0f)
 
 /* Cap on the latched ticks that one call reports: the force is zero long before. It keeps the
  * conversion to uint32_t in range for an infinite dt_s. */
-#define SP_SILENCE_MAX_LATCHED_TICKS ((float)1048576)
+#define SOFT_PAD_SILENCE_MAX_LATCHED_TICKS (1048576.0f)
 
 /* Record a good sample that stands for dt_s of time. */
 static inline void soft_pad_silence_good_sample(soft_pad_silence_state *state, float dt_s)
 {
-    state->silent_s = (float)0;
-    if (state->debt_s > (float)0) {
-        state->debt_s -= SP_SILENCE_PAYBACK * dt_s;
+    state->silent_s = 0.0f;
+    if (state->debt_s > 0.0f) {
+        state->debt_s -= SOFT_PAD_SILENCE_PAYBACK * dt_s;
     }
 }
 
@@ -122,23 +123,23 @@ static inline float soft_pad_silence_no_sample(const soft_pad_silence_config *co
         return ticks;
     }
     const float silent_s = state->silent_s + dt_s;
-    const float debt_s = (state->debt_s > (float)0 ? state->debt_s : (float)0) + dt_s;
-    const float max_debt_s = SP_SILENCE_MAX_DEBT * config->watchdog_s;
+    const float debt_s = (state->debt_s > 0.0f ? state->debt_s : 0.0f) + dt_s;
+    const float max_debt_s = SOFT_PAD_SILENCE_MAX_DEBT * config->watchdog_s;
     if (silent_s <= config->watchdog_s && debt_s <= max_debt_s) {
         state->silent_s = silent_s;
         state->debt_s = debt_s;
-        return (float)0;
+        return 0.0f;
     }
     const float silent_overrun_s = silent_s - config->watchdog_s;
     const float debt_overrun_s = debt_s - max_debt_s;
     const float overrun =
         (silent_overrun_s > debt_overrun_s ? silent_overrun_s : debt_overrun_s) * config->rate_hz;
     const float capped =
-        overrun < SP_SILENCE_MAX_LATCHED_TICKS ? overrun : SP_SILENCE_MAX_LATCHED_TICKS;
+        overrun < SOFT_PAD_SILENCE_MAX_LATCHED_TICKS ? overrun : SOFT_PAD_SILENCE_MAX_LATCHED_TICKS;
     const float latched_ticks = (float)((uint32_t)capped + 1u);
     state->latched = 1;
-    state->silent_s = (float)0;
-    state->debt_s = (float)0;
+    state->silent_s = 0.0f;
+    state->debt_s = 0.0f;
     return latched_ticks < ticks ? latched_ticks : ticks;
 }
 
@@ -150,7 +151,7 @@ static inline uint32_t soft_pad_silence_missed_ticks(const soft_pad_silence_conf
     const float max_s = config->watchdog_s;
     const float silent_s = state->silent_s < max_s ? state->silent_s : max_s;
     const float ticks = (silent_s + dt_s) * config->rate_hz;
-    return ticks >= (float)1.5 ? (uint32_t)(ticks - (float)0.5) : 0;
+    return ticks >= 1.5f ? (uint32_t)(ticks - 0.5f) : 0;
 }
 
 /* ----------------------------------------------------------------------------------- sp_guard.h */
@@ -170,7 +171,7 @@ typedef struct {
 } soft_pad_guard_config;
 
 /* What soft_pad_init writes into a state: memory that it never saw does not hold this word. */
-#define SP_STATE_MAGIC 0x5b9a3c1fu
+#define SOFT_PAD_STATE_MAGIC 0x5b9a3c1fu
 
 static inline int soft_pad_guard_plausible(const soft_pad_guard_config *config, float x)
 {
@@ -228,13 +229,13 @@ static inline float soft_pad_guard_held_fraction(const soft_pad_guard_config *co
 {
     x = soft_pad_flush_denormal(x);
     if (!soft_pad_guard_plausible(config, x)) {
-        return (float)1;
+        return 1.0f;
     }
-    if (!(x > (float)0)) {
-        return (float)0;
+    if (!(x > 0.0f)) {
+        return 0.0f;
     }
-    const float share = x < state->last_good_m ? x / state->last_good_m : (float)1;
-    return share < (float)1 ? share : (float)1;
+    const float share = x < state->last_good_m ? x / state->last_good_m : 1.0f;
+    return share < 1.0f ? share : 1.0f;
 }
 
 /* ----------------------------------------------------------------------------------- sp_range.h */
@@ -278,7 +279,7 @@ static inline soft_pad_curve_position soft_pad_curve_locate(float u, uint32_t n_
 {
     const float n_per_u = (float)(n_intervals > 1u ? n_intervals - 1u : 1u);
     const float last = (float)(n_intervals - 1u);
-    const float passed = u > (float)0 ? u * n_per_u : (float)0;
+    const float passed = u > 0.0f ? u * n_per_u : 0.0f;
     const uint32_t interval = passed < last ? (uint32_t)passed : n_intervals - 1u;
     const soft_pad_curve_position place = {interval, passed - (float)interval};
     return place;
@@ -292,7 +293,7 @@ static inline void soft_pad_curve(const float *nodes, uint32_t n_curves, soft_pa
     const float *value = nodes + place.interval * 2 * n_curves;
     const float *slope = value + n_curves;
     const float *next = slope + 2 * n_curves;
-    const float half = (float)0.5 * place.fraction;
+    const float half = 0.5f * place.fraction;
     for (uint32_t i = 0; i < n_curves; i++) {
         values[i] = value[i] + place.fraction * (slope[i] + half * (next[i] - slope[i]));
     }
@@ -323,7 +324,7 @@ static inline float soft_pad_stops_play(float play, float u, float radius)
  * is part of the spring's curve. A tick moves the branches (sp_poles.h, sp_depth.h) between reading
  * their curves at u and summing up here. */
 
-enum { SP_HAMMERSTEIN_LANES = 4 /* where there are vectors, branches are padded to whole ones */ };
+enum { SOFT_PAD_HAMMERSTEIN_LANES = 4 /* where there are vectors, branches are padded to whole ones */ };
 
 typedef struct {
     float origin_m;
@@ -356,7 +357,7 @@ static inline void soft_pad_hammerstein_rest(const soft_pad_hammerstein_config *
 {
     soft_pad_curve(tables->branches, config->n_branches, soft_pad_curve_locate(u, config->n_intervals), before);
     for (uint32_t i = 0; i < config->n_branches; i++) {
-        held[i] = (float)0;
+        held[i] = 0.0f;
     }
     for (uint32_t k = 0; k < config->n_stops; k++) {
         play[k] = u;
@@ -384,11 +385,11 @@ static inline float soft_pad_hammerstein_static_force(const soft_pad_hammerstein
 /* Four partial sums in one fixed order. */
 static inline float soft_pad_hammerstein_branch_sum(const float *held, uint32_t n_branches)
 {
-    float sum[SP_HAMMERSTEIN_LANES] = {0};
-    const uint32_t whole = n_branches - n_branches % SP_HAMMERSTEIN_LANES;
-    for (uint32_t i = 0; i < whole; i += SP_HAMMERSTEIN_LANES) {
+    float sum[SOFT_PAD_HAMMERSTEIN_LANES] = {0};
+    const uint32_t whole = n_branches - n_branches % SOFT_PAD_HAMMERSTEIN_LANES;
+    for (uint32_t i = 0; i < whole; i += SOFT_PAD_HAMMERSTEIN_LANES) {
 #pragma GCC unroll 4
-        for (uint32_t k = 0; k < SP_HAMMERSTEIN_LANES; k++) {
+        for (uint32_t k = 0; k < SOFT_PAD_HAMMERSTEIN_LANES; k++) {
             sum[k] += held[i + k];
         }
     }
@@ -453,7 +454,7 @@ static inline void soft_pad_poles_by_depth(const float *loss, uint32_t n_poles, 
         const float loss_here = at[i] + place.fraction * (at[n_poles + i] - at[i]);
         const float rise = g[i] - before[i];
         const float branch_n = soft_pad_clamp_state(h[i]);
-        h[i] = soft_pad_flush_denormal(branch_n + (rise - loss_here * (branch_n + (float)0.5 * rise)));
+        h[i] = soft_pad_flush_denormal(branch_n + (rise - loss_here * (branch_n + 0.5f * rise)));
         before[i] = g[i];
     }
 }
@@ -484,11 +485,11 @@ static inline float soft_pad_surface_recovered_u(const float *stiffest, uint32_t
     while (place.interval > 0 && remaining_n > unload_n) {
         remaining_n -= unload_n;
         place.interval--;
-        place.fraction = (float)1;
+        place.fraction = 1.0f;
         unload_n = stiffest[place.interval];
     }
     const float fraction = place.fraction - remaining_n / stiffest[place.interval];
-    const float end = (float)place.interval + (fraction > (float)0 ? fraction : (float)0);
+    const float end = (float)place.interval + (fraction > 0.0f ? fraction : 0.0f);
     const float n_per_u = (float)(n_intervals > 1u ? n_intervals - 1u : 1u);
     return end / n_per_u;
 }
@@ -500,7 +501,7 @@ static inline float soft_pad_surface_model_u(const float *stiffest, uint32_t n_i
     if (!(u < state->u)) {
         return u;
     }
-    if (!(state->force_n > (float)0)) {
+    if (!(state->force_n > 0.0f)) {
         return state->u;
     }
     const float recovered_u =
@@ -518,10 +519,10 @@ static inline float soft_pad_surface_model_u(const float *stiffest, uint32_t n_i
 static inline float soft_pad_contact_onset(float onset_per_m, float x, float force_n)
 {
     const float fraction = x * onset_per_m;
-    if (!(fraction > (float)0)) {
-        return (float)0;
+    if (!(fraction > 0.0f)) {
+        return 0.0f;
     }
-    return fraction < (float)1 ? force_n * fraction : force_n;
+    return fraction < 1.0f ? force_n * fraction : force_n;
 }
 
 /* ---------------------------------------------------------------------------------- sp_output.h */
@@ -545,22 +546,22 @@ typedef struct {
 /* A position was taken as true without a history: the force rises from zero. */
 static inline void soft_pad_output_begin_ramp(soft_pad_output_state *state)
 {
-    state->share = (float)0;
+    state->share = 0.0f;
 }
 
 /* No contact: whatever comes next starts from zero by itself. */
 static inline void soft_pad_output_end_ramp(soft_pad_output_state *state)
 {
-    state->share = (float)1;
+    state->share = 1.0f;
 }
 
 /* What is not within the scene's limits; a NaN compares with nothing: it becomes 0. */
-SP_COLD float soft_pad_output_clamp_cold(const soft_pad_output_config *config, float force_n, int *notes)
+SOFT_PAD_COLD float soft_pad_output_clamp_cold(const soft_pad_output_config *config, float force_n, int *notes)
 {
     *notes |= SP_NOTE_CLAMPED;
     return force_n > config->max_n   ? config->max_n
            : force_n < config->min_n ? config->min_n
-                                     : (float)0;
+                                     : 0.0f;
 }
 
 /* Within the scene's limits. */
@@ -573,14 +574,14 @@ static inline float soft_pad_output_clamp(const soft_pad_output_config *config, 
 }
 
 /* Latched, for so many ticks; from within the limits, whatever a stray write made of last_n. */
-SP_COLD float soft_pad_output_fall_latched(const soft_pad_output_config *config, soft_pad_output_state *state,
+SOFT_PAD_COLD float soft_pad_output_fall_latched(const soft_pad_output_config *config, soft_pad_output_state *state,
                                        float ticks, int *notes)
 {
     const float last_n = soft_pad_output_clamp(config, state->last_n, notes);
     const float step = config->fall_n * ticks;
     const float down_n = last_n - step;
     const float up_n = last_n + step;
-    state->last_n = down_n > (float)0 ? down_n : up_n < (float)0 ? up_n : (float)0;
+    state->last_n = down_n > 0.0f ? down_n : up_n < 0.0f ? up_n : 0.0f;
     *notes |= SP_NOTE_LATCHED;
     return state->last_n;
 }
@@ -588,7 +589,7 @@ SP_COLD float soft_pad_output_fall_latched(const soft_pad_output_config *config,
 /* The force given before, as far as it has the direction of `force_n`. */
 static inline float soft_pad_output_last_along(const soft_pad_output_state *state, float force_n)
 {
-    const float zero = (float)0;
+    const float zero = 0.0f;
     const float last_n = state->last_n;
     if (force_n > zero) {
         return last_n > zero ? last_n : zero;
@@ -600,7 +601,7 @@ static inline float soft_pad_output_last_along(const soft_pad_output_state *stat
 static inline float soft_pad_output_limit(const soft_pad_output_config *config, soft_pad_output_state *state,
                                       float ticks, float force_n, int *notes)
 {
-    if (state->share < (float)1) {
+    if (state->share < 1.0f) {
         force_n *= state->share;
         state->share += config->rise * ticks;
         *notes |= SP_NOTE_RAMPED;
@@ -610,7 +611,7 @@ static inline float soft_pad_output_limit(const soft_pad_output_config *config, 
     const float before_n = soft_pad_output_last_along(state, force_n);
     const float upper_n = before_n + slew_n;
     const float lower_n = before_n - slew_n;
-    if (force_n > (float)0) {
+    if (force_n > 0.0f) {
         if (force_n > upper_n) {
             *notes |= SP_NOTE_LIMITED;
             force_n = upper_n;
@@ -625,38 +626,38 @@ static inline float soft_pad_output_limit(const soft_pad_output_config *config, 
 
 /* ---------------------------------------------------------------------- constants of this scene */
 
-static const soft_pad_silence_config silence = {
+static const soft_pad_silence_config soft_pad_scene_silence = {
     0.001f,  /* dt_s */
     1000.0f, /* rate_hz */
     0.0205f, /* watchdog_s */
 };
-static const soft_pad_guard_config guard = {
+static const soft_pad_guard_config soft_pad_scene_guard = {
     0.0027968f, /* max_step_m */
     -10.0f,     /* min_m */
     0.144908f,  /* max_m */
     0.0f,       /* air_m */
     5,          /* resync_ticks */
 };
-static const soft_pad_range_config range = {
+static const soft_pad_range_config soft_pad_scene_range = {
     0.0f,       /* min_m */
     0.0144908f, /* max_m */
 };
-static const soft_pad_output_config output = {
+static const soft_pad_output_config soft_pad_scene_output = {
     0.0f,       /* min_n */
     12.002745f, /* max_n */
     3.0006862f, /* slew_n */
     0.02f,      /* rise */
     1.5003431f, /* fall_n */
 };
-static const float per_onset = 6900.93f;
+static const float soft_pad_scene_per_onset = 6900.93f;
 
 /* Curves: values and slopes at the nodes, a column a branch (sp_curve.h). */
-static const float spring[20] = {
+static const float soft_pad_scene_spring[20] = {
     0.0f, 0.3289515f, 0.4162068f, 0.5034621f, 1.0135461f, 0.6912164f, 1.8122768f, 0.9062452f,
     2.8517995f, 1.1728001f, 4.18071f, 1.4850208f, 5.8518076f, 1.8571742f, 7.9441576f, 2.3275259f,
     10.581097f, 2.9463525f, 10.581097f, 2.9463525f
 };
-static const float branches[20 * 12] = {
+static const float soft_pad_scene_branches[20 * 12] = {
     0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 4.8114925e-09f, 0.0f,
     0.0010956825f, 0.0049506268f, 0.0009572887f, 0.0f, 0.0f, 0.0f, 0.9580456f, 0.051968426f,
     0.033191737f, 0.003189898f, 0.02059531f, 0.0063461633f, 0.0030521452f, 0.013387425f,
@@ -688,10 +689,10 @@ static const float branches[20 * 12] = {
     0.7395865f, 0.46370512f, 0.0f, 0.20244983f, 0.19567688f, 0.18560521f, 0.0146256145f, 0.0f, 0.0f,
     0.8721091f, 0.0f, 0.008286146f, 0.33372742f
 };
-static const float branch_loss[8] = {
+static const float soft_pad_scene_branch_loss[8] = {
     0.39346933f, 0.2176933f, 0.014169568f, 0.0069827656f, 0.0016880065f, 0.00019998f, 1.0f, 1.0f
 };
-static const float depth_branch_loss[10 * 4] = {
+static const float soft_pad_scene_depth_branch_loss[10 * 4] = {
     0.86466473f, 0.34180617f, 0.08375269f, 0.00079968007f, 0.75688326f, 0.25602773f, 0.059976026f,
     0.00056552544f, 0.63212055f, 0.18870854f, 0.04279192f, 0.00039992f, 0.5069313f, 0.13746174f,
     0.030451665f, 0.0002828027f, 0.39346933f, 0.09928281f, 0.021629887f, 0.00019998f, 0.2978115f,
@@ -700,11 +701,11 @@ static const float depth_branch_loss[10 * 4] = {
     4.999875e-05f, 0.1175031f, 0.025802271f, 0.0054518944f, 4.999875e-05f
 };
 /* At most so stiff is each piece of the depth, N a piece (sp_surface.h). */
-static const float stiffest[9] = {
+static const float soft_pad_scene_stiffest[9] = {
     1.6607395f, 1.9375955f, 2.2323358f, 2.568678f, 2.9742138f, 3.4883642f, 4.1473236f, 5.2225385f,
     5.2225385f
 };
-static const float stops[3 * 20] = {
+static const float soft_pad_scene_stops[3 * 20] = {
     0.0f, 0.15894209f, 0.15834557f, 0.15774904f, 0.3162937f, 0.15814722f, 0.47856778f, 0.16640097f,
     0.6499993f, 0.17646207f, 0.8308018f, 0.18514296f, 1.0203971f, 0.19404763f, 1.2193344f,
     0.20382681f, 1.4395807f, 0.236666f, 1.4395807f, 0.236666f, 0.0f, 0.00746892f, 0.0044102333f,
@@ -714,10 +715,10 @@ static const float stops[3 * 20] = {
     0.0014195048f, 0.0008950359f, 0.013550747f, 0.02336745f, 0.056328285f, 0.06218763f, 0.14368843f,
     0.11253266f, 0.28524727f, 0.17058499f, 0.48186234f, 0.22264516f, 0.48186234f, 0.22264516f
 };
-static const float stop_radius[3] = {
+static const float soft_pad_scene_stop_radius[3] = {
     0.02f, 0.2f, 0.5f
 };
-static const soft_pad_hammerstein_config passive = {
+static const soft_pad_hammerstein_config soft_pad_scene_passive = {
     0.0f,     /* origin_m */
     69.0093f, /* u_per_m */
     0.0f,     /* bias_n */
@@ -725,53 +726,53 @@ static const soft_pad_hammerstein_config passive = {
     12,       /* n_branches */
     3,        /* n_stops */
 };
-static const soft_pad_hammerstein_tables passive_tables = {
-    spring,      /* spring */
-    branches,    /* branches */
-    stops,       /* stops */
-    stop_radius, /* radius */
+static const soft_pad_hammerstein_tables soft_pad_scene_passive_tables = {
+    soft_pad_scene_spring,      /* spring */
+    soft_pad_scene_branches,    /* branches */
+    soft_pad_scene_stops,       /* stops */
+    soft_pad_scene_stop_radius, /* radius */
 };
 
 /* ---------------------------------------------------- the tick, and the functions of the header */
 
 /* A position is true without a history: the object has rested there for ever. */
-static void restart(soft_pad_state *state, float position)
+static void soft_pad_restart(soft_pad_state *state, float position)
 {
-    const float penetration = position > (float)0 ? position : (float)0;
-    const float penetration_u = soft_pad_hammerstein_u(&passive, penetration);
-    soft_pad_hammerstein_rest(&passive, &passive_tables, penetration_u,
+    const float penetration = position > 0.0f ? position : 0.0f;
+    const float penetration_u = soft_pad_hammerstein_u(&soft_pad_scene_passive, penetration);
+    soft_pad_hammerstein_rest(&soft_pad_scene_passive, &soft_pad_scene_passive_tables, penetration_u,
                         state->penetration_before, state->penetration_held, state->penetration_play);
     state->penetration_surface.u = penetration_u;
-    state->penetration_surface.force_n = (float)0;
+    state->penetration_surface.force_n = 0.0f;
     soft_pad_output_begin_ramp(&state->output);
 }
 
 /* One tick with the tool at `position`; returns the model's force, N. */
-SP_NOINLINE float tick(soft_pad_state *state, float position, int *notes)
+SOFT_PAD_NOINLINE float soft_pad_tick(soft_pad_state *state, float position, int *notes)
 {
-    const float penetration = position > (float)0 ? position : (float)0;
-    (void)soft_pad_range_clip(&range, penetration, notes);
-    const float penetration_tool = soft_pad_hammerstein_u(&passive, penetration);
+    const float penetration = position > 0.0f ? position : 0.0f;
+    (void)soft_pad_range_clip(&soft_pad_scene_range, penetration, notes);
+    const float penetration_tool = soft_pad_hammerstein_u(&soft_pad_scene_passive, penetration);
     const float penetration_u =
-        soft_pad_surface_model_u(stiffest, passive.n_intervals, &state->penetration_surface, penetration_tool);
-    const soft_pad_curve_position penetration_place = soft_pad_curve_locate(penetration_u, passive.n_intervals);
+        soft_pad_surface_model_u(soft_pad_scene_stiffest, soft_pad_scene_passive.n_intervals, &state->penetration_surface, penetration_tool);
+    const soft_pad_curve_position penetration_place = soft_pad_curve_locate(penetration_u, soft_pad_scene_passive.n_intervals);
     float penetration_branch[12];
-    soft_pad_curve(branches, 12, penetration_place, penetration_branch);
-    soft_pad_poles_separate(branch_loss, 8,
+    soft_pad_curve(soft_pad_scene_branches, 12, penetration_place, penetration_branch);
+    soft_pad_poles_separate(soft_pad_scene_branch_loss, 8,
         penetration_branch, state->penetration_before, state->penetration_held);
-    soft_pad_poles_by_depth(depth_branch_loss, 4, penetration_place,
+    soft_pad_poles_by_depth(soft_pad_scene_depth_branch_loss, 4, penetration_place,
         penetration_branch + 8, state->penetration_before + 8, state->penetration_held + 8);
     const float penetration_held_n =
-        soft_pad_hammerstein_force(&passive, &passive_tables, penetration_u, penetration_place,
+        soft_pad_hammerstein_force(&soft_pad_scene_passive, &soft_pad_scene_passive_tables, penetration_u, penetration_place,
                              state->penetration_held, state->penetration_play);
     state->penetration_surface.u = penetration_u;
     state->penetration_surface.force_n = penetration_held_n;
     const float penetration_passive_n =
-        penetration_held_n > (float)0 && !(penetration_u > penetration_tool) ? penetration_held_n : (float)0;
-    float force = (float)0;
-    if (position > (float)0) {
+        penetration_held_n > 0.0f && !(penetration_u > penetration_tool) ? penetration_held_n : 0.0f;
+    float force = 0.0f;
+    if (position > 0.0f) {
         force = penetration_passive_n;
-        force = soft_pad_contact_onset(per_onset, position, force);
+        force = soft_pad_contact_onset(soft_pad_scene_per_onset, position, force);
     } else {
         soft_pad_output_end_ramp(&state->output);
     }
@@ -779,28 +780,28 @@ SP_NOINLINE float tick(soft_pad_state *state, float position, int *notes)
 }
 
 /* dt_s have passed without a good sample; share: of the force that may be felt. */
-static int hold(soft_pad_state *state, float dt_s, float share, float *force_n)
+static int soft_pad_hold(soft_pad_state *state, float dt_s, float share, float *force_n)
 {
     int notes = SP_NOTE_HELD;
-    const float latched = soft_pad_silence_no_sample(&silence, &state->silence, dt_s);
-    float last_n = share * soft_pad_output_clamp(&output, state->output.last_n, &notes);
+    const float latched = soft_pad_silence_no_sample(&soft_pad_scene_silence, &state->silence, dt_s);
+    float last_n = share * soft_pad_output_clamp(&soft_pad_scene_output, state->output.last_n, &notes);
     state->output.last_n = last_n;
     if (state->silence.latched) {
         notes = 0;
-        last_n = soft_pad_output_fall_latched(&output, &state->output, latched, &notes);
+        last_n = soft_pad_output_fall_latched(&soft_pad_scene_output, &state->output, latched, &notes);
     }
     *force_n = last_n;
     return notes;
 }
 
 /* The `left` ticks without a sample before this one, a step each. */
-SP_COLD void make_up(soft_pad_state *state, float position, float step,
+SOFT_PAD_COLD void soft_pad_make_up(soft_pad_state *state, float position, float step,
                      uint32_t left)
 {
     for (; left > 0; left--) {
-        const float at = soft_pad_guard_clamp(&guard, position - (float)left * step);
+        const float at = soft_pad_guard_clamp(&soft_pad_scene_guard, position - (float)left * step);
         int ignored = 0;
-        (void)tick(state, at, &ignored);
+        (void)soft_pad_tick(state, at, &ignored);
     }
 }
 
@@ -809,39 +810,39 @@ int soft_pad_step(soft_pad_state *state, float position_m, float velocity_mps, f
     if (state == NULL || force_n == NULL) {
         return SP_ERROR_NULL;
     }
-    if (state->begun != SP_STATE_MAGIC) {
+    if (state->begun != SOFT_PAD_STATE_MAGIC) {
         return SP_ERROR_STATE;
     }
     uint32_t left = 0;
-    float ticks = (float)1;
-    if (state->silence.silent_s > (float)0) {
-        left = soft_pad_silence_missed_ticks(&silence, &state->silence, silence.dt_s);
+    float ticks = 1.0f;
+    if (state->silence.silent_s > 0.0f) {
+        left = soft_pad_silence_missed_ticks(&soft_pad_scene_silence, &state->silence, soft_pad_scene_silence.dt_s);
         ticks = (float)(left + 1);
     }
     (void)velocity_mps;
     int notes = 0;
     const float before = state->guard.last_good_m;
     const float position =
-        soft_pad_guard_accept(&guard, &state->guard, ticks, position_m, &notes);
+        soft_pad_guard_accept(&soft_pad_scene_guard, &state->guard, ticks, position_m, &notes);
     if (notes & SP_NOTE_HELD) {
-        return hold(state, silence.dt_s, soft_pad_guard_held_fraction(&guard, &state->guard, position_m), force_n);
+        return soft_pad_hold(state, soft_pad_scene_silence.dt_s, soft_pad_guard_held_fraction(&soft_pad_scene_guard, &state->guard, position_m), force_n);
     }
-    soft_pad_silence_good_sample(&state->silence, silence.dt_s);
+    soft_pad_silence_good_sample(&state->silence, soft_pad_scene_silence.dt_s);
     float way = position - before;
     if (notes & SP_NOTE_RESYNC) {
-        restart(state, position);
+        soft_pad_restart(state, position);
         left = 0;
-        ticks = (float)1;
-        way = (float)0;
+        ticks = 1.0f;
+        way = 0.0f;
     }
     if (left > 0) {
-        make_up(state, position, way / ticks, left);
+        soft_pad_make_up(state, position, way / ticks, left);
     }
-    const float force = tick(state, position, &notes);
+    const float force = soft_pad_tick(state, position, &notes);
     if (state->silence.latched) {
-        (void)soft_pad_output_fall_latched(&output, &state->output, (float)1, &notes);
+        (void)soft_pad_output_fall_latched(&soft_pad_scene_output, &state->output, 1.0f, &notes);
     } else {
-        (void)soft_pad_output_limit(&output, &state->output, (float)1, force, &notes);
+        (void)soft_pad_output_limit(&soft_pad_scene_output, &state->output, 1.0f, force, &notes);
     }
     *force_n = state->output.last_n;
     return notes;
@@ -856,7 +857,7 @@ int soft_pad_run(soft_pad_state *state, uint32_t n, const float *position_m, con
     (void)velocity_mps;
     int notes = 0;
     for (uint32_t i = 0; i < n; i++) {
-        notes |= soft_pad_step(state, position_m[i], (float)0, &force_n[i]);
+        notes |= soft_pad_step(state, position_m[i], 0.0f, &force_n[i]);
     }
     return notes;
 }
@@ -866,20 +867,20 @@ int soft_pad_idle(soft_pad_state *state, float dt_s, float *force_n)
     if (state == NULL || force_n == NULL) {
         return SP_ERROR_NULL;
     }
-    if (state->begun != SP_STATE_MAGIC) {
+    if (state->begun != SOFT_PAD_STATE_MAGIC) {
         return SP_ERROR_STATE;
     }
     if (!soft_pad_is_valid_dt(dt_s)) {
         return SP_ERROR_TIME_STEP;
     }
-    return hold(state, dt_s, (float)1, force_n);
+    return soft_pad_hold(state, dt_s, 1.0f, force_n);
 }
 
 void soft_pad_init(soft_pad_state *state)
 {
     if (state != NULL) {
         (void)memset(state, 0, sizeof *state);
-        state->begun = SP_STATE_MAGIC;
+        state->begun = SOFT_PAD_STATE_MAGIC;
     }
 }
 
@@ -900,14 +901,14 @@ uint32_t soft_pad_state_size(void)
 
 const char *soft_pad_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"4de384ec3e3f93cd57ba81fac8e4a46ca3948576154c07accdae9f94e9264ac3\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"aad305c3d309469659a012a66a2a3ff8aa564cea80c100feb3bd4bba65b43d8b\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */
 
 #ifndef SP_NO_SELFTEST /* to leave it out of an image */
 
-static const uint32_t golden_position[600] = {
+static const uint32_t soft_pad_scene_golden_position[600] = {
     0xba3def0eu, 0xba3c866fu, 0xba385cc8u, 0xba318a67u, 0xba28279du, 0xba1c4cb9u, 0xba0e120cu,
     0xb9fb1fc9u, 0xb9d5bd25u, 0xb9ac2ccdu, 0xb97d3ebeu, 0xb91a8af6u, 0xb8427e02u, 0x388044c5u,
     0x39375975u, 0x399a523cu, 0x39dbd115u, 0x3a0ffc54u, 0x3a334c2au, 0x3a57bfbdu, 0x3a7d3ebeu,
@@ -995,7 +996,7 @@ static const uint32_t golden_position[600] = {
     0x3c18487du, 0x3c161395u, 0x3c14052cu, 0x3c121f47u, 0x3c1063eeu, 0x3c0ed528u, 0x3c0d74fau,
     0x3c0c456bu, 0x3c0b4883u, 0x3c0a8047u, 0x3c09eebfu, 0x3c0995f1u
 };
-static const uint32_t golden_force[600] = {
+static const uint32_t soft_pad_scene_golden_force[600] = {
     0x0u, 0x0u, 0x0u, 0x0u, 0x0u, 0x0u, 0x0u, 0x0u, 0x0u, 0x0u, 0x0u, 0x0u, 0x0u, 0x3c61335du,
     0x3d9f6552u, 0x3de27775u, 0x3e07d0a8u, 0x3e1fb0c8u, 0x3e3944dcu, 0x3e54b527u, 0x3e721a27u,
     0x3e88c272u, 0x3e998070u, 0x3eab4a69u, 0x3ebe215cu, 0x3ed2040bu, 0x3ee6f670u, 0x3efcf437u,
@@ -1081,7 +1082,7 @@ static const uint32_t golden_force[600] = {
     0x4033a175u, 0x402c9a90u, 0x4026471eu, 0x4020a702u, 0x401bb858u, 0x401776d3u, 0x4013e228u,
     0x4010fb1cu, 0x400ec351u, 0x400d3d60u, 0x400c6c98u, 0x400c554eu, 0x400cfcc3u
 };
-static const uint8_t golden_notes[600] = {
+static const uint8_t soft_pad_scene_golden_notes[600] = {
     2, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
     0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
     0, 0, 0, 1, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
@@ -1104,14 +1105,14 @@ static const uint8_t golden_notes[600] = {
     0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0
 };
 
-static float from_bits(uint32_t bits)
+static float soft_pad_from_bits(uint32_t bits)
 {
     float number;
     (void)memcpy(&number, &bits, sizeof number);
     return number;
 }
 
-static uint32_t to_bits(float number)
+static uint32_t soft_pad_to_bits(float number)
 {
     uint32_t bits;
     (void)memcpy(&bits, &number, sizeof bits);
@@ -1122,30 +1123,30 @@ int soft_pad_selftest(void)
 {
     soft_pad_state state;
     soft_pad_init(&state);
-    float force_n = (float)0;
-    for (size_t i = 0; i < sizeof golden_position / sizeof golden_position[0]; i++) {
-        const int notes = soft_pad_step(&state, from_bits(golden_position[i]), (float)0, &force_n);
-        if (to_bits(force_n) != golden_force[i] || notes != (int)golden_notes[i]) {
+    float force_n = 0.0f;
+    for (size_t i = 0; i < sizeof soft_pad_scene_golden_position / sizeof soft_pad_scene_golden_position[0]; i++) {
+        const int notes = soft_pad_step(&state, soft_pad_from_bits(soft_pad_scene_golden_position[i]), 0.0f, &force_n);
+        if (soft_pad_to_bits(force_n) != soft_pad_scene_golden_force[i] || notes != (int)soft_pad_scene_golden_notes[i]) {
             return 1 + (int)i;
         }
     }
     /* A time step that is no number: taken, it would end the watchdog's count for ever. */
-    force_n = (float)0;
-    const float no_number = from_bits(0x7fc00000u);
+    force_n = 0.0f;
+    const float no_number = soft_pad_from_bits(0x7fc00000u);
     if (no_number == no_number || soft_pad_idle(&state, no_number, &force_n) != SP_ERROR_TIME_STEP ||
-        to_bits(force_n) != 0) {
-        return 1 + (int)(sizeof golden_position / sizeof golden_position[0]);
+        soft_pad_to_bits(force_n) != 0) {
+        return 1 + (int)(sizeof soft_pad_scene_golden_position / sizeof soft_pad_scene_golden_position[0]);
     }
     /* Too long a silence: no force any more, whatever comes, until a reset. */
-    const float deep_m = from_bits(golden_position[180]);
-    int as_planned = (soft_pad_idle(&state, 0.072f, &force_n) & SP_NOTE_LATCHED) && to_bits(force_n) == 0;
-    as_planned &= (soft_pad_step(&state, deep_m, (float)0, &force_n) & SP_NOTE_LATCHED) != 0;
-    as_planned &= to_bits(force_n) == 0;
+    const float deep_m = soft_pad_from_bits(soft_pad_scene_golden_position[180]);
+    int as_planned = (soft_pad_idle(&state, 0.072f, &force_n) & SP_NOTE_LATCHED) && soft_pad_to_bits(force_n) == 0;
+    as_planned &= (soft_pad_step(&state, deep_m, 0.0f, &force_n) & SP_NOTE_LATCHED) != 0;
+    as_planned &= soft_pad_to_bits(force_n) == 0;
     soft_pad_reset(&state);
-    const float first_m = from_bits(golden_position[0]);
-    as_planned &= soft_pad_step(&state, first_m, (float)0, &force_n) == (int)golden_notes[0];
+    const float first_m = soft_pad_from_bits(soft_pad_scene_golden_position[0]);
+    as_planned &= soft_pad_step(&state, first_m, 0.0f, &force_n) == (int)soft_pad_scene_golden_notes[0];
     if (!as_planned) {
-        return 1 + (int)(sizeof golden_position / sizeof golden_position[0]);
+        return 1 + (int)(sizeof soft_pad_scene_golden_position / sizeof soft_pad_scene_golden_position[0]);
     }
     return 0;
 }

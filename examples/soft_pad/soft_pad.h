@@ -1,4 +1,4 @@
-/* springpot 0.1.0 4de384ec3e3f93cd57ba81fac8e4a46ca3948576154c07accdae9f94e9264ac3 */
+/* springpot 0.1.0 aad305c3d309469659a012a66a2a3ff8aa564cea80c100feb3bd4bba65b43d8b */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SOFT_PAD_RATE_HZ:
@@ -106,7 +106,7 @@ int soft_pad_selftest(void);
 #define SOFT_PAD_MAX_FORCE_N 12.002745f
 #define SOFT_PAD_TRAINED_DEPTH_M 0.0144908f
 #define SOFT_PAD_WATCHDOG_S 0.02f
-#define SOFT_PAD_STATE_BYTES 156
+#define SOFT_PAD_STATE_BYTES 160
 
 /* What one tick hands to the next, here so that a state can be allocated: not to be read, nor
  * written, but by the functions above. */
@@ -137,6 +137,7 @@ struct soft_pad_state {
     uint32_t begun;
     soft_pad_silence_state silence;
     soft_pad_guard_state guard;
+    float remainder_s;
     float penetration_before[12];
     float penetration_held[12];
     float penetration_play[3];
@@ -145,31 +146,35 @@ struct soft_pad_state {
 };
 
 /* Fails where a header of another number type or version was included first. */
-typedef char soft_pad_state_is_as_planned[sizeof(struct soft_pad_state) == 156 ? 1 : -1];
+typedef char soft_pad_state_is_as_planned[sizeof(struct soft_pad_state) == 160 ? 1 : -1];
 
 /* For the picture of a game, where no hand feels the force: the ticks of `seconds`, 1 s at most, with the
- * tool on a straight line from its last good position to this one. Returns all notes, or misuse;
- * *force_n is that of the last tick, and stays where `seconds` are less than half a tick. */
+ * tool on a straight line from its last good position to this one. What is left of a tick is kept for
+ * the next call. Returns all notes, or misuse; *force_n is that of the last tick. */
 static inline int soft_pad_advance(soft_pad_state *state, float seconds, float position_m, float *force_n)
 {
     int notes = 0;
     if (!state || !force_n) {
         return SP_ERROR_NULL;
     }
-    if (!(seconds >= (float)0 && seconds <= (float)1)) {
+    if (!(seconds >= 0.0f && seconds <= 1.0f)) {
         return SP_ERROR_TIME_STEP;
     }
-    const uint32_t ticks = (uint32_t)(seconds / SOFT_PAD_DT_S + (float)0.5);
+    /* Since the last tick; a thousandth of a tick is rounding. */
+    const float since_s = state->remainder_s + seconds;
+    const float ticks = since_s / SOFT_PAD_DT_S + (float)0.001;
+    const uint32_t n_ticks = ticks > 0.0f ? (uint32_t)ticks : 0u;
     const float from_m = state->guard.started ? state->guard.last_good_m : position_m;
-    for (uint32_t tick = 1; tick <= ticks; tick++) {
-        const float share = (float)tick / (float)ticks;
-        const int its_notes = soft_pad_step(state, from_m + share * (position_m - from_m),
-                                      (position_m - from_m) / seconds, force_n);
-        if (its_notes < 0) {
-            return its_notes;
+    const float step_m = (position_m - from_m) * (SOFT_PAD_DT_S / (since_s > 0.0f ? since_s : 1.0f));
+    *force_n = state->output.last_n;
+    for (uint32_t tick = 1; tick <= n_ticks; tick++) {
+        const int tick_notes = soft_pad_step(state, from_m + (float)tick * step_m, 0.0f, force_n);
+        if (tick_notes < 0) {
+            return tick_notes;
         }
-        notes |= its_notes;
+        notes |= tick_notes;
     }
+    state->remainder_s = since_s - (float)n_ticks * SOFT_PAD_DT_S;
     return notes;
 }
 

@@ -66,6 +66,25 @@ def test_no_warning_in_c_and_cpp(tmp_path: Path) -> None:
     require_clean(hammerstein(), tmp_path, "-O0", FOUND)
 
 
+@pytest.mark.parametrize("language", FOUND, ids=lambda language: language[0])
+def test_two_scenes_compile_in_one_unit(tmp_path: Path, language: tuple[str, str, str]) -> None:
+    """As a game's build does that joins its sources: of two number types, with a forest."""
+    compiler, standard, suffix = language
+    forest = plan_of("tree", golden_forces.model("rf-fd"), "float32", "off")
+    plans = (hammerstein(), radial(), forest)
+    for plan in plans:
+        write_single(plan, tmp_path)
+    names = [plan.scene.runtime.prefix for plan in plans]
+    unit = tmp_path / f"unit{suffix}"
+    unit.write_text(
+        "".join(f'#include "{name}.c"\n' for name in names)
+        + f"int main(void) {{ return {' + '.join(f'{name}_selftest()' for name in names)}; }}\n"
+    )
+    done = compiled(tmp_path / "unit", compiler, standard, "-O1", *WARNINGS, "-Wshadow", unit)
+    assert done.returncode == 0, done.stderr
+    assert subprocess.run([tmp_path / "unit"], check=False).returncode == 0
+
+
 @pytest.mark.slow
 def test_no_warning_for_any_kind_at_any_level(tmp_path: Path) -> None:
     """Levels and pairs of compilers take turns."""

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 2e0524218ffd9c40246364fbcae4d49b48660e3dda9f11c16cb24a33a79c1392 */
+/* springpot 0.1.0 9615e0999478111cead8347f222b28aeca9bf09bf7e16477ee6ae386af14ef5d */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:
@@ -106,7 +106,7 @@ int sp_selftest(void);
 #define SP_MAX_FORCE_N 10.955592f
 #define SP_TRAINED_DEPTH_M 0.011998461f
 #define SP_WATCHDOG_S 0.02f
-#define SP_STATE_BYTES 104
+#define SP_STATE_BYTES 108
 
 /* What one tick hands to the next, here so that a state can be allocated: not to be read, nor
  * written, but by the functions above. */
@@ -148,6 +148,7 @@ struct sp_state {
     uint32_t begun;
     sp_silence_state silence;
     sp_guard_state guard;
+    float remainder_s;
     float penetration_before[4];
     float penetration_held[4];
     float penetration_play[1];
@@ -158,31 +159,35 @@ struct sp_state {
 };
 
 /* Fails where a header of another number type or version was included first. */
-typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 104 ? 1 : -1];
+typedef char sp_state_is_as_planned[sizeof(struct sp_state) == 108 ? 1 : -1];
 
 /* For the picture of a game, where no hand feels the force: the ticks of `seconds`, 1 s at most, with the
- * tool on a straight line from its last good position to this one. Returns all notes, or misuse;
- * *force_n is that of the last tick, and stays where `seconds` are less than half a tick. */
+ * tool on a straight line from its last good position to this one. What is left of a tick is kept for
+ * the next call. Returns all notes, or misuse; *force_n is that of the last tick. */
 static inline int sp_advance(sp_state *state, float seconds, float position_m, float *force_n)
 {
     int notes = 0;
     if (!state || !force_n) {
         return SP_ERROR_NULL;
     }
-    if (!(seconds >= (float)0 && seconds <= (float)1)) {
+    if (!(seconds >= 0.0f && seconds <= 1.0f)) {
         return SP_ERROR_TIME_STEP;
     }
-    const uint32_t ticks = (uint32_t)(seconds / SP_DT_S + (float)0.5);
+    /* Since the last tick; a thousandth of a tick is rounding. */
+    const float since_s = state->remainder_s + seconds;
+    const float ticks = since_s / SP_DT_S + (float)0.001;
+    const uint32_t n_ticks = ticks > 0.0f ? (uint32_t)ticks : 0u;
     const float from_m = state->guard.started ? state->guard.last_good_m : position_m;
-    for (uint32_t tick = 1; tick <= ticks; tick++) {
-        const float share = (float)tick / (float)ticks;
-        const int its_notes = sp_step(state, from_m + share * (position_m - from_m),
-                                      (position_m - from_m) / seconds, force_n);
-        if (its_notes < 0) {
-            return its_notes;
+    const float step_m = (position_m - from_m) * (SP_DT_S / (since_s > 0.0f ? since_s : 1.0f));
+    *force_n = state->output.last_n;
+    for (uint32_t tick = 1; tick <= n_ticks; tick++) {
+        const int tick_notes = sp_step(state, from_m + (float)tick * step_m, 0.0f, force_n);
+        if (tick_notes < 0) {
+            return tick_notes;
         }
-        notes |= its_notes;
+        notes |= tick_notes;
     }
+    state->remainder_s = since_s - (float)n_ticks * SP_DT_S;
     return notes;
 }
 
