@@ -1,0 +1,69 @@
+"""README's figures: docs/figures.json, that tests/bench/judges.py writes, in sentences."""
+
+import json
+import re
+from typing import Any
+
+from springpot.host.simulation.objects import FOREIGN_OBJECTS
+from springpot.trainer.models.folds import geometric_mean
+from support.paths import ROOT
+
+FILE = ROOT / "docs/figures.json"
+README = ROOT / "README.md"
+PASSIVE, PAPER = "hammerstein", "the paper's random forest"
+MACH1 = "mach1"
+COMMAND = "python tests/bench/judges.py OUT --write"
+# A cell that a test measures again: another fit, and README's figures are no longer true.
+AGAIN = ("ecoflex-00-30", "paper")
+_MARKED = re.compile(r"(<!-- figures: [^\n]* -->\n).*?(<!-- end -->\n)", re.S)
+
+Cell = dict[str, Any]
+
+
+def groups(cells: list[Cell]) -> dict[str, list[Cell]]:
+    """Cells of each bar chart, by its title."""
+    return {
+        "a real machine on a real material": [c for c in cells if c["object"] == MACH1],
+        "objects of other laws than our models'": [
+            c for c in cells if c["object"] in FOREIGN_OBJECTS
+        ],
+    }
+
+
+def errors_percent(cells: list[Cell]) -> dict[str, float]:
+    """Geometric means over cells, % of the peak force, as they are drawn."""
+    return {
+        "springpot": geometric_mean([c["models"][PASSIVE]["percent"] for c in cells]),
+        PAPER: geometric_mean([c["models"][PAPER]["percent"] for c in cells]),
+        "a spring and a dashpot": geometric_mean([c["spring_dashpot_percent"] for c in cells]),
+        "noise of the sensors": geometric_mean([c["floor_percent"] for c in cells]),
+    }
+
+
+def sentences(figures: dict[str, Any]) -> str:
+    """What README says of the figures."""
+    real, foreign = (errors_percent(cells) for cells in groups(figures["cells"]).values())
+    models = next(c for c in figures["cells"] if (c["object"], c["structure"]) == AGAIN)["models"]
+    ours, paper = models[PASSIVE], models[PAPER]
+    return (
+        f"Error of the emitted C in % of the peak force: {foreign['springpot']:.2g} on simulated "
+        "objects of laws that our models do not have, "
+        f"{foreign[PAPER] / foreign['springpot']:.1f} times less than that of the paper's random "
+        f"forest, and {real['springpot']:.2g} on a real machine, "
+        f"{real[PAPER] / real['springpot']:.1f} times less (geometric means over recordings of "
+        "other depths, speeds or frequencies than the trained ones, of repeats and of minutes of "
+        f"memory; `{COMMAND}`). A step takes {ours['tick_ns'] / 1e3:.2f} µs of a PC instead of "
+        f"{paper['tick_ns'] / 1e3:.2g} µs, {ours['flash_bytes']} bytes of a Cortex-M4 instead of "
+        f"{paper['flash_bytes'] / 1e3:.0f} kB, and {ours['ram_bytes']} bytes of its RAM.\n"
+    )
+
+
+def written(page: str, figures: dict[str, Any]) -> str:
+    """The page with the sentences of these figures."""
+    return _MARKED.sub(lambda marked: marked[1] + sentences(figures) + marked[2], page)
+
+
+def stored() -> dict[str, Any]:
+    """The figures as the last run of `COMMAND` left them."""
+    figures: dict[str, Any] = json.loads(FILE.read_text(encoding="utf-8"))
+    return figures
