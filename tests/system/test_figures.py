@@ -5,7 +5,7 @@ from pathlib import Path
 
 import judges
 import pytest
-from support.pages.figures import AGAIN, PASSIVE, README, stored, written
+from support.pages.figures import AGAIN, COMMAND, PASSIVE, README, stored, written
 
 from springpot import train
 
@@ -21,7 +21,7 @@ def test_what_was_measured_is_what_is_measured_now() -> None:
     training, test, _ = judges.recordings(AGAIN, judges.SEED)
     measured = judges.measured(train(training, PASSIVE), training, test)
     known = cells[AGAIN]["models"][PASSIVE]
-    assert measured["percent"] == pytest.approx(known["percent"], rel=1e-3), judges.__doc__
+    assert measured["percent"] == pytest.approx(known["percent"], rel=1e-3), COMMAND
     assert measured["ram_bytes"] == known["ram_bytes"]
 
 
