@@ -108,7 +108,9 @@ def write_file(path: Path, content: bytes) -> None:
 
 def sync_path(path: Path) -> None:
     """Make new names in a folder, or the content of a file, survive a power cut."""
-    descriptor = os.open(path, os.O_RDONLY)
+    if os.name == "nt" and path.is_dir():  # Windows writes names through
+        return
+    descriptor = os.open(path, os.O_RDWR if os.name == "nt" else os.O_RDONLY)
     try:
         os.fsync(descriptor)
     finally:

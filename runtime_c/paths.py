@@ -18,7 +18,7 @@ FLAGS_FILE = ROOT / "flags.mk"
 
 def flags(name: str) -> list[str]:
     """Return the flags that `flags.mk` assigns to `name` (SP_CFLAGS, SP_STRICT, SP_SHARED)."""
-    found = re.search(rf"^{name} = (.*)$", FLAGS_FILE.read_text(), re.MULTILINE)
+    found = re.search(rf"^{name} = (.*)$", FLAGS_FILE.read_text(encoding="utf-8"), re.MULTILINE)
     if found is None:
         raise KeyError(name)
     return found.group(1).split()

@@ -23,13 +23,15 @@ _ELSEWHERE = re.compile(r" \((?:see )?flags\.mk\)")
 def render_header(plan: Plan) -> str:
     """sp.h for one scene: with its prefix, its number type, its notes and its state."""
     prefix = plan.scene.runtime.prefix
-    before, _, rest = (INCLUDE / "sp.h").read_text().partition("/* springpot places begin */\n")
+    before, _, rest = (
+        (INCLUDE / "sp.h").read_text(encoding="utf-8").partition("/* springpot places begin */\n")
+    )
     place_section, _, after = rest.partition("/* springpot places end */\n")
     text = before + place_section * plan.has_places + after
     note = render_template(
         "note.txt.j2", prefix=prefix, square_roots="sp_rbf.h" in list_headers(plan)
     )
-    notes = (INCLUDE / "sp_notes.h").read_text()
+    notes = (INCLUDE / "sp_notes.h").read_text(encoding="utf-8")
     notes = notes[notes.index("#ifndef") :]
     for pattern, replacement in (
         (r" +\(from sp_scene\.h; on a PC, \w+\(\) bytes\)", ""),
@@ -69,7 +71,7 @@ def prefix_public_names(text: str, prefix: str) -> str:
 @cache
 def read_unit_blocks(header: str) -> tuple[str, ...]:
     """Blocks of a unit's header, without its guard and its includes."""
-    text = (SOURCE / header).read_text()
+    text = (SOURCE / header).read_text(encoding="utf-8")
     guard = header.replace(".", "_").upper()
     text = text.replace(f"#ifndef {guard}\n#define {guard}\n", "").rstrip("\n")
     text = _INCLUDES.sub("", text.removesuffix("#endif"))

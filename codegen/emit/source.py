@@ -84,7 +84,7 @@ def render_source(plan: Plan, manifest: str, selftest: bool = True) -> str:
     """C of the whole scene, in the order of a tick; manifest: JSON that the image holds."""
     prefix, in_header = plan.scene.runtime.prefix, state_types(plan)
     # sp_real.h without its type, which the C writes as float or double.
-    blocks_of_real = split_blocks((INCLUDE / plan.real / "sp_real.h").read_text())
+    blocks_of_real = split_blocks((INCLUDE / plan.real / "sp_real.h").read_text(encoding="utf-8"))
     parts = [_heading("sp_real.h")]
     parts += [
         "\n\n".join(

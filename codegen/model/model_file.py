@@ -35,6 +35,7 @@ MODEL_SCHEMA = 6
 _OLD_SCHEMA = 5  # without the whole state: what begins at rest means the same
 MODEL_MAGIC = b"springpot-model"
 MODEL_SUFFIX = ".spm"
+_UNIX = 3  # zip's number of the system that made an archive
 _MAX_BYTES = 1 << 29  # a forest of 19 million nodes
 _FILE_DESCRIPTION = "springpot model: `springpot train --out FILE.spm` makes one"
 # The only types that a file can name; another package's kind adds its own with `register_part`.
@@ -86,11 +87,25 @@ def model_bytes(model: Model) -> bytes:
     except DataError as error:
         raise DataError(f"{model.name}: {error}: train on other recordings or options") from None
     text = np.frombuffer(json.dumps(header, sort_keys=True).encode(), dtype=np.uint8)
-    payload = io.BytesIO()
-    np.savez_compressed(payload, allow_pickle=False, header=text, **arrays)
-    body = payload.getvalue()
+    body = _zip_arrays({"header": text, **arrays})
     digest = hashlib.sha256(body).hexdigest().encode()
     return b"%s %d %s\n" % (MODEL_MAGIC, MODEL_SCHEMA, digest) + body
+
+
+def _zip_arrays(arrays: _Arrays) -> bytes:
+    """Pack arrays as numpy.savez_compressed does, into the same bytes on every system.
+
+    numpy leaves the system that made a zip in it: the same arrays had another hash on Windows.
+    """
+    payload = io.BytesIO()
+    with zipfile.ZipFile(payload, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, values in arrays.items():
+            info = zipfile.ZipInfo(f"{name}.npy")
+            info.create_system, info.compress_type = _UNIX, zipfile.ZIP_DEFLATED
+            member = io.BytesIO()
+            np.lib.format.write_array(member, np.asanyarray(values), allow_pickle=False)
+            archive.writestr(info, member.getvalue())
+    return payload.getvalue()
 
 
 def read_model(path: Path) -> Model:

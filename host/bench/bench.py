@@ -156,6 +156,9 @@ def _in_one_thread(work: Callable[..., _Result], item: tuple[object, ...]) -> _R
 @contextmanager
 def _without_interrupts() -> Iterator[None]:
     """Block Ctrl-C, which goes to every process of a terminal: the parent's answer is enough."""
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
+        yield
+        return
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield

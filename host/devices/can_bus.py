@@ -78,7 +78,7 @@ class CanBus:
             try:
                 identifier, size, data = FRAME.unpack(self._socket.recv(FRAME.size))
             except BlockingIOError:
-                if not select.select([self.fd], [], [], max(0.0, until_s - time.monotonic()))[0]:
+                if not select.select([self.fd], [], [], max(0.0, until_s - time.perf_counter()))[0]:
                     return None
                 continue
             except (OSError, struct.error):

@@ -16,7 +16,11 @@ from springpot.codegen.types import CData
 
 LIBRARY_VARIABLE = "SPRINGPOT_LIBDHD"
 UDEV_RULE = 'SUBSYSTEM=="usb", ATTRS{idVendor}=="1451", MODE="0666"'
-_NAMES = ("libdhd.so.3", "libdhd.so", "libdrd.so.3", "libdrd.so")  # the second holds the first
+_NAMES = (
+    ("dhd64.dll", "drd64.dll")
+    if os.name == "nt"
+    else ("libdhd.so.3", "libdhd.so", "libdrd.so.3", "libdrd.so")  # the second holds the first
+)
 _DECLARATIONS = """
 int dhdGetDeviceCount(void);
 int dhdOpen(void);

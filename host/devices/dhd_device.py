@@ -217,9 +217,9 @@ class DhdDevice(OpenedDevice):
         if not self._watched:
             return
         self._call("dhdSetForce", 0.0, 0.0, 0.0)
-        begin_s = time.monotonic()
+        begin_s = time.perf_counter()
         while self._sdk.status(self.id)[DhdStatus.FORCE]:
-            if time.monotonic() > begin_s + ZERO_S:
+            if time.perf_counter() > begin_s + ZERO_S:
                 raise self._unwatched(
                     f"without forces from here its own stay on for more than {ZERO_S:g} s"
                 )
@@ -230,7 +230,7 @@ class DhdDevice(OpenedDevice):
         """How many new positions come; forces of zero keep its watchdog quiet."""
         place, count = self._sdk.ffi.new("double[3]"), 0
         period_s = 0.5 / self._required.rate_hz
-        while time.monotonic() < until_s:
+        while time.perf_counter() < until_s:
             count += self._sdk.c.dhdGetPosition(place, place + 1, place + 2, self.id) == 0
             with contextlib.suppress(DeviceError):
                 self._call("dhdSetForce", 0.0, 0.0, 0.0)

@@ -73,10 +73,10 @@ class Drive:
     def arm(self) -> None:
         """Clear errors, limits, torque control, closed loop; zero torque is sent meanwhile."""
         self.ask_for_torque_control()
-        until, found = time.monotonic() + _ARMED_S, ""
-        while time.monotonic() < until:
+        until, found = time.perf_counter() + _ARMED_S, ""
+        while time.perf_counter() < until:
             self.torque(0.0)
-            beat = self._heartbeat(time.monotonic() + _FEED_S)
+            beat = self._heartbeat(time.perf_counter() + _FEED_S)
             if beat is not None and beat.state == CLOSED_LOOP and not (beat.error or beat.failed):
                 return
             if beat is not None:
@@ -105,12 +105,12 @@ class Drive:
         self.send(INPUT_TORQUE, struct.pack("<f4x", torque_nm))
 
     def send(self, command: int, data: bytes, *, remote: bool = False) -> None:
-        self._fed_s = time.monotonic()
+        self._fed_s = time.perf_counter()
         self.bus.send(identifier(self.node, command), data, remote=remote)
 
     def _hear(self) -> None:
         heard: set[int] = set()
-        until = time.monotonic() + _HEARD_S
+        until = time.perf_counter() + _HEARD_S
         while (frame := self.bus.receive(until)) is not None:
             heard.add(frame[0] >> 5)
             if frame[0] == identifier(self.node, HEARTBEAT):
@@ -123,7 +123,7 @@ class Drive:
         """0.6 answers a question for its version, 0.5 does not know it; an answer may get lost."""
         for _ in range(_QUESTIONS):
             self.send(VERSION, b"", remote=True)
-            until = time.monotonic() + _ANSWER_S
+            until = time.perf_counter() + _ANSWER_S
             while (frame := self.bus.receive(until)) is not None:
                 if frame[0] == identifier(self.node, VERSION) and len(frame[1]) == 8:
                     return "0.6"
@@ -153,11 +153,11 @@ class Drive:
         """Arm, and go silent: time from the last command until the drive reports that its watchdog
         had ended it, an upper bound of the watchdog's; infinite where it did not."""
         self.arm()
-        while time.monotonic() < self._fed_s + _PROOF_S:
-            beat = self._heartbeat(time.monotonic() + 0.002)
+        while time.perf_counter() < self._fed_s + _PROOF_S:
+            beat = self._heartbeat(time.perf_counter() + 0.002)
             if beat is not None and beat.state != CLOSED_LOOP:
                 if beat.error & _WATCHDOG[self.family]:
-                    return time.monotonic() - self._fed_s
+                    return time.perf_counter() - self._fed_s
                 raise DeviceError(
                     f"{self.url}: node {self.node} switched itself off with error "
                     f"0x{beat.error:x}: look it up with odrivetool (`dump_errors(odrv0)`)"

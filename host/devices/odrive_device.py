@@ -119,7 +119,7 @@ class OdriveDevice(OpenedDevice):
 
     def _estimates_until(self, until_s: float) -> int:
         """How many come; those that waited until now are no measure."""
-        while self.bus.receive(time.monotonic()) is not None:
+        while self.bus.receive(time.perf_counter()) is not None:
             pass
         estimates = 0
         while (frame := self.bus.receive(until_s)) is not None:

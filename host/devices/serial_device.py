@@ -136,7 +136,7 @@ class SerialDevice(OpenedDevice):
             raise DeviceError(f"{self.address.url}: went away ({error}): plug it in") from None
 
     def _frames_until(self, until_s: float) -> Iterator[Frame]:
-        while time.monotonic() < until_s:
+        while time.perf_counter() < until_s:
             time.sleep(_LOOK_S)
             yield from self.frames()
 
@@ -144,8 +144,8 @@ class SerialDevice(OpenedDevice):
         self, send: Callable[[], bytes], is_answer: Callable[[Frame], bool], patience_s: float
     ) -> JsonObject | None:
         """The answer; None where none came. It is sent again and again: a frame may be lost."""
-        until_s = time.monotonic() + patience_s
-        while (now_s := time.monotonic()) < until_s:
+        until_s = time.perf_counter() + patience_s
+        while (now_s := time.perf_counter()) < until_s:
             self.write(send())
             for frame in self._frames_until(min(now_s + _AGAIN_S, until_s)):
                 if is_answer(frame):
@@ -181,10 +181,10 @@ class SerialDevice(OpenedDevice):
 
     def _silent_until_tripped_s(self) -> float:
         self.send("force", force_n=0.0)
-        sent_s, took_s = time.monotonic(), math.inf
+        sent_s, took_s = time.perf_counter(), math.inf
         for frame in self._frames_until(sent_s + 2 * ZERO_S):
             if frame.name == "sample" and frame.values["status"] & constant("TRIPPED"):
-                took_s = time.monotonic() - sent_s
+                took_s = time.perf_counter() - sent_s
                 break
         self.command("RESET")
         return took_s

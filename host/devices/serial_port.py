@@ -1,6 +1,7 @@
 """Serial ports: opened for one process, what can be wrong is one line each."""
 
 import os
+import sys
 from pathlib import Path
 
 import serial
@@ -27,6 +28,13 @@ def require_port(place: str) -> None:
 
 def open_port(place: str, baud: int) -> serial.Serial:
     """Open a port that nobody else uses; reads return at once. Raises DeviceError."""
+    if sys.platform == "win32":
+        from springpot.host.devices.com_port import ComPort
+
+        try:
+            return ComPort(place, baud)
+        except OSError as error:
+            raise DeviceError(f"{place}: cannot be opened: {error.strerror}") from None
     require_port(place)
     try:
         port = serial.Serial(place, baud, timeout=0, write_timeout=1, exclusive=True)
@@ -60,7 +68,7 @@ def used_by(place: str) -> str:
 def latency_timer(place: str) -> tuple[Path, int] | None:
     """File and ms of a USB adapter's latency timer, where it has one."""
     file = USB_SERIAL / Path(os.path.realpath(place)).name / "latency_timer"
-    return (file, int(file.read_text())) if file.exists() else None
+    return (file, int(file.read_text(encoding="utf-8"))) if file.exists() else None
 
 
 def require_fast_adapter(place: str, rate_hz: float) -> None:

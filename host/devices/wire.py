@@ -44,7 +44,7 @@ class Frame:
 @cache
 def messages() -> dict[str, Message]:
     """Return all messages by name, as the C header has them."""
-    text = (PORT_WIRE / "sp_wire_messages.h").read_text()
+    text = (PORT_WIRE / "sp_wire_messages.h").read_text(encoding="utf-8")
     text = text[text.index("#define SP_WIRE_TABLE") :]
     found = {}
     for number, upper, name in re.findall(r"MESSAGE\((\d+), (\w+), (\w+)\)", text):
@@ -57,7 +57,10 @@ def messages() -> dict[str, Message]:
 @cache
 def _library() -> CLibrary:
     """The C end, built and loaded: its macros make the struct and the calls of each message."""
-    header, table = ((PORT_WIRE / name).read_text() for name in ("sp_wire.h", "sp_wire_messages.h"))
+    header, table = (
+        (PORT_WIRE / name).read_text(encoding="utf-8")
+        for name in ("sp_wire.h", "sp_wire_messages.h")
+    )
     sizes, structs = header.index("enum {"), header.index("typedef struct {\n    uint8_t type;")
     declared = header[sizes : header.index("/* A struct")]
     declared += header[structs : header.index("/* For each message")]

@@ -34,7 +34,7 @@ def require_replaceable(folder: Path, yours: Collection[str] = ()) -> None:
             )
         known = _read_checksums(folder)
         for file in sorted(folder.rglob("*")):
-            name = str(file.relative_to(folder))
+            name = file.relative_to(folder).as_posix()
             if (
                 file.is_dir()
                 or name == CHECKSUMS
@@ -56,7 +56,7 @@ def edited_files(folder: Path) -> tuple[str, ...]:
     read = {file for pattern in _READ for file in folder.rglob(pattern)}
     read |= {file.with_suffix(".c") for file in read if file.with_suffix(".c").exists()}
     read |= {file for file in folder.rglob("*") if file.is_symlink() and file.is_dir()}
-    more = {str(file.relative_to(folder)) for file in read} - known.keys() - {CHECKSUMS}
+    more = {file.relative_to(folder).as_posix() for file in read} - known.keys() - {CHECKSUMS}
     edited = [name for name in changed | more if name.split("/")[0] not in _MEANT_TO_EDIT]
     edited = sorted(edited) if known else [CHECKSUMS]
     if edited:
@@ -86,8 +86,10 @@ def write_checksums(folder: Path) -> None:
     """SHA-256 of every file of a new emission or firmware, in the folder itself."""
     (folder / CHECKSUMS).parent.mkdir(exist_ok=True)
     files = [file for file in folder.rglob("*") if file.is_file() and file != folder / CHECKSUMS]
-    checksums = {str(file.relative_to(folder)): _digest(file) for file in files}
-    (folder / CHECKSUMS).write_text(json.dumps(checksums, indent=2, sort_keys=True) + "\n")
+    checksums = {file.relative_to(folder).as_posix(): _digest(file) for file in files}
+    (folder / CHECKSUMS).write_text(
+        json.dumps(checksums, indent=2, sort_keys=True) + "\n", encoding="utf-8", newline="\n"
+    )
 
 
 def _read_checksums(folder: Path) -> dict[str, str]:

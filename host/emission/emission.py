@@ -101,7 +101,9 @@ def read_emission(folder: Path) -> Emitted:
     require_emission(folder)
     edited = edited_files(folder)
     model = read_model(folder / MODEL_COPY)
-    scene = scene_from_json((folder / SCENE_COPY).read_text(), str(folder / SCENE_COPY))
+    scene = scene_from_json(
+        (folder / SCENE_COPY).read_text(encoding="utf-8"), str(folder / SCENE_COPY)
+    )
     metadata = read_manifest(folder)
     plan = make_plan(model, scene, bool(metadata["accept_unsafe"]))
     return Emitted(plan, model, edited, edited_hash(str(metadata["hash"]), folder, edited))
@@ -111,8 +113,8 @@ def write_emission(plan: Plan, scene: Scene, model: Model, folder: Path) -> None
     """Write a plan's files into a new folder, with what they were made from."""
     (folder / "from").mkdir(parents=True)
     for name, text in emit_files(plan).items():
-        (folder / name).write_text(text)
-    (folder / SCENE_COPY).write_text(scene_to_json(scene))
+        (folder / name).write_text(text, encoding="utf-8", newline="\n")
+    (folder / SCENE_COPY).write_text(scene_to_json(scene), encoding="utf-8", newline="\n")
     write_model(folder / MODEL_COPY, model)
     write_checksums(folder)
 

@@ -18,7 +18,7 @@ from springpot.runtime_c.paths import INCLUDE, PORT_POSIX, PORT_WIRE, SIM
 _BEGIN, _END = "/* springpot declarations begin */", "/* springpot declarations end */"
 _ALIGNMENT = 8  # of every state of ours: as for double
 # C types of arrays, by the letter of numpy's type.
-_ARRAYS = {"f": "float[]", "d": "double[]", "i": "int32_t[]", "B": "uint8_t[]"}
+_ARRAYS = {"f4": "float[]", "f8": "double[]", "i4": "int32_t[]", "u1": "uint8_t[]"}
 _ROW = (PORT_POSIX / "sp_loop.h").read_text(encoding="utf-8").partition("} sp_row;")[0]
 # Columns of a table of rows: the members of sp_row, in order.
 COLUMNS = tuple(re.findall(r"^    double (\w+);", _ROW.rpartition("typedef struct")[2], re.M))
@@ -54,7 +54,7 @@ class CLibrary:
 
     def array(self, values: Reals) -> CData:
         """A pointer to the numbers of a contiguous array, in its own type."""
-        return self.ffi.from_buffer(_ARRAYS[values.dtype.char], values)
+        return self.ffi.from_buffer(_ARRAYS[values.dtype.str[1:]], values)
 
     def address(self, pointer: CData) -> int:
         """Address of a function or a state, for C that was loaded as another library."""

@@ -9,7 +9,8 @@ import shutil
 import stat
 import subprocess
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from functools import cache
 from importlib.metadata import version
 from pathlib import Path
@@ -113,6 +114,8 @@ def shared_library(
     machine. The library is written aside and renamed into place: concurrent builds are safe.
     """
     build_flags = [*flags("SP_CFLAGS"), *flags("SP_SHARED"), *extra_flags]
+    if sys.platform == "win32":  # or a library of MSYS2's gcc needs DLLs that lie beside gcc
+        build_flags.append("-static")
     library = cache_folder() / f"{_key(sources, include, build_flags)}.so"
     try:
         library.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
@@ -125,7 +128,10 @@ def shared_library(
             f"{library.parent}: {error.strerror}: set XDG_CACHE_HOME to a folder that you can write"
         ) from None
     folders = [f"-I{folder}" for folder in include]
-    with atomic_write(library, durable=True) as built:  # a part of one would crash the process
+    with (
+        _unless_it_exists(library),
+        atomic_write(library, durable=True) as built,  # a part of one would crash the process
+    ):
         run_compiler([*build_flags, *folders, *map(str, sources), "-o", str(built), "-lm"])
         if not built.exists():
             raise CompilerError(
@@ -133,6 +139,16 @@ def shared_library(
             )
         built.chmod(0o700)  # whatever the umask: see _require_own
     return library
+
+
+@contextmanager
+def _unless_it_exists(library: Path) -> Iterator[None]:
+    """Take the library of a build at the same time: Windows replaces none that is loaded."""
+    try:
+        yield
+    except PermissionError:
+        if not library.exists():
+            raise
 
 
 def _require_own(path: Path) -> None:
@@ -190,7 +206,7 @@ def machine_metadata() -> dict[str, str]:
 
 def _processor() -> str:
     try:
-        lines = Path("/proc/cpuinfo").read_text().splitlines()
+        lines = Path("/proc/cpuinfo").read_text(encoding="utf-8").splitlines()
     except OSError:
         return platform.processor() or platform.machine()
     names = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]

@@ -47,13 +47,17 @@ def write_port(folder: Path, real: str, files: Iterable[Path], out: Path) -> Non
     """
     prefix = scene_prefix(folder)
     for file in files:
-        text = file.read_text().replace('"sp_scene.h"', f'"{prefix}_scene.h"')
-        (out / file.name).write_text(prefix_public_names(text, prefix))
+        text = file.read_text(encoding="utf-8").replace('"sp_scene.h"', f'"{prefix}_scene.h"')
+        (out / file.name).write_text(
+            prefix_public_names(text, prefix), encoding="utf-8", newline="\n"
+        )
     (out / f"{prefix}_scene.h").write_text(
         f'#include "{prefix}.h"\n#include "sp_real.h"\n\n'
         f"#define SP_PERIOD_S {prefix.upper()}_DT_S\n"
     )
-    (out / "sp_real.h").write_text((INCLUDE / real / "sp_real.h").read_text())
+    (out / "sp_real.h").write_text(
+        (INCLUDE / real / "sp_real.h").read_text(encoding="utf-8"), encoding="utf-8", newline="\n"
+    )
 
 
 def build_scene(folder: Path) -> Path:
@@ -176,7 +180,7 @@ def emitted_folder_of(plan: Plan) -> Iterator[Path]:
     """The folder of the plan's C, without its self-test."""
     with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
         for name, text in emit_files(plan, selftest=False).items():
-            (Path(scratch) / name).write_text(text)
+            (Path(scratch) / name).write_text(text, encoding="utf-8", newline="\n")
         yield Path(scratch)
 
 

@@ -115,7 +115,7 @@ def measure_footprint(folder: Path, target: str) -> Footprint:
         info = next(Path(scratch).glob("*.ci"), None)
         return Footprint(
             flash_bytes=sum(map(int, _FLASH_SIZES.findall(sizes))),
-            stack_bytes=deepest_stack(info.read_text()) if info else None,
+            stack_bytes=deepest_stack(info.read_text(encoding="utf-8")) if info else None,
         )
 
 

@@ -145,7 +145,7 @@ def _cost_rows(folder: Path, manifest: JsonObject) -> dict[str, str]:
 def write_bench_page(folder: Path) -> Path:
     """Write folder/bench.html of folder/bench.json. Raises DataError if there is none."""
     try:
-        result = json.loads((folder / RESULT).read_text())
+        result = json.loads((folder / RESULT).read_text(encoding="utf-8"))
     except (OSError, ValueError):
         raise DataError(
             f"{folder}: no benchmark: `springpot bench --recording ... --out {folder}` makes one"

@@ -33,7 +33,9 @@ def page_module(folder: Path, plan: Plan) -> bytes:
         place = Path(scratch)
         write_port(folder, plan.real, PORT_BROWSER.glob("*.[ch]"), place)
         names = [f"{prefix}_{name}" for name in ("selftest", "state_size", "init", "run")]
-        names += re.findall(r"\b(sp_page_\w+)[(\[]", (place / "sp_page.h").read_text())
+        names += re.findall(
+            r"\b(sp_page_\w+)[(\[]", (place / "sp_page.h").read_text(encoding="utf-8")
+        )
         exports = [f"--export={name}" for name in (*names, "__heap_base")]
         include = [f"-I{each}" for each in (place, folder, SIM)]
         options = [*flags("SP_CFLAGS"), *_COMPILE, *include, "-c"]
@@ -57,9 +59,10 @@ def node_force_hash(folder: Path, plan: Plan, module: bytes) -> str | None:
     position = golden_positions(plan).astype(plan.dtype)
     velocity = differentiate(position, plan.dt_s).astype(plan.dtype)
     script = files("springpot.host.pages") / "templates" / "check.mjs"
-    with tempfile.NamedTemporaryFile(suffix=".wasm") as file, as_file(script) as program:
-        Path(file.name).write_bytes(module)
-        command = [node, str(program), file.name, plan.scene.runtime.prefix, position.dtype.name]
+    with tempfile.TemporaryDirectory(prefix="springpot-") as scratch, as_file(script) as program:
+        file = Path(scratch) / "module.wasm"
+        file.write_bytes(module)
+        command = [node, str(program), str(file), plan.scene.runtime.prefix, position.dtype.name]
         given = position.tobytes() + velocity.tobytes()
         done = subprocess.run(command, input=given, capture_output=True, check=False)
     if done.returncode != 0:

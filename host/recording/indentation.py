@@ -111,7 +111,7 @@ class PressedDevice:
     ) -> None:
         self.object_name = object_name
         self.session = datetime.now(UTC).isoformat(timespec="seconds")
-        self._taken_s = time.monotonic()
+        self._taken_s = time.perf_counter()
         self.url, self._limits = url, limits
         self._on_progress = on_progress
 
@@ -140,7 +140,7 @@ class PressedDevice:
         Raises DeviceError where the device fails or measures no force, SpringpotError at a limit.
         """
         position_m, force_n = self.measure(command_n, on_samples)
-        self.start_s = time.monotonic() - self._taken_s - len(command_n) / RATE_HZ
+        self.start_s = time.perf_counter() - self._taken_s - len(command_n) / RATE_HZ
         rest(_REST_S)
         return position_m, force_n
 
@@ -226,9 +226,9 @@ class PressedDevice:
 
 def rest(seconds: float) -> None:
     """Wait between two presses; q and escape leave, as in a press."""
-    until_s = time.monotonic() + seconds
+    until_s = time.perf_counter() + seconds
     with reading_keys() as pressed:
-        while (left_s := until_s - time.monotonic()) > 0:
+        while (left_s := until_s - time.perf_counter()) > 0:
             time.sleep(min(left_s, 0.05))
             if set(pressed()) & set("q \x1b"):
                 raise KeyboardInterrupt

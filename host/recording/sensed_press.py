@@ -207,7 +207,7 @@ class ForceSensor:
             raise DeviceError(f"{self.url}: its numbers went back, it restarted: start again")
         force_n = self._factor * values["measured_n"]
         with self._lock:
-            self._samples.extend((stamp_s, time.monotonic(), force_n))
+            self._samples.extend((stamp_s, time.perf_counter(), force_n))
         self.on_force(force_n)
 
 

@@ -90,7 +90,7 @@ def expected_ticks(state: LoopState, settings: LoopSettings) -> int:
 def hypervisor_steal_ms() -> float:
     """Time that the hypervisor took from this machine since it started, ms of all processors."""
     try:
-        fields = Path("/proc/stat").read_text().split("\n", 1)[0].split()
+        fields = Path("/proc/stat").read_text(encoding="utf-8").split("\n", 1)[0].split()
         return 10.0 * int(fields[8])
     except (OSError, IndexError, ValueError):
         return 0.0

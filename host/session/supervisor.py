@@ -81,7 +81,7 @@ class DeviceSupervisor:
         if not self.device.comes_back or not self._reconnect_s:
             self._fail(DeviceError(f"{self.url}: gone{why}, {force}, stopped: plug it in"))
             return
-        begin_s = time.monotonic()
+        begin_s = time.perf_counter()
         self._report(f"{self.url}: gone{why}, {force}; waiting {self._reconnect_s:g} s for it")
         self.device.close()
         while (device := self._reopened(begin_s + self._reconnect_s)) is not None:
@@ -93,7 +93,9 @@ class DeviceSupervisor:
                     if state.tripped_before_disconnect
                     else "force ramps in"
                 )
-                self._report(f"{self.url}: back after {time.monotonic() - begin_s:.2f} s, {then}")
+                self._report(
+                    f"{self.url}: back after {time.perf_counter() - begin_s:.2f} s, {then}"
+                )
                 self._returning = None
                 return
             if state.over:
@@ -106,7 +108,7 @@ class DeviceSupervisor:
         None where it is given up, or nobody waits for it any more.
         """
         last: SpringpotError = DeviceError("")
-        while time.monotonic() < until_s:
+        while time.perf_counter() < until_s:
             if self._loop.get_status().over:
                 return None
             try:

@@ -17,9 +17,11 @@ from springpot.host.output import print_line, progress_console
 from springpot.host.session.runner import Progress, SessionRunner
 
 _KEYS = "q stop, p pause, r reset"
-# A kill, a closed terminal and Ctrl-\ ask for the same thing; Windows has the first alone.
+# A kill, a closed terminal, Ctrl-\ and, on Windows, Ctrl-Break ask for the same thing.
 _ENDING = tuple(
-    getattr(signal, name) for name in ("SIGTERM", "SIGHUP", "SIGQUIT") if hasattr(signal, name)
+    getattr(signal, name)
+    for name in ("SIGTERM", "SIGHUP", "SIGQUIT", "SIGBREAK")
+    if hasattr(signal, name)
 )
 
 

@@ -6,12 +6,13 @@ import io
 import json
 import os
 import shutil
+import sys
 import warnings
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import NamedTuple
+from typing import NamedTuple, TextIO
 
 import numpy as np
 
@@ -26,6 +27,20 @@ Row = dict[str, str]
 _DEFINITION, _ORDERS, _PLAN = "study.toml", "orders.csv", "plan.json"
 
 
+def _lock(stream: TextIO) -> None:
+    """Keep the file to this process until it is closed. Raises OSError where another has it."""
+    if sys.platform == "win32":
+        import msvcrt
+
+        stream.seek(1 << 30)  # a byte that nobody reads: a lock there keeps no reader out
+        msvcrt.locking(stream.fileno(), msvcrt.LK_NBLCK, 1)
+        stream.seek(0, os.SEEK_END)
+    else:
+        import fcntl
+
+        fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
+
+
 @contextmanager
 def append_only_table(
     file: Path, columns: Sequence[str]
@@ -35,12 +50,10 @@ def append_only_table(
     A last row that a crash cut is dropped. Raises UsageError while another process has the table,
     DataError where it is damaged.
     """
-    import fcntl
-
     with file.open("a", newline="", encoding="utf-8", errors="backslashreplace") as stream:
         try:
-            fcntl.flock(stream, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
+            _lock(stream)
+        except (BlockingIOError, PermissionError):
             raise UsageError(f"{file}: in use: close the other window that runs this") from None
         rows = read_table(file, columns)
         stream.truncate(file.read_bytes().rfind(b"\n") + 1)
@@ -148,14 +161,16 @@ def write_plan(file: Path, participants: int, out: Path) -> StudyPlan:
             for doubt in doubts:
                 warnings.warn(f"{scene}: {doubt.message}", stacklevel=2)
         plan = {"schema": 1, "participants": numbers, "hashes": _hashes(aside, study)}
-        (aside / _PLAN).write_text(json.dumps(plan, indent=1) + "\n")
+        (aside / _PLAN).write_text(
+            json.dumps(plan, indent=1) + "\n", encoding="utf-8", newline="\n"
+        )
     return read_plan(out)
 
 
 def read_plan(path: Path) -> StudyPlan:
     """Read a planned study. Raises DataError where it is none, or anything of it was changed."""
     try:
-        plan = json.loads((path / _PLAN).read_text())
+        plan = json.loads((path / _PLAN).read_text(encoding="utf-8"))
         participants, hashes = tuple(plan["participants"]), dict(plan["hashes"])
     except (OSError, ValueError, KeyError, TypeError):
         raise DataError(f"{path}: no planned study: `springpot study plan` makes one") from None

@@ -115,7 +115,7 @@ def _rated_trial(plan: StudyPlan, trial: Trial, url: str) -> tuple[object, ...]:
     print_line(
         f"session {trial.session}, trial {trial.trial}: place the objects, lift the tool. {_KEYS}"
     )
-    begin_s = time.monotonic()
+    begin_s = time.perf_counter()
     folder = plan.folder(trial.participant)
     stem = f"session-{trial.session}-trial-{trial.trial:0>2}"
     # A trial that was begun before has left a log.
@@ -133,7 +133,7 @@ def _rated_trial(plan: StudyPlan, trial: Trial, url: str) -> tuple[object, ...]:
         rating = _ask(trial, session)
     if rating is None:
         raise session.error or KeyboardInterrupt
-    seconds, log = f"{time.monotonic() - begin_s:.1f}", session.result()["log"]
+    seconds, log = f"{time.perf_counter() - begin_s:.1f}", session.result()["log"]
     return f"{rating:g}", seconds, watch.warnings, Path(log).name if log else ""
 
 

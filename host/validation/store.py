@@ -60,7 +60,7 @@ def read_validation(folder: Path) -> tuple[JsonObject, list[Validated]]:
     """
     target = folder / _FOLDER
     try:
-        metadata = json.loads((target / _METADATA).read_text())
+        metadata = json.loads((target / _METADATA).read_text(encoding="utf-8"))
         metadata["rows"]  # which an older validation lacks
         with np.load(target / _SERIES, allow_pickle=False) as stored:
             pairs = []

@@ -25,6 +25,10 @@ RECORDING_SUFFIX = ".h5"
 SAME_PLACE_M = 1e-4  # no printed grid and no stage is finer
 FRAME_SOURCE = "frame"  # source of the columns of a table
 MAX_NAME_BYTES = 200  # a file name has 255: room for endings
+# On Windows files of these names, whatever their ending, are devices.
+_WINDOWS_DEVICES = {"con", "prn", "aux", "nul"} | {
+    f"{port}{number}" for port in ("com", "lpt") for number in range(1, 10)
+}
 _UNSAFE_CHARACTERS = re.compile(r"[^\w.+-]+")
 _MAX_SPAN_M = 1.0  # no soft object is pressed farther
 SIGN_RULE = (
@@ -233,11 +237,13 @@ def require_recording_name(name: Any) -> None:
         0 < len(name.encode("utf-8", "replace")) <= MAX_NAME_BYTES
         and name.isprintable()  # neither newlines nor bytes that are no text
         and not name.startswith(".")
-        and not set(name) & set("/\\")
+        and not set(name) & set('/\\:*?"<>|')
+        and name.partition(".")[0].lower() not in _WINDOWS_DEVICES
     )
     if not fits:
         raise DataError(
-            f"a recording named {name[:60]!a}: a name is printable, without / and \\, "
+            f"a recording named {name[:60]!a}: a name is printable, without "
+            '/ \\ : * ? " < > |, no device of Windows (aux, nul, com1), '
             f"begins with no dot and has 1 to {MAX_NAME_BYTES} bytes: name it otherwise"
         )
 

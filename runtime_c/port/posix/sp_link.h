@@ -49,6 +49,8 @@ struct sp_link {
 /* Where the next sample goes, `count` having come: the oldest makes room. */
 sp_motion *sp_link_next_slot(sp_motion *motions, uint32_t capacity, int count);
 
+/* Wait until there is something to read, or for so long: above 0 where it is worth a look. */
+int sp_link_wait(int fd, uint64_t max_ns);
 /* Read what is there; how many bytes, 0 for none, or SP_LINK_GONE. */
 int sp_link_read_bytes(int fd, uint8_t *bytes, uint32_t capacity);
 /* Write all of it or say how far it got; or SP_LINK_GONE. */

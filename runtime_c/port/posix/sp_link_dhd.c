@@ -1,8 +1,8 @@
 /* A Force Dimension device: the functions of its SDK (libdhd), called in the tick. */
 #define _POSIX_C_SOURCE 200809L
 #include <math.h>
-#include <time.h>
 
+#include "sp_clock.h"
 #include "sp_link.h"
 
 /* springpot declarations begin */
@@ -70,9 +70,7 @@ typedef struct {
 
 static uint64_t clock_ns(void)
 {
-    struct timespec time;
-    clock_gettime(CLOCK_MONOTONIC, &time);
-    return (uint64_t)time.tv_sec * 1000000000u + (uint64_t)time.tv_nsec;
+    return sp_clock_ns();
 }
 
 static void trip(device *self, uint32_t why)

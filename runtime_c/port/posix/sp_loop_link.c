@@ -1,7 +1,6 @@
 /* The loop's device: at work, tripped, gone, ready again. */
 #define _POSIX_C_SOURCE 200809L
-#include <time.h>
-
+#include "sp_clock.h"
 #include "sp_loop_self.h"
 
 static const uint64_t max_arming_ns = 1000000000;
@@ -12,9 +11,7 @@ static const uint64_t stopping_step_ns = 1000000;
 
 uint64_t sp_loop_now(void)
 {
-    struct timespec time;
-    clock_gettime(CLOCK_MONOTONIC, &time);
-    return (uint64_t)time.tv_sec * 1000000000u + (uint64_t)time.tv_nsec;
+    return sp_clock_ns();
 }
 
 void sp_loop_on_disconnect(sp_loop *self)
@@ -67,10 +64,7 @@ void sp_loop_stop_device(sp_loop *self)
         } else if (now_ns >= end_ns) {
             break;
         } else {
-            const uint64_t then_ns = now_ns + stopping_step_ns;
-            const struct timespec then = {.tv_sec = (time_t)(then_ns / 1000000000u),
-                                          .tv_nsec = (long)(then_ns % 1000000000u)};
-            (void)clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &then, NULL);
+            (void)sp_clock_sleep_until(now_ns + stopping_step_ns);
         }
     }
 }

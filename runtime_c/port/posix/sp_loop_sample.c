@@ -1,16 +1,9 @@
 /* Samples of the loop: what came, and which of them a tick takes. */
 #define _GNU_SOURCE
-#include <poll.h>
 #include <string.h>
-#include <time.h>
 
+#include "sp_clock.h"
 #include "sp_loop_self.h"
-
-static struct timespec as_timespec(uint64_t time_ns)
-{
-    return (struct timespec){.tv_sec = (time_t)(time_ns / 1000000000u),
-                             .tv_nsec = (long)(time_ns % 1000000000u)};
-}
 
 static void take(sp_loop *self)
 {
@@ -37,13 +30,10 @@ void sp_loop_wait_for_samples(sp_loop *self, uint64_t until_ns, int wanted)
     uint64_t time_ns;
     while ((time_ns = sp_loop_now()) < until_ns && !(wanted && self->waiting_count >= wanted)) {
         if (self->link == NULL || self->link->fd < 0) {
-            const struct timespec until = as_timespec(until_ns);
-            (void)clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, &until, NULL);
+            (void)sp_clock_sleep_until(until_ns);
             continue;
         }
-        const struct timespec left = as_timespec(until_ns - time_ns);
-        struct pollfd waits = {.fd = self->link->fd, .events = POLLIN};
-        if (ppoll(&waits, 1, &left, NULL) > 0) {
+        if (sp_link_wait(self->link->fd, until_ns - time_ns) > 0) {
             take(self);
         }
     }

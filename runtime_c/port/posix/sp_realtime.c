@@ -1,6 +1,25 @@
 #define _GNU_SOURCE
 #include "sp_realtime.h"
 
+#if defined(_WIN32)
+#include <windows.h>
+
+#include "sp_loop.h"
+
+int32_t sp_realtime_request(int32_t priority, int32_t cpu)
+{
+    int32_t got = 0;
+    if (priority <= 0) {
+        return 0;
+    }
+    got |=
+        SetThreadPriority(GetCurrentThread(), THREAD_PRIORITY_TIME_CRITICAL) ? SP_GRANTED_FIFO : 0;
+    if (cpu >= 0) {
+        got |= SetThreadAffinityMask(GetCurrentThread(), (DWORD_PTR)1 << cpu) ? SP_GRANTED_CPU : 0;
+    }
+    return got;
+}
+#else
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
@@ -33,3 +52,4 @@ int32_t sp_realtime_request(int32_t priority, int32_t cpu)
 #endif
     return got;
 }
+#endif

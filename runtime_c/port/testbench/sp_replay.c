@@ -1,8 +1,8 @@
 #define _POSIX_C_SOURCE 200809L
 #include "sp_replay.h"
 
+#include "../posix/sp_clock.h"
 #include <string.h>
-#include <time.h>
 
 enum { LINE_BYTES = 64 };
 
@@ -14,20 +14,15 @@ static void read_through(uint8_t *cold, uint64_t bytes)
     }
 }
 
-static int sleep_until_next(struct timespec *deadline, double period_s)
+static int sleep_until_next(uint64_t *deadline_ns, double period_s)
 {
-    const long period_ns = (long)(period_s * 1e9);
-    struct timespec now;
-    deadline->tv_nsec += period_ns % 1000000000L;
-    deadline->tv_sec += period_ns / 1000000000L + deadline->tv_nsec / 1000000000L;
-    deadline->tv_nsec %= 1000000000L;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    if (now.tv_sec > deadline->tv_sec ||
-        (now.tv_sec == deadline->tv_sec && now.tv_nsec > deadline->tv_nsec)) {
-        *deadline = now;
+    const uint64_t now_ns = sp_clock_ns();
+    *deadline_ns += (uint64_t)(period_s * 1e9);
+    if (now_ns > *deadline_ns) {
+        *deadline_ns = now_ns;
         return 0;
     }
-    return clock_nanosleep(CLOCK_MONOTONIC, TIMER_ABSTIME, deadline, NULL);
+    return sp_clock_sleep_until(*deadline_ns);
 }
 
 typedef int (*sp_step_function)(void *, sp_real, sp_real, sp_real *);
@@ -72,22 +67,18 @@ int sp_replay_time_ticks(void *step, void *state, uint32_t n, const sp_real *pos
                          uint64_t cold_bytes, double *tick_ns)
 {
     sp_step_function call;
-    struct timespec deadline;
     memcpy(&call, &step, sizeof call);
-    clock_gettime(CLOCK_MONOTONIC, &deadline);
+    uint64_t deadline_ns = sp_clock_ns();
     for (uint32_t i = 0; i < n; i++) {
-        struct timespec begin, end;
         sp_real force_n;
         read_through(cold, cold_bytes);
-        const int error = sleep_until_next(&deadline, period_s);
+        const int error = sleep_until_next(&deadline_ns, period_s);
         if (error != 0) {
             return error;
         }
-        clock_gettime(CLOCK_MONOTONIC, &begin);
+        const uint64_t begin_ns = sp_clock_ns();
         (void)call(state, position_m[i], velocity_mps[i], &force_n);
-        clock_gettime(CLOCK_MONOTONIC, &end);
-        tick_ns[i] =
-            1e9 * (double)(end.tv_sec - begin.tv_sec) + (double)(end.tv_nsec - begin.tv_nsec);
+        tick_ns[i] = (double)(sp_clock_ns() - begin_ns);
     }
     return 0;
 }

@@ -57,7 +57,7 @@ class SimulatedDrive:
     def close(self) -> None:
         self.closed += 1
 
-    def monotonic(self) -> float:
+    def perf_counter(self) -> float:
         self.now_s += 1e-6
         return self.now_s
 

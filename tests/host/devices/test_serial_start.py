@@ -50,7 +50,7 @@ class SimulatedDevice:
     def __post_init__(self) -> None:
         self._receiver, self._sender = Receiver(), Sender()
 
-    def monotonic(self) -> float:
+    def perf_counter(self) -> float:
         self.now_s += 1e-6
         return self.now_s
 
@@ -127,7 +127,7 @@ def opened(monkeypatch: pytest.MonkeyPatch) -> Opened:
     def made(
         simulated: SimulatedDevice, needs: DeviceRequirements = NEEDS, query: str = ""
     ) -> SerialDevice:
-        clock = types.SimpleNamespace(monotonic=simulated.monotonic, sleep=simulated.sleep)
+        clock = types.SimpleNamespace(perf_counter=simulated.perf_counter, sleep=simulated.sleep)
         monkeypatch.setattr(serial_device, "time", clock)
         monkeypatch.setattr(device_module, "time", clock)
         asked: list[tuple[str, int]] = []
