@@ -26,7 +26,7 @@ from springpot.trainer.recordings.signals import estimate_history_m
 
 POLES_PER_DECADE = 2.5
 _MIN_TAU_STEPS = 0.25  # shortest time constant
-_MAX_TAU_PER_MEMORY = (
+MAX_TAU_PER_MEMORY = (
     3.0  # longest time constant, of the memory asked for: the kernel's tail needs it
 )
 _FREQUENCIES_PER_DECADE = 60
@@ -68,10 +68,10 @@ def fit_recursive_bank(orders: tuple[float, ...], dt_s: float, longest_s: float)
 
     Weights are non-negative: each feature is then a sum of Maxwell branches, locally dissipative.
     """
-    fastest_s, slowest_s = _MIN_TAU_STEPS * dt_s, _MAX_TAU_PER_MEMORY * longest_s
+    fastest_s, slowest_s = _MIN_TAU_STEPS * dt_s, MAX_TAU_PER_MEMORY * longest_s
     n_poles = 1 + round(POLES_PER_DECADE * np.log10(slowest_s / fastest_s))
     tau_s = np.geomspace(fastest_s, slowest_s, max(n_poles, 2))
-    ends = _MAX_TAU_PER_MEMORY / longest_s, 0.5 / dt_s
+    ends = MAX_TAU_PER_MEMORY / longest_s, 0.5 / dt_s
     n_points = round(_FREQUENCIES_PER_DECADE * np.log10(ends[1] / ends[0]))
     omega = np.geomspace(*ends, max(n_points, _FREQUENCIES_PER_DECADE))
     weights = np.stack([_fit_pole_weights(order, tau_s, omega) for order in orders], axis=1)

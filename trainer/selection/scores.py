@@ -15,7 +15,7 @@ from springpot.trainer.models.passive.passive_fit import PassiveChoice, select_p
 from springpot.trainer.models.rf_fd import compute_depth_scale, fit_forest
 from springpot.trainer.models.training_set import TrainingSet
 
-PASSIVE, FOREST = "hammerstein", "rf-fd long"
+PASSIVE, FOREST = "hammerstein", "rf-fd"
 _HOPELESS_RATIO = 1.25  # times the passive error in the first family: the others are not tried
 _EARLY_FOLDS, _EARLY_RATIO = 2, 2.0  # folds after which as many times the passive error is given up
 _PROBE_TREES, _PROBE_RATIO = 20, 4.0  # of a first look, and where nothing more is tried
@@ -51,11 +51,11 @@ class _Fold(NamedTuple):
 
 
 def find_scores(
-    data: TrainingSet, options: FitOptions, long: FitOptions, features: Features
+    data: TrainingSet, options: FitOptions, forest_options: FitOptions, features: Features
 ) -> tuple[Score, Score]:
     """The passive model's, and a forest's, with progress in the log: steps done, and all steps.
 
-    long: options of the forest.
+    forest_options, features: of the forest.
     """
     passive, rows = select_passive(data, options)[0], data.rows(options.fraction, options.seed)
     folds = _folds(passive, build_cv_schemes(data, rows, options.seed))
@@ -63,7 +63,7 @@ def find_scores(
     passive_n = np.maximum([fold.passive_n for fold in folds], _MIN_RMSE_N)
     done, errors_n = len(folds), list[float]()
     log_progress(f"1 of 2: {PASSIVE}", done, 2 * done)
-    for error_n in _forest_errors_n(data, rows, passive.rows.rows, folds, features, long):
+    for error_n in _forest_errors_n(data, rows, passive.rows.rows, folds, features, forest_options):
         errors_n.append(error_n)
         log_progress(f"2 of 2: {FOREST}", done + len(errors_n), 2 * done)
         if _is_hopeless(np.array(errors_n) / passive_n[: len(errors_n)], families):

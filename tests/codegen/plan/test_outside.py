@@ -14,7 +14,7 @@ from springpot.codegen.notes import OUTSIDE
 from springpot.codegen.scene import Coupling, Guard, Runtime
 from springpot.host.emission.emission import emit
 from springpot.host.native.scene_library import SceneLibrary
-from springpot.trainer.models.passive.growth import extrapolate_curves
+from springpot.trainer.models.passive.growth import Growth, extrapolate_curves
 
 
 def pressed(folder: Path, kind: str, outside: str) -> tuple[np.ndarray, np.ndarray, int]:
@@ -70,7 +70,7 @@ def test_an_object_that_stiffens_beyond_the_trained_depth_is_as_stiff_as_there()
     model, wide = passive_model(), dataclasses.replace(scene(), guard=Guard(max_force_n=1000.0))
     bent_n, found_npm = np.linspace(0.1, 9.0, len(model.hammerstein.elastic_n)), []
     flat = dataclasses.replace(model.hammerstein, elastic_n=bent_n, span_m=model.trained.max_m)
-    for law in (flat, extrapolate_curves(flat, np.eye(4)[1])):
+    for law in (flat, extrapolate_curves(flat, Growth(np.eye(4)[1], foretold=True))):
         plan = make_plan(dataclasses.replace(model, hammerstein=law), wide)
         found_npm.append(plan.stiffness_npm)
     assert found_npm[1] > 1.1 * found_npm[0]

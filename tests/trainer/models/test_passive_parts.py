@@ -13,6 +13,7 @@ from springpot.codegen.model.passive import Damage, Flow, Hammerstein
 from springpot.codegen.model.places import Places
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.passive import growth
+from springpot.trainer.models.passive.growth import Growth
 from springpot.trainer.models.passive.nonnegative import normal_equations, sparse_solve
 from springpot.trainer.models.passive.passive_rows import select_rows
 from springpot.trainer.models.passive.recovery import _SurfaceMotion
@@ -45,12 +46,13 @@ def test_a_pull_is_no_error_at_a_surface(surface: bool) -> None:
 
 @pytest.mark.parametrize(
     ("errors_n", "weights"),
-    [(3 * [[1.0, 0.5, 0.6, 0.5]], [0.5**8, 1.0, (5 / 6) ** 8, 1.0]),
+    [(3 * [[1.0, 0.5, 0.6, 0.5]], [0.0, 1.0, (5 / 6) ** 4, 1.0]),
      ([[1.0, 0.5, 1.0, 1.0], [1.0, 1.0, 0.8, 1.0], 4 * [1.0]],
-      [1.0, 2.0 ** (8 / 3), 0.8 ** (-8 / 3), 1.0]),
-     (3 * [[1.0, 0.95, 0.91, 0.95]], None), ([[1.0, 0.5, 0.5, 0.5], [], 4 * [0.5]], None)],
+      [0.0, 2.0 ** (4 / 3), 0.8 ** (-4 / 3), 1.0]),
+     (3 * [[0.95, 1.0, 1.0, 1.0]], [0.95**-4, 1.0, 1.0, 1.0]),
+     ([[1.0, 0.5, 0.5, 0.5], [], 4 * [0.5]], None)],
 )  # fmt: skip
-def test_laws_of_growth_weigh_by_what_they_foretell_if_one_beats_a_constant_slope(
+def test_laws_of_growth_weigh_by_what_they_foretell(
     errors_n: list[list[float]], weights: list[float] | None, monkeypatch: Any
 ) -> None:
     tried = dict(zip((0.85, 0.9, 0.95), errors_n, strict=True))
@@ -59,17 +61,21 @@ def test_laws_of_growth_weigh_by_what_they_foretell_if_one_beats_a_constant_slop
     rows: Any = SimpleNamespace(rows=None, peak_n=0.0)
     data: Any = SimpleNamespace(map_motions=lambda *_: None)
     none: Any = None
-    found = growth.estimate_growth_weights(none, none, 1e-3, rows, data)
+    found = growth.estimate_growth(none, none, 1e-3, rows, data)
     assert (found is None) is (weights is None)
     if found is not None and weights is not None:
-        np.testing.assert_allclose(found, np.array(weights) / np.sum(weights))
+        np.testing.assert_allclose(found.weights, np.array(weights) / np.sum(weights))
+        assert found.foretold is (errors_n[0][0] == 1.0)
 
 
-ONLY = dict(zip(growth.SLOPE_POWERS, np.eye(4)[1:], strict=True))
+ONLY = {
+    power: Growth(weights, True)
+    for power, weights in zip(growth.SLOPE_POWERS, np.eye(4)[1:], strict=True)
+}
 SLOPES = {
-    0.2: lambda u: (0.2 + u) ** 5,
-    0.0: lambda u: np.exp(4.0 * u),
-    -1 / 3: lambda u: (1.7 - u) ** -3,
+    0.2: lambda u: (0.5 + u) ** 5,
+    0.0: lambda u: np.exp(3.0 * u),
+    -1 / 3: lambda u: (2.2 - u) ** -3,
 }
 
 
@@ -101,7 +107,27 @@ def test_what_softens_keeps_its_slope_and_no_slope_grows_beyond_all_bounds() -> 
     softens = growth.extrapolate_curves(rich(9, lambda u: 2.0 - u), ONLY[0.2])
     np.testing.assert_array_equal(softens.elastic_n[8:], softens.elastic_n[8])
     pole = growth.extrapolate_curves(rich(9, lambda u: (1.05 - u) ** -3.0), ONLY[-1 / 3])
-    assert pole.elastic_n[-1] == 8.0 * pole.elastic_n[8]
+    assert pole.elastic_n[-1] == pytest.approx(2.25 * pole.elastic_n[8])
+
+
+@pytest.mark.parametrize("foretold", [True, False])
+def test_a_curve_that_little_force_came_from_grows_no_more_than_all_together(
+    foretold: bool,
+) -> None:
+    """A slow branch that rises steeply where a spring has stopped to: 43 N in place of 4.6 N."""
+    u = np.linspace(0.0, 1.0, 9)
+    slow, spring_n = np.exp(12.0 * (u - 1.0)), 4.0 - 2.0 * u
+    model = replace(
+        rich(9, lambda u: 0.0 * u), elastic_n=spring_n, branch_n=np.stack([slow, 0 * u, 0 * u])
+    )
+    grown = growth.extrapolate_curves(model, Growth(np.eye(4)[3], foretold))
+    total_n = grown.elastic_n + grown.branch_n[0]
+    last_n = total_n[8]
+    straight_n = last_n + (last_n - total_n[5:8].mean()) / 0.25 * (np.arange(9, 11) / 8.0 - 1.0)
+    assert grown.branch_n[0, -1] < 2.0 * grown.branch_n[0, 8]
+    assert np.all(
+        total_n[9:] <= (2.25 * last_n if foretold else 1.5 * np.maximum(straight_n, last_n))
+    )
 
 
 def test_each_place_of_a_map_goes_on_as_its_own_curves_rise() -> None:

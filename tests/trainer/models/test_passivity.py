@@ -24,7 +24,7 @@ from springpot.codegen.model.formulas import compute_depth_loss, play_operator
 from springpot.codegen.model.passive import Damage, Flow, Hammerstein
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.hammerstein import fit_hammerstein
-from springpot.trainer.models.passive.growth import extrapolate_curves
+from springpot.trainer.models.passive.growth import Growth, extrapolate_curves
 from springpot.trainer.models.training_set import build_training_set
 
 BOUND = 1e-5
@@ -125,7 +125,11 @@ def random_model(seed: int, surface: bool = False) -> Hammerstein:
                       curve_n=weights(damage, n)),
         recovers=surface,
     )  # fmt: skip
-    return extrapolate_curves(model, rng.dirichlet(np.ones(4))) if n > 1 else model
+    return (
+        extrapolate_curves(model, Growth(rng.dirichlet(np.ones(4)), rng.random() < 0.5))
+        if n > 1
+        else model
+    )
 
 
 @pytest.mark.slow

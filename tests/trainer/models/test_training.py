@@ -3,6 +3,7 @@
 import dataclasses
 from collections import Counter
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -29,7 +30,7 @@ from springpot.trainer.models.folds import (
 )
 from springpot.trainer.models.passive.passive_fit import fit_passive, select_passive
 from springpot.trainer.models.predict import predict_n
-from springpot.trainer.models.rf_fd import build_lag_features, compute_depth_scale
+from springpot.trainer.models.rf_fd import PAPER_ORDERS, build_lag_features, compute_depth_scale
 from springpot.trainer.models.training_set import TrainingSet, build_training_set, select_rows
 from springpot.trainer.recordings.signals import smooth
 
@@ -283,3 +284,22 @@ def test_a_piece_is_in_one_fold_of_each_family() -> None:
     for folds in families:
         pairs = set(zip(piece.tolist(), folds.number.tolist(), strict=True))
         assert len(pairs) == piece.max() + 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "name",
+    ["ecoflex-00-10", "ecoflex-00-30", "ecoflex-00-50", "dragon-skin-10", "dragon-skin-fx"],
+)
+def test_the_pair_of_orders_is_tried_as_it_ships(name: str) -> None:
+    """On its own motions the pair of least error; by held-out presses one that errs little more."""
+    pressed, signals = paper_presses(name), validation_signals(name, 10)
+    measured_n = np.concatenate([signal.force_n for signal in signals])
+
+    def error_n(**of_fit: object) -> float:
+        model = fit_model("rbf-fd", "x", pressed, FitOptions(**of_fit), signals).model
+        return rms(np.concatenate([predict_n(model, item) for item in signals]) - measured_n)
+
+    errors_n = [error_n(orders=pair) for pair in combinations(PAPER_ORDERS, 2)]
+    assert error_n(select="paper") <= 1.02 * min(errors_n)
+    assert error_n() <= 1.4 * min(errors_n)

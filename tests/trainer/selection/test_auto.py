@@ -35,7 +35,7 @@ def test_a_plain_spring_needs_no_forest(caplog):
     presses = [spring(f"{k}", press(k, 0.01)) for k in (2.0, 3.0, 4.0)]
     fit = fit_model("auto", "x", presses, OPTIONS)
     tried = [score["name"] for score in fit.metadata["scores"]]
-    assert tried == ["hammerstein", "rf-fd long"]
+    assert tried == ["hammerstein", "rf-fd"]
     said = dict.fromkeys(caplog.messages)
     assert list(said) == [f"{k} of {len(tried)}: {n}" for k, n in enumerate(tried, 1)]
     steps = [(record.done, record.total) for record in caplog.records]
@@ -66,7 +66,7 @@ def test_a_forest_that_gives_energy_is_passed_over(monkeypatch):
     monkeypatch.setattr(auto, "forest_wins", lambda passive, forest, gain, peak_n: True)
     fit = fit_model("auto", "x", training(), OPTIONS)
     assert fit.metadata["chosen"] == "hammerstein"
-    assert "rf-fd long gives energy in 3 of its small motions" in fit.metadata["why"]
+    assert "rf-fd gives energy in 3 of its small motions" in fit.metadata["why"]
 
 
 def score(name: str, ratio: float, without: float | None = None) -> Score:
@@ -85,13 +85,13 @@ def test_trees_only_for_a_gain_that_does_not_rest_on_one_fold(ratio, without, wi
 
 
 def test_one_recording_asks_more_of_trees(monkeypatch):
-    found = score("hammerstein", 1.0), score("rf-fd long", 0.93)
+    found = score("hammerstein", 1.0), score("rf-fd", 0.93)
     monkeypatch.setattr(auto, "find_scores", lambda *_: found)
     monkeypatch.setattr(auto, "fit_kind", lambda *_: small_fit())
     monkeypatch.setattr(auto, "count_active_cells", lambda _: 0)
     sets = [build_training_set(training()[-n:], 0.0) for n in (1, 2)]
     chosen = [auto.fit_auto("x", data, OPTIONS).metadata["chosen"] for data in sets]
-    assert chosen == ["hammerstein", "rf-fd long"]
+    assert chosen == ["hammerstein", "rf-fd"]
 
 
 def test_what_is_felt_is_of_the_greatest_force_either_way(monkeypatch):

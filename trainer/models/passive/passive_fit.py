@@ -12,7 +12,7 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.model.passive import Hammerstein
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.folds import geometric_mean
-from springpot.trainer.models.passive.growth import estimate_growth_weights, extrapolate_curves
+from springpot.trainer.models.passive.growth import estimate_growth, extrapolate_curves
 from springpot.trainer.models.passive.nonnegative import Normal, sparse_solve
 from springpot.trainer.models.passive.passive_force import store_memory
 from springpot.trainer.models.passive.passive_rows import (
@@ -94,10 +94,8 @@ class PassiveChoice:
 
     def extrapolate(self, model: Hammerstein, data: TrainingSet) -> Hammerstein:
         """The model with slopes that grow beyond the trained depth, if the object's do."""
-        weights = estimate_growth_weights(
-            self.terms, self._sparse_weights, self.penalty, self.rows, data
-        )
-        return model if weights is None else extrapolate_curves(model, weights)
+        growth = estimate_growth(self.terms, self._sparse_weights, self.penalty, self.rows, data)
+        return model if growth is None else extrapolate_curves(model, growth)
 
     def model(self, data: TrainingSet) -> Hammerstein:
         """Build the model, with its memory."""
