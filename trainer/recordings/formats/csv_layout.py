@@ -14,6 +14,7 @@ from springpot.trainer.recordings.formats.column_map import (
     FileRequest,
     choose_column_units,
     guess_columns,
+    split_unit,
 )
 from springpot.trainer.recordings.formats.units import (
     QUANTITIES,
@@ -21,6 +22,7 @@ from springpot.trainer.recordings.formats.units import (
     Unit,
     is_specimen_unit,
     is_unit,
+    specimen_remedy,
 )
 
 Cells = list[str]
@@ -33,12 +35,10 @@ _MAX_COLUMNS = 1024
 _SHOWN = 12  # columns in a message
 _COMMENT = re.compile(r"\s*#+ *(?=[^\s,;|])")
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")
+_STRESS_WORDS = "stress|spannung|contrainte"
 _HINTS = {
     "modul": "moduli over frequency or temperature are no recording: export the samples of the "
     "test, position and force over time",
-    "stress|spannung|contrainte": "stress and strain are neither force nor position: pass the "
-    "specimen's height and area as units, --map position=COL:33mm,force=COL:18N for 33 mm, and 18 "
-    "mm2 of a stress in MPa",
 }
 
 
@@ -230,6 +230,8 @@ def _missing_columns_error(
     kind = DataError
     if not present.keys() - {"time"} and not stated and (row or first is None):
         kind = NoRecordingError
+        if re.search(_STRESS_WORDS, names, re.I):
+            return kind(f"{path}: {_specimen_hint(row)}: found{header[3:]}")
         for words, hint in _HINTS.items():
             if re.search(words, names, re.I):
                 return kind(f"{path}: {hint}: found{header[3:]}")
@@ -243,6 +245,24 @@ def _missing_columns_error(
         )
     channels = " or of ".join(q + f" ({stated.get(q)!r})" * (q in stated) for q in missing)
     return kind(f"{path}: found no column of {channels}{header}: {remedy}")
+
+
+def _specimen_hint(row: Cells) -> str:
+    """What to pass for columns of strain and stress, by the units that the header says."""
+    quantities: tuple[Quantity, ...] = ("position", "force")
+    found = {
+        quantity: (cell, unit)
+        for quantity in quantities
+        for cell in reversed(row)
+        if is_specimen_unit(unit := split_unit(cell, quantity)[1] or "", quantity)
+    }
+    how = (
+        specimen_remedy(found)
+        if found
+        else "pass the specimen's height for a strain of 1, and its area times the unit of stress, "
+        "--map position=COL:33mm,force=COL:18N for 33 mm, and 18 mm2 of a stress in MPa"
+    )
+    return f"stress and strain are neither force nor position: {how}"
 
 
 def _split_line(head: Sequence[str], index: int) -> Iterator[tuple[str, Cells]]:
