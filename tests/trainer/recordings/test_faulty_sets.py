@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -304,3 +305,34 @@ def test_a_force_that_falls_on_the_way_in_is_named(hz: float) -> None:
         heavy_n = 10.0 * way + 2.0 * np.gradient(np.gradient(turning, time_s), time_s)
         for force_n, named in ((snaps_n, True), (flows_n, False), (heavy_n, False)):
             assert ("fall" in kinds([Recording("a", 5e-3 * way, force_n, 0.01)])) == named
+
+
+def test_exchanged_columns_are_refused_by_what_happens_in_the_air() -> None:
+    position_m, noise = cycles(), np.random.default_rng(2).normal(0.0, 0.002, 2400)
+    for force_n in (600.0 * np.maximum(position_m, 0.0) + noise, soft_n(position_m)):
+        assert "exchanged" not in kinds([Recording("a", position_m, force_n, 0.01)])
+        found = Recording("a", 1e-3 * force_n, 1e3 * position_m, 0.01)
+        with pytest.raises(
+            DataError, match=r"exchange the columns, --map position=COL:m,force=COL:N"
+        ):
+            springpot.check_recordings(found).refuse()
+
+
+@pytest.mark.parametrize(("channel", "factor"), [("force_n", 1e3), ("position_m", 1e-3)])
+def test_one_recording_in_another_unit_is_refused(channel: str, factor: float) -> None:
+    usual = [Recording(f"{k}", cycles(), soft_n(cycles(), k), 0.01) for k in range(3)]
+    assert not springpot.check_recordings(usual).refused
+    usual[1] = replace(usual[1], **{channel: factor * getattr(usual[1], channel)})
+    for several in (usual, usual[:2]):
+        report = springpot.check_recordings(several)
+        told = [each for each in report.findings if each.severity == "refusal"]
+        assert [(each.kind, each.where) for each in told] == [("unit", "1")]
+        assert re.search(rf"{1 / factor:.6g}m?N|{1 / factor:.6g}m", told[0].to_do)
+
+
+def test_a_sign_bit_that_is_read_wrong_is_named_and_a_surface_that_lets_go_is_not() -> None:
+    position_m, force_n = cycles(), soft_n(cycles())
+    pulls_n = force_n - 0.9 * ((position_m < -1e-4) & (np.gradient(position_m) < 0.0))
+    flipped_n = np.where(force_n < 0.0, 2.05 - force_n, force_n)
+    for each_n, named in ((force_n, False), (pulls_n, False), (flipped_n, True)):
+        assert ("levels" in kinds([Recording("a", position_m, each_n, 0.01)])) == named

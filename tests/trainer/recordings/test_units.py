@@ -1,11 +1,16 @@
 """Units and column maps of files from outside."""
 
+import re
+import shlex
+from pathlib import Path
+
+import numpy as np
 import pytest
 from support.messages import refusing
 
 from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.recordings.formats.column_map import Column, parse_map
-from springpot.trainer.recordings.formats.importing import parse_place
+from springpot.trainer.recordings.formats.importing import import_file, parse_place
 from springpot.trainer.recordings.formats.units import Quantity, factor_to_si
 
 
@@ -72,3 +77,31 @@ def test_refused_maps(text: str, message: str) -> None:
         parse_map(text)
     with refusing(UsageError, "time=0Hz", "is no rate", "time=1000Hz"):
         parse_map("time=0Hz")
+
+
+@pytest.mark.parametrize(
+    ("units", "height_mm", "area_mm2"),
+    [(("%", "kPa"), 12.5, 660.0), (("mm/mm", "MPa"), 33.0, 18.0), (("%", "psi"), 80.0, 9e3)],
+)
+def test_the_printed_factors_of_a_specimen_lead_to_its_force(
+    units: tuple[str, str], height_mm: float, area_mm2: float, tmp_path: Path
+) -> None:
+    depth_m, force_n = np.linspace(0.0, 4e-3, 200), np.linspace(0.0, 3.3, 200)
+    strain = depth_m / (height_mm * 1e-3) / {"%": 0.01, "mm/mm": 1.0}[units[0]]
+    stress = force_n / (area_mm2 * 1e-6) / {"kPa": 1e3, "MPa": 1e6, "psi": 6894.757}[units[1]]
+    header = f"Time [s],Strain [{units[0]}],Stress [{units[1]}]"
+    rows = np.column_stack([np.arange(200) / 100.0, strain, stress])
+    np.savetxt(tmp_path / "a.csv", rows, "%.9g", ",", header=header, comments="")
+    with pytest.raises(DataError) as refused:
+        import_file(tmp_path / "a.csv")
+    found = re.findall(r"(height|area) in mm2?(?: times (\S+))? \(", str(refused.value))
+    factors = {size: float(times or 1.0) for size, times in found}
+    (option,) = shlex.split(re.findall(r"--map ('.*?'),", str(refused.value))[0])
+    right = option.replace("FACTORmm", f"{factors['height'] * height_mm:.9g}mm")
+    right = right.replace("FACTORN", f"{factors['area'] * area_mm2:.9g}N")
+    read, _ = import_file(tmp_path / "a.csv", parse_map(right))
+    assert read.position_m.max() == pytest.approx(4e-3)
+    assert read.force_n.max() == pytest.approx(3.3)
+    if units[0] == "%":
+        with pytest.raises(DataError, match="m high"):
+            import_file(tmp_path / "a.csv", parse_map("position=Strain [%]:33mm,force=3:18N"))

@@ -3,6 +3,7 @@
 A channel is found by its name, or by a map.
 """
 
+import re
 from collections.abc import Hashable, Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 from pathlib import Path
@@ -22,13 +23,18 @@ from springpot.trainer.recordings.formats.column_map import (
     split_unit,
 )
 from springpot.trainer.recordings.formats.sampling import RawChannels, to_si
-from springpot.trainer.recordings.formats.units import Quantity, Unit, choose_unit
+from springpot.trainer.recordings.formats.units import QUANTITIES, Quantity, Unit, choose_unit
 from springpot.trainer.recordings.recording import FRAME_SOURCE
 
 _MAX_SHOWN = 12  # arrays in a message
 _MAX_COLUMNS = 32
 _SCALE_DEFAULTS = {"scale_factor": 1.0, "conversion": 1.0, "add_offset": 0.0, "offset": 0.0}
 _FILL_ATTRIBUTES = ("_FillValue", "missing_value")
+# Names of a rate in Hz, or of a time step in s.
+_RATE_NAMES = {
+    **dict.fromkeys(("fs", "rate", "rate_hz", "fs_hz", "sample_rate", "sampling_rate"), True),
+    **dict.fromkeys(("dt", "dt_s", "delta_t", "time_step"), False),
+}
 _Stored = tuple[str, str, str, object]  # as `_Array`, whatever the values are
 _MAX_LETTERS = 200  # of all names
 
@@ -54,8 +60,19 @@ def read_arrays(path: Path, kind: str, request: FileRequest) -> RawChannels:
     as `rig.force` and `rig/force`. Raises DataError naming file and array if a channel or its
     unit is missing or ambiguous, or lengths differ.
     """
-    arrays = _load(path, kind)
-    chosen = {quantity: _choose(path, arrays, quantity, request) for quantity in request.wanted}
+    stored = _load(path, kind)
+    arrays = [array for found in stored for array in _split_vectors(*found)]
+    if not arrays:
+        raise DataError(
+            f"{path}: holds no vectors of numbers (tables and objects of MATLAB cannot be read): "
+            "save plain arrays"
+        )
+    rate_hz = request.rate_hz
+    if rate_hz is None and "time" not in request.columns:
+        labels = [array.label for array in arrays]
+        rate_hz = None if guess_columns(labels, "time") else _find_rate_hz(stored)
+    wanted = request.wanted if rate_hz is None else QUANTITIES[1:]
+    chosen = {quantity: _choose(path, arrays, quantity, request) for quantity in wanted}
     if len({len(array.values) for array in chosen.values()}) > 1:
         found = ", ".join(f"{array.name!r} {len(array.values)}" for array in chosen.values())
         raise DataError(f"{path}: channels of different lengths ({found}): correct --map")
@@ -71,12 +88,12 @@ def read_arrays(path: Path, kind: str, request: FileRequest) -> RawChannels:
         f"{q} = {array.name!r} in {units[q].text} ({units[q].origin})"
         for q, array in chosen.items()
     )
-    if request.rate_hz is not None:
-        guess += f", time = samples counted at the stated {request.rate_hz:g} Hz"
+    if rate_hz is not None:
+        guess += f", time = samples counted at the stated {rate_hz:g} Hz"
     labels, below = [array.label for array in arrays], [array.unit for array in arrays]
     values = {q: array.values for q, array in chosen.items()}
     return to_si(
-        values, units, request.rate_hz, guess,
+        values, units, rate_hz, guess,
         rows=np.arange(1, len(values["force"]) + 1),
         source=str(path),
         place_m=read_place_m(str(path), labels, lambda k: arrays[k].values, request.place, below),
@@ -105,31 +122,36 @@ def _choose(
     return found[0]
 
 
-def _load(path: Path, kind: str) -> list[_Array]:
-    """Vectors of a file, and columns of its matrices. Raises DataError where there are none."""
+def _load(path: Path, kind: str) -> list[_Stored]:
+    """All that a file holds. Raises DataError for one that is damaged."""
     try:
         if kind == "hdf5":
-            stored = _read_hdf5(path)
-        else:
-            from scipy.io import loadmat
+            return _read_hdf5(path)
+        from scipy.io import loadmat
 
-            stored = list(_flatten("", loadmat(path, simplify_cells=True)))
-        arrays = [array for found in stored for array in _split_vectors(*found)]
+        return list(_flatten("", loadmat(path, simplify_cells=True)))
     except ModuleNotFoundError:
         raise
     except Exception as error:  # whatever the libraries raise on a damaged file
         why = " ".join(f"{type(error).__name__}: {error}".split())[:300]
         raise DataError(f"{path}: damaged or of another format ({why}): export it again") from None
-    if not arrays:
-        raise DataError(
-            f"{path}: holds no vectors of numbers (tables and objects of MATLAB cannot be read): "
-            "save plain arrays"
-        )
-    return arrays
+
+
+def _find_rate_hz(stored: Sequence[_Stored]) -> float | None:
+    """The one rate that numbers or attributes of a file say, by name; None without one."""
+    rates = set[float]()
+    for name, unit, _, value in stored:
+        word = re.split(r"[./@]", name)[-1].casefold()
+        number = np.asarray(value)
+        if word in _RATE_NAMES and number.size == 1 and number.dtype.kind in "fiu":
+            size = float(number.ravel()[0]) * (1000.0 if unit == "kHz" else 1.0)
+            if size > 0.0:
+                rates.add(size if _RATE_NAMES[word] else 1.0 / size)
+    return rates.pop() if len(rates) == 1 else None
 
 
 def _split_vectors(name: str, unit: str, other: str, value: object) -> Iterator[_Array]:
-    if np.asarray(value).dtype.kind not in "fiu":
+    if np.asarray(value).dtype.kind not in "fiu" or "@" in name:
         return
     array = np.squeeze(np.asarray(value)).astype(np.float64)
     if array.ndim == 1 and len(array) > 1:
@@ -174,8 +196,13 @@ def _read_hdf5(path: Path) -> list[_Stored]:
             ]
             stored.append((name, unit, "".join(others[:1]), value))
 
+    def visit_attributes(name: str, node: h5py.Group | h5py.Dataset) -> None:
+        stored.extend((f"{name}@{key}", "", "", value) for key, value in node.attrs.items())
+
     with h5py.File(path, "r") as file:
         file.visititems(visit)
+        visit_attributes("", file)
+        file.visititems(visit_attributes)
     return stored
 
 

@@ -20,20 +20,23 @@ from springpot.trainer.recordings.formats.column_map import (
     split_unit,
 )
 from springpot.trainer.recordings.formats.csv_layout import (
-    COMMA_TO_POINT,
     Cells,
     Layout,
     NoRecordingError,
     find_layout,
     is_number,
     is_value,
+    parse_clock_s,
+    plain_number,
     split_cells,
+    with_signal_header,
 )
 from springpot.trainer.recordings.formats.sampling import MIN_ROWS, RawChannels, to_si
 from springpot.trainer.recordings.formats.units import factor_to_si
 
 _LAST_ROWS = 2000  # with a fixed number of significant digits, the last stamps have the fewest
 _MAX_EXPONENT = 300
+_DAY_S = 86_400
 _CONTROL_CHARACTERS = re.compile("[\0-\b\x0e-\x19\x1b-\x1f]")  # but for Ctrl-Z at the end of DOS
 _SHOWN = 40  # letters of a line in a message
 
@@ -44,10 +47,14 @@ def read_csv(path: Path, request: FileRequest) -> RawChannels:
     Raises DataError naming file and row for bytes that are no text, missing columns or units, rows
     of another length, cells without a number and text in the middle of numbers.
     """
-    lines, encoding = _decode_lines(path)
+    text, encoding = _decode_lines(path)
+    lines = with_signal_header(text)
     layout = find_layout(path, lines, request)
     table = _Table(path, lines, layout)
     rate_hz = request.rate_hz
+    if layout.step_s and "time" in layout.columns and table.is_empty(layout.columns["time"]):
+        rate_hz = 1.0 / layout.step_s
+        layout = table.layout = layout.without_time()
     guess = layout.guess() + encoding + table.trailer_note
     if rate_hz is not None:
         beside = _compare_time_column(table, rate_hz)
@@ -97,8 +104,8 @@ class _Table:
     def __init__(self, path: Path, lines: Sequence[str], layout: Layout) -> None:
         self.path, self.lines, self.layout, self.trailer_note = path, lines, layout, ""
         self._cells = list[Cells]()
-        self._mark = COMMA_TO_POINT if layout.decimal == "comma" else {}
         self.rows: Indices = np.array(self._read_cells(), dtype=np.intp)
+        self._count_clock()
 
     def column(self, index: int) -> Samples:
         """Return the numbers of a column, (n,), NaN for an empty cell.
@@ -110,10 +117,28 @@ class _Table:
             if cell and not is_number(cell, self.layout.decimal):
                 raise DataError(
                     f"{self.path}, row {row}, column {index + 1}: {cell!r} is not a number with a "
-                    f"decimal {self.layout.decimal}, as the others are, and without separators of "
-                    "thousands: correct it in the source"
+                    f"decimal {self.layout.decimal}, as the others are: correct it in the source"
                 )
-        return np.array([float(cell.translate(self._mark) or "nan") for cell in texts])
+        decimal = self.layout.decimal
+        return np.array([float(plain_number(cell, decimal) or "nan") for cell in texts])
+
+    def is_empty(self, index: int) -> bool:
+        """Whether no row has anything in a column."""
+        return not any(row[index].strip() for row in self._cells)
+
+    def _count_clock(self) -> None:
+        """Write seconds from the first row on in place of a clock's times; midnight is passed."""
+        index = self.layout.columns.get("time", -1)
+        stamps = [parse_clock_s(row[index]) for row in self._cells if index >= 0]
+        if not stamps or stamps[0] is None:
+            return
+        days, before_s = 0, stamps[0]
+        mark = "," if self.layout.decimal == "comma" else "."
+        for row, stamp_s in zip(self._cells, stamps, strict=True):
+            if stamp_s is not None:  # else a cell that `column` refuses
+                days += before_s - stamp_s > _DAY_S / 2
+                before_s = stamp_s
+                row[index] = f"{stamp_s + days * _DAY_S - stamps[0]:f}".replace(".", mark)
 
     def _read_cells(self) -> list[int]:
         """Read the rows as text up to the file's end, or to text behind them."""
@@ -173,7 +198,8 @@ class _Table:
     def printed_digit_s(self) -> float:
         """Return one unit in the last printed digit of the time column, s; 0 without one."""
         index = self.layout.columns["time"]
-        stamps = [row[index].translate(self._mark) for row in self._cells[-_LAST_ROWS:]]
+        last = self._cells[-_LAST_ROWS:]
+        stamps = [plain_number(row[index].strip(), self.layout.decimal) for row in last]
         exponents = [Decimal(stamp).as_tuple().exponent for stamp in stamps if stamp.strip()]
         printed = [each for each in exponents if isinstance(each, int)]  # NaN has none
         digit = 10.0 ** min(_MAX_EXPONENT, *printed) if printed else 0.0

@@ -3,7 +3,8 @@
 import csv
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from decimal import Decimal
 from pathlib import Path
 
 from springpot.codegen.errors import DataError
@@ -14,6 +15,7 @@ from springpot.trainer.recordings.formats.column_map import (
     FileRequest,
     choose_column_units,
     guess_columns,
+    split_unit,
 )
 from springpot.trainer.recordings.formats.units import (
     QUANTITIES,
@@ -21,24 +23,35 @@ from springpot.trainer.recordings.formats.units import (
     Unit,
     is_specimen_unit,
     is_unit,
+    specimen_remedy,
 )
 
 Cells = list[str]
 Found = tuple[dict[Quantity, list[int]], int, Cells]  # columns that may be a channel, in which row
-# A point in a file of decimal commas is a mistake, or separates thousands: made unreadable here.
+# A point in a file of decimal commas is a mistake: made unreadable here.
 COMMA_TO_POINT = str.maketrans({",": ".", ".": "!"})
 _DELIMITERS = {"\t": "tab", ";": "semicolon", ",": "comma", "|": "bar", " ": "space"}
 _HEAD_LINES = 400
 _MAX_COLUMNS = 1024
 _SHOWN = 12  # columns in a message
+# Groups of three before a mark of decimals: alone they may be decimals of another mark.
+_GROUPED: dict[DecimalMark, re.Pattern[str]] = {
+    "point": re.compile(r"[+-]?\d{1,3}(?:,\d{3})+\.\d*"),
+    "comma": re.compile(r"[+-]?\d{1,3}(?:\.\d{3})+,\d*"),
+}
+# A clock's time, with or without a date before it and a zone behind it; "12:30" alone is either.
+_CLOCK = re.compile(
+    r"(?:[\d./-]*\d[T ] *)?(?:(?P<h>\d{1,2}):(?P<m>\d{1,2}):(?P<s>\d{2}(?:[.,]\d+)?)"
+    r"|(?P<m2>\d{1,3}):(?P<s2>\d{2}[.,]\d+))(?: ?(?P<half>[AP]M))?(?:Z|[+-]\d\d:?\d\d)?",
+    re.I,
+)
+_SIGNAL = re.compile(r"Sig\d+\s+(\S.*?)\s*")  # TA Instruments: a channel in a line of its own
 _COMMENT = re.compile(r"\s*#+ *(?=[^\s,;|])")
 _THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")
+_STRESS_WORDS = "stress|spannung|contrainte"
 _HINTS = {
     "modul": "moduli over frequency or temperature are no recording: export the samples of the "
     "test, position and force over time",
-    "stress|spannung|contrainte": "stress and strain are neither force nor position: pass the "
-    "specimen's height and area as units, --map position=COL:33mm,force=COL:18N for 33 mm, and 18 "
-    "mm2 of a stress in MPa",
 }
 
 
@@ -50,7 +63,8 @@ class NoRecordingError(DataError):
 class Layout:
     """Layout of a table: cells to a row, index of the first line of numbers, columns from 0.
 
-    below: the row of units below the header, empty without one.
+    below: the row of units below the header, empty without one. step_s: time between rows, if lines
+    above the header say it; None: they do not.
     """
 
     delimiter: str
@@ -61,6 +75,15 @@ class Layout:
     columns: Mapping[Quantity, int]
     units: Mapping[Quantity, Unit]
     decimal: DecimalMark
+    step_s: float | None = None
+
+    def without_time(self) -> "Layout":
+        """The layout of a table whose rows are counted."""
+        return replace(
+            self,
+            columns={q: i for q, i in self.columns.items() if q != "time"},
+            units={q: unit for q, unit in self.units.items() if q != "time"},
+        )
 
     def guess(self) -> str:
         """Write how the file was understood, and which columns are not read."""
@@ -97,6 +120,10 @@ def find_layout(path: Path, lines: Sequence[str], request: FileRequest) -> Layou
             found = {
                 q: indices for q in wanted if (indices := _match_columns(names, q, columns.get(q)))
             }
+            if len(found) == len(wanted) - 1 and "time" in wanted and "time" not in found:
+                below = split_cells("".join(head[index + 1 : index + 2]), delimiter)
+                clocks = [i for i, cell in enumerate(below) if parse_clock_s(cell) is not None]
+                found |= {"time": clocks} if clocks and "time" not in columns else {}
             if len(found) == len(wanted) <= len(row):
                 for quantity, indices in found.items():
                     if len(indices) == 1:
@@ -182,17 +209,66 @@ def _build_layout(
         for i in chosen.values()
         if i < len(row)
     ]
-    if "time" in chosen and numbers and ":" in numbers[0][1]:
+    stated = _read_stated(head[:first], delimiter)
+    if not units and len(labels := stated.get("Y_Unit_Label", [])) > 1:
+        units = {q: labels[i] for q, i in chosen.items() if i < len(labels) and q != "time"}
+    first_stamp = next((row[chosen["time"]] for k in rows if "time" in chosen
+                        for row in [split_cells(head[k] if k < len(head) else "", delimiter)]
+                        if chosen["time"] < len(row)), "")  # fmt: skip
+    described = list(header)
+    if parse_clock_s(first_stamp) is not None:
+        units["time"] = "s"
+        described[chosen["time"] : chosen["time"] + 1] = [""] if header else []
+    elif ":" in first_stamp:
         raise DataError(
-            f"{path}, row {numbers[0][0]}: {numbers[0][1]!r} is a clock's time, no number: state "
+            f"{path}, row {numbers[0][0]}: {first_stamp!r} is a clock's time, no number: state "
             "the rate, --map time=RATEHz, or read the file with pandas and pass the table to "
             "springpot.Recording.from_frame"
         )
     return Layout(
         delimiter, width, rows[0], header, below, chosen,
-        choose_column_units(str(path), header, chosen, request.columns, units),
-        request.decimal or _find_decimal_mark(path, numbers),
+        choose_column_units(str(path), described, chosen, request.columns, units),
+        request.decimal or _find_decimal_mark(path, numbers), _parse_step_s(stated),
     )  # fmt: skip
+
+
+def with_signal_header(lines: Sequence[str]) -> Sequence[str]:
+    """Lines with a header above the numbers, where a file names each channel in a line, SigN."""
+    head = [line.strip() for line in lines[:_HEAD_LINES]]
+    labels = {k: match[1] for k, line in enumerate(head) if (match := _SIGNAL.fullmatch(line))}
+    rows = [
+        k
+        for k in range(max(labels, default=0) + 1, len(head))
+        if len(cells := head[k].split()) >= len(labels) and all(map(is_value, cells))
+    ]
+    if len(labels) < 2 or not rows:
+        return lines
+    mark = "\t" if "\t" in lines[rows[0]].strip() else " "
+    header = mark.join(f'"{label}"' for label in labels.values())
+    return [*lines[: rows[0] - 1], f"{header}\n", *lines[rows[0] :]]
+
+
+def _read_stated(above: Sequence[str], delimiter: str) -> dict[str, Cells]:
+    """Cells of the lines above a header that LabVIEW writes, by the word in the first."""
+    rows = (split_cells(line, delimiter) for line in above)
+    return {row[0]: row for row in rows if row and row[0] in ("Y_Unit_Label", "Delta_X")}
+
+
+def _parse_step_s(stated: Mapping[str, Cells]) -> float | None:
+    steps = [cell.replace(",", ".") for cell in stated.get("Delta_X", [])[1:] if is_value(cell)]
+    return float(steps[0]) if steps and float(steps[0]) > 0.0 else None
+
+
+def parse_clock_s(cell: str) -> Decimal | None:
+    """Seconds since midnight of a clock's time, to its last digit; None for anything else."""
+    found = _CLOCK.fullmatch(cell.strip())
+    if not found:
+        return None
+    hours, minutes = int(found["h"] or 0), int(found["m"] or found["m2"])
+    if found["half"]:
+        hours = hours % 12 + 12 * (found["half"].upper() == "PM")
+    seconds = Decimal((found["s"] or found["s2"]).replace(",", "."))
+    return 3600 * hours + 60 * minutes + seconds
 
 
 def _find_decimal_mark(path: Path, numbers: Sequence[tuple[int, str]]) -> DecimalMark:
@@ -230,6 +306,8 @@ def _missing_columns_error(
     kind = DataError
     if not present.keys() - {"time"} and not stated and (row or first is None):
         kind = NoRecordingError
+        if re.search(_STRESS_WORDS, names, re.I):
+            return kind(f"{path}: {_specimen_hint(row)}: found{header[3:]}")
         for words, hint in _HINTS.items():
             if re.search(words, names, re.I):
                 return kind(f"{path}: {hint}: found{header[3:]}")
@@ -243,6 +321,24 @@ def _missing_columns_error(
         )
     channels = " or of ".join(q + f" ({stated.get(q)!r})" * (q in stated) for q in missing)
     return kind(f"{path}: found no column of {channels}{header}: {remedy}")
+
+
+def _specimen_hint(row: Cells) -> str:
+    """What to pass for columns of strain and stress, by the units that the header says."""
+    quantities: tuple[Quantity, ...] = ("position", "force")
+    found = {
+        quantity: (cell, unit)
+        for quantity in quantities
+        for cell in reversed(row)
+        if is_specimen_unit(unit := split_unit(cell, quantity)[1] or "", quantity)
+    }
+    how = (
+        specimen_remedy(found)
+        if found
+        else "pass the specimen's height for a strain of 1, and its area times the unit of stress, "
+        "--map position=COL:33mm,force=COL:18N for 33 mm, and 18 mm2 of a stress in MPa"
+    )
+    return f"stress and strain are neither force nor position: {how}"
 
 
 def _split_line(head: Sequence[str], index: int) -> Iterator[tuple[str, Cells]]:
@@ -282,15 +378,22 @@ def split_cells(line: str, delimiter: str) -> Cells:
     return found
 
 
+def plain_number(cell: str, decimal: DecimalMark) -> str:
+    """A number as Python reads it: a point for decimals, and no separators of thousands."""
+    if _GROUPED[decimal].fullmatch(cell):
+        cell = cell.replace("," if decimal == "point" else ".", "")
+    return cell.translate(COMMA_TO_POINT) if decimal == "comma" else cell
+
+
 def is_number(cell: str, decimal: DecimalMark = "point") -> bool:
     """Return whether a cell is a number, NaN and infinity included."""
     try:
-        float(cell.translate(COMMA_TO_POINT) if decimal == "comma" else cell)
+        float(plain_number(cell, decimal))
     except ValueError:
         return False
     return "_" not in cell and cell.isascii()  # Python reads 1_000 and other scripts' digits
 
 
 def is_value(cell: str) -> bool:
-    """Return whether a cell is a number with either mark of decimals."""
-    return is_number(cell) or is_number(cell, "comma")
+    """Return whether a cell is a number with either mark of decimals, or a clock's time."""
+    return is_number(cell) or is_number(cell, "comma") or parse_clock_s(cell) is not None

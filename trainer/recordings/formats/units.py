@@ -41,12 +41,17 @@ _WORDS = {
     "newtons": "N", "millinewton": "mN", "kilonewton": "kN", "g": "gf", "gram": "gf",
     "grams": "gf", "kg": "kgf", "lb": "lbf", "lbs": "lbf", "oz": "ozf",
 }  # fmt: skip
-# Strain and stress: a way over the specimen's height, a force over its area.
-_SPECIMEN_UNITS: dict[Quantity, tuple[str, ...]] = {
-    "time": (),
-    "position": ("%", "mm/mm", "m/m", "in/in", "-"),
-    "force": ("pa", "kpa", "mpa", "n/mm2", "n/mm²", "psi"),
-}
+# Strain and stress, casefolded, in parts of 1 and in Pa: a way over the specimen's height, a force
+# over its area.
+_SPECIMEN_UNITS: dict[Quantity, dict[str, float]] = {
+    "time": {},
+    "position": {"%": 0.01, "mm/mm": 1.0, "m/m": 1.0, "in/in": 1.0, "-": 1.0},
+    "force": {
+        "pa": 1.0, "kpa": 1e3, "mpa": 1e6, "n/mm2": 1e6, "n/mm²": 1e6, "psi": 6894.757,
+    },
+}  # fmt: skip
+# Height in m, area in m2: another specimen is one of no laboratory, and a factor was mistaken.
+_MAX_SPECIMEN = {"position": (1.0, "m high"), "force": (0.15, "m2 wide")}
 # "1e-3m" and "33 mm": what follows the number must not begin like one.
 _WITH_FACTOR = re.compile(
     r"(?P<factor>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)?\s*(?P<unit>[^\d\s.+-].*)?"
@@ -78,6 +83,30 @@ def is_unit(text: str, quantity: Quantity) -> bool:
 def is_specimen_unit(text: str, quantity: Quantity) -> bool:
     """Return whether `text` is a unit of stress where force is wanted, of strain for position."""
     return text.casefold() in _SPECIMEN_UNITS[quantity]
+
+
+def specimen_factor(text: str, quantity: Quantity) -> float:
+    """Return what a unit of strain or stress is, in parts of 1 or in Pa."""
+    return _SPECIMEN_UNITS[quantity][text.casefold()]
+
+
+def specimen_remedy(columns: Mapping[Quantity, tuple[str, str]]) -> str:
+    """Say which factors turn strain and stress, each a column and its unit, into mm and N."""
+    parts, words = list[str](), list[str]()
+    for quantity, (column, unit) in columns.items():
+        size, of, to_unit, example, scale = (
+            ("height", "mm", "mm", 12.5, 1.0)
+            if quantity == "position"
+            else ("area", "mm2", "N", 660.0, 1e-6)
+        )
+        factor = scale * specimen_factor(unit, quantity)
+        times = f" times {factor:.6g}" if factor != 1.0 else ""
+        parts.append(f"{quantity}={column}:FACTOR{to_unit}")
+        words.append(
+            f"the specimen's {size} in {of}{times} ({factor * example:.6g}{to_unit} of {example:g} "
+            f"{of})"
+        )
+    return f"pass --map {shlex.quote(','.join(parts))}, FACTOR being {', and '.join(words)}"
 
 
 def factor_to_si(text: str, quantity: Quantity, where: str) -> float:
@@ -129,6 +158,16 @@ def choose_unit(
     for source, file_unit in found.items() if origin == "map" else ():
         if source == "map" or not file_unit:
             continue
+        if is_specimen_unit(file_unit, quantity):
+            size, (limit, what) = (
+                abs(to_si) / specimen_factor(file_unit, quantity),
+                _MAX_SPECIMEN[quantity],
+            )
+            if size > limit and abs(factor) != 1.0:
+                raise DataError(
+                    f"{where}: its {source} says {file_unit}, the map {text}: then the specimen is "
+                    f"{size:.3g} {what}: {specimen_remedy({quantity: (column, file_unit)})}"
+                )
         if is_specimen_unit(file_unit, quantity) and abs(factor) == 1.0 and text[0] != "1":
             raise DataError(
                 f"{where}: its {source} says {file_unit}, a unit of stress or strain: put the "

@@ -102,6 +102,51 @@ def channel_findings(recording: Recording) -> Iterator[Finding]:
         )  # fmt: skip
 
 
+@dataclass(frozen=True)
+class LevelRule:
+    """When force without contact jumps between two levels, as a sign bit or a loose plug makes it.
+
+    gap_fraction: of the range of force: how far apart; gap_ratio: times the spread of each level.
+    least_share: of the samples in the air, on each; spikes are fewer. changes: from one to the
+    other in a visit, in the mean: a surface that lets go changes once.
+    """
+
+    gap_fraction: float = 0.1
+    gap_ratio: float = 3.0
+    least_share: float = 0.15
+    changes: float = 4.0
+
+
+_LEVELS = LevelRule()
+
+
+def level_findings(recording: Recording) -> Iterator[Finding]:
+    """Find a force that takes two levels in turn where nothing is touched; before any repair."""
+    position_m, force_n = recording.position_m, recording.force_n
+    in_air = position_m <= position_m.min() + _AIR_FRACTION * float(np.ptp(position_m))
+    air_n = np.sort(force_n[in_air])
+    least = max(_MIN_FLAT_SAMPLES, int(_LEVELS.least_share * len(air_n)))
+    gaps = np.diff(air_n)[least - 1 : len(air_n) - least]
+    if not len(gaps):
+        return
+    last_low = least - 1 + int(np.argmax(gaps))
+    low_n, high_n = air_n[: last_low + 1], air_n[last_low + 1 :]
+    spread_n = max(float(np.ptp(np.quantile(each, (0.05, 0.95)))) for each in (low_n, high_n))
+    is_high = force_n > 0.5 * (low_n[-1] + high_n[0])
+    visits = runs(in_air)
+    changes = sum(int(np.count_nonzero(np.diff(is_high[a:b]))) for a, b in visits)
+    if gaps.max() > max(
+        _LEVELS.gap_fraction * float(np.ptp(force_n)), _LEVELS.gap_ratio * spread_n
+    ) and changes >= _LEVELS.changes * len(visits):
+        yield refusal(
+            "levels", recording.name,
+            f"force takes two levels in the air, {np.median(low_n):.3g} and "
+            f"{np.median(high_n):.3g} N, and changes {changes} times between them",
+            "a converter's sign is read wrong, or a plug is loose, and no object does so",
+            "correct the sign in the source, or check the sensor's cable",
+        )  # fmt: skip
+
+
 def _clipping_findings(
     recording: Recording, channel: str, samples: Samples, other: Samples
 ) -> Iterator[Finding]:

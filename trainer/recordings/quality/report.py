@@ -17,7 +17,8 @@ from springpot.codegen.messages import with_progress
 from springpot.codegen.types import JsonObject
 from springpot.trainer.recordings.conditioning import find_air_drift
 from springpot.trainer.recordings.contact_point import ContactPoint, find_contact
-from springpot.trainer.recordings.quality.channels import channel_findings
+from springpot.trainer.recordings.formats.units import format_map_option, split_factor
+from springpot.trainer.recordings.quality.channels import channel_findings, level_findings
 from springpot.trainer.recordings.quality.dissipation import Dissipation
 from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
 from springpot.trainer.recordings.quality.repeats import (
@@ -122,20 +123,26 @@ def check_recordings(given: Recordings) -> QualityReport:
     findings: list[Finding] = []
     checked, signs, cycles, intact = [], [], [], []
     for read in with_progress(resolve_recordings(given), "checking"):
-        recording, found = replace_spikes(read)
+        recording, found = read, list(level_findings(read))
+        if not found:
+            recording, found = replace_spikes(read)
+            found += channel_findings(recording)
         checked.append(recording)
         signs.append(find_signs(recording))
         cycles.append(find_cycles(recording))
-        found += channel_findings(recording)
         if not _has_refusal(
             found
         ):  # one cause, one line: a constant has no unit, a wrap turns signs
             # A sensor that stands still seems to drift, and to give energy; a force that is torn
             # or late is missed on the next way in.
             stuck = any(finding.kind == "stuck" for finding in found)
+            stands = stuck or any(finding.kind == "clipping" for finding in found)
             sign_faults = list(sign_findings(recording, signs[-1]))
             sign_faults = [
-                finding for finding in sign_faults if not (stuck and finding.kind == "energy")
+                finding
+                for finding in sign_faults
+                if not (stuck and finding.kind == "energy")
+                and not (stands and finding.kind == "exchanged")
             ]
             found = [
                 finding for finding in found if not (sign_faults and finding.kind in _ALSO_TORN)
@@ -144,9 +151,65 @@ def check_recordings(given: Recordings) -> QualityReport:
             intact += [] if spoiled else [recording]
             found += unit_findings(recording)
         findings += found
+    findings += _compare_units(intact)
     skew = estimate_skew([own for own in cycles if own])
     findings += [*contact_findings(intact), *skew_findings(checked, skew)]
     return QualityReport(checked, findings, cycles, signs, skew)
+
+
+@dataclass(frozen=True)
+class SetUnitRule:
+    """When one recording of a set is in another unit.
+
+    ratio: times the others' force at equal depth, in the deeper half of what all reach, or their
+    stroke: objects and depths of one set differ by less. alike: of the other channel, by which it
+    differs at most.
+    """
+
+    ratio: float = 30.0
+    alike: float = 5.0
+
+
+_SET_UNITS = SetUnitRule()
+
+
+def _compare_units(recordings: Sequence[Recording]) -> Iterator[Finding]:
+    """Refuse a recording whose stroke or force is many times that of the others."""
+    if len(recordings) < 2:
+        return
+    strokes_m = np.array([float(np.ptp(each.position_m)) for each in recordings])
+    peaks_n = np.array([float(np.ptp(each.force_n)) for each in recordings])
+    common_m = min(float(each.position_m.max()) for each in recordings)
+    if common_m <= 0.0:
+        return
+    forces_n = np.array([
+        float(np.median(np.abs(each.force_n[deep]))) if deep.any() else 0.0
+        for each in recordings
+        for deep in [np.abs(each.position_m / common_m - 0.75) <= 0.25]
+    ])  # fmt: skip
+    for channel, sizes, others in (
+        ("position", strokes_m, peaks_n),
+        ("force", forces_n, strokes_m),
+    ):
+        usual, beside = (float(np.median(each[:-1] if len(each) == 2 else each))
+                         for each in (sizes, others))  # fmt: skip
+        for recording, size, other in zip(recordings, sizes, others, strict=True):
+            alike = 1.0 / _SET_UNITS.alike < other / beside < _SET_UNITS.alike
+            ratio = float(size) / usual if usual else 0.0
+            many = bool(ratio) and max(ratio, 1.0 / ratio) > _SET_UNITS.ratio
+            if many and alike:
+                read = recording.details.get("units", {}).get(channel, {})
+                stated = read.get("unit") or {"position": "m", "force": "N"}[channel]
+                factor, unit = split_factor(stated)
+                mended = f"{factor * 10.0 ** -round(float(np.log10(ratio))):.6g}{unit}"
+                option = format_map_option(channel, read.get("column", "COL"), mended)
+                at = "at equal depth" if channel == "force" else "at equal force"
+                yield refusal(
+                    "unit", recording.name,
+                    f"{channel} is {ratio:.3g} times that of the others {at}",
+                    "its unit is another, or it is of another object",
+                    f"import it apart, {option} if so, or leave it out",
+                )  # fmt: skip
 
 
 def _has_refusal(findings: Sequence[Finding]) -> bool:

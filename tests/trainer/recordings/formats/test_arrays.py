@@ -50,6 +50,24 @@ def test_mat_5(tmp_path: Path) -> None:
         load(file)
 
 
+@pytest.mark.parametrize("name", ["fs", "rate", "dt_s", "Sample_Rate"])
+@pytest.mark.parametrize("place", ["file", "group", "number"])
+def test_a_rate_that_a_file_says_beside_its_channels(tmp_path: Path, name: str, place: str) -> None:
+    value = 0.01 if name == "dt_s" else 100.0
+    with h5py.File(tmp_path / "a.h5", "w") as opened:
+        group = opened.create_group("run")
+        group["position_mm"], group["force_N"] = POSITION_MM, FORCE_N
+        if place == "number":
+            group[name] = value
+        else:
+            (opened if place == "file" else group).attrs[name] = value
+    assert_samples(load(tmp_path / "a.h5"))
+    with h5py.File(tmp_path / "a.h5", "a") as opened:
+        opened["run"].attrs["rate_hz"] = 50.0  # another one: nobody knows which
+    with pytest.raises(DataError, match="time has no array"):
+        load(tmp_path / "a.h5")
+
+
 def mat_73(file: Path) -> None:
     """As MATLAB writes it: HDF5 behind a block of 512 bytes, vectors as matrices of one column."""
     with h5py.File(file, "w", userblock_size=512) as opened:
