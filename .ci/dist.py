@@ -4,6 +4,7 @@ Everything is built twice, from an archive of the commit and never from the work
 bytes the second time are an error. python .ci/dist.py [FOLDER]
 """
 
+import argparse
 import hashlib
 import os
 import shutil
@@ -66,7 +67,9 @@ def checksum(file: Path) -> str:
 
 def main() -> int:
     """Build, build again, compare, keep the first."""
-    folder = Path(sys.argv[1] if sys.argv[1:] else "dist").resolve()
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("folder", type=Path, nargs="?", default=Path("dist"))
+    folder = parser.parse_args().folder.resolve()
     with tempfile.TemporaryDirectory() as scratch:
         sums = []
         for name in ("one", "two"):

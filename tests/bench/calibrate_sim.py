@@ -7,6 +7,7 @@ the recorded training protocol agree with their targets to 0.3 %. Nothing else i
 shapes of the elastic branches and of the relaxation spectrum are stated in sim_material.c.
 """
 
+import argparse
 import os
 import shutil
 import tempfile
@@ -84,13 +85,14 @@ def write_constants(folder: Path, constants: np.ndarray) -> None:
 def measure(folder: Path, constants: np.ndarray) -> np.ndarray:
     """Build the C of `folder` with the constants; return depths and losses, shaped like them."""
     write_constants(folder, constants)
-    simulated_bench._library.cache_clear()
+    simulated_bench.bench_library.cache_clear()
     urls = [[f"sim://{name}?variant={v}" for v in VARIANTS] for name in TARGETS]
     return np.array([[figures(url) for url in row] for row in urls])
 
 
 def main() -> None:
     """Iterate in a copy of the C; write the repository's header at the end."""
+    argparse.ArgumentParser(description=__doc__.splitlines()[0]).parse_args()
     repository_folder = paths.SIM
     targets = np.repeat(np.array(list(TARGETS.values()))[:, None, :], 2, axis=1)
     constants = np.ones_like(targets)

@@ -9,11 +9,14 @@ import argparse
 import json
 import shutil
 import subprocess
+import sys
 import tempfile
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[2]))
 from support.silicones import paper_presses, validation_signals
 from tick_peers import peer_rows
 from tick_rows import HERE, Row, Stepper, literal_row, scene_rows
@@ -34,12 +37,11 @@ COLD_BYTES = 8 << 20
 AVX2, AVX512 = 1, 2
 
 
-def rows_of(folder: Path, recordings: Any, judges: Any) -> tuple[list[Row], Any, np.ndarray]:
+def rows_of(folder: Path, recordings: Any) -> tuple[list[Row], Any, np.ndarray]:
     """Fit, emit and build everything."""
     options = FitOptions()
     exact = fit_model("rf-fd", OBJECT, recordings, options).model
     rounded = fit_model("rf-fd", OBJECT, recordings, FitOptions(round_features=True)).model
-    trimmed = fit_model("rf-fd", OBJECT, recordings, FitOptions(), judges).model
     rbf = fit_model("rbf-fd", OBJECT, recordings, options).model
     hammerstein = fit_model("hammerstein", OBJECT, recordings, options).model
     assert isinstance(exact.features, FirBank)
@@ -55,8 +57,6 @@ def rows_of(folder: Path, recordings: Any, judges: Any) -> tuple[list[Row], Any,
                             0: "rf-fd-exact-portable"}, folder / "exact"),
         *scene_rows(rounded, {AVX512: "rf-fd-rounded", AVX2: "rf-fd-rounded-avx2",
                               0: "rf-fd-rounded-portable"}, folder / "rounded"),
-        *scene_rows(trimmed, {AVX512: "rf-fd-trimmed", 0: "rf-fd-trimmed-portable"},
-                    folder / "trimmed"),
         *scene_rows(rbf, {0: "rbf-fd"}, folder / "rbf"),
         *scene_rows(hammerstein, {0: "hammerstein"}, folder / "hammerstein"),
         *scene_rows(rbf, {0: "rbf-fd-uncoupled"}, folder / "rbf-plain", **plain),
@@ -115,7 +115,7 @@ def main() -> None:
     position_m = np.concatenate([item.position_m for item in signals[2:]])
     with tempfile.TemporaryDirectory() as scratch:
         folder = Path(scratch)
-        rows, ensemble, features = rows_of(folder, paper_presses(OBJECT), signals[:2])
+        rows, ensemble, features = rows_of(folder, paper_presses(OBJECT))
         hot, paced = timed(rows, position_m)
         table = [
             {

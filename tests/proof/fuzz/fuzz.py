@@ -6,6 +6,7 @@ TARGET is scene, text or wire. It ends with status 1 or more at the first input 
 anything but a result or one line for users, and keeps that input. `make soak` gives each an hour.
 """
 
+import argparse
 import logging
 import subprocess
 import sys
@@ -118,4 +119,7 @@ def main(target: str, options: list[str]) -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1], sys.argv[2:]))
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("target", choices=[*READERS, "wire"])
+    asked, libfuzzer = parser.parse_known_args()
+    sys.exit(main(asked.target, libfuzzer))

@@ -7,6 +7,7 @@ double, and prints what all of them let pass, less what equivalent.toml has a re
 where anything is left. Minutes: for a release, and where such a file was changed.
 """
 
+import argparse
 import subprocess
 import sys
 import tempfile
@@ -78,8 +79,10 @@ def noticed(folder: Path, file: str) -> bool:
 
 def main() -> int:
     """Try every change of the files that are named, or of all."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("names", nargs="*", choices=[*PROGRAMS, []], metavar="NAME")
     left = 0
-    for file in sys.argv[1:] or PROGRAMS:
+    for file in parser.parse_args().names or PROGRAMS:
         text = (ROOT / "runtime_c" / "src" / file).read_text()
         known = {tuple(one["change"]) for one in EQUIVALENT.get(file, ())}
         mutants = list(mutants_of_c(text))

@@ -5,9 +5,9 @@ change forces; with --models, fitted anew: of the same kinds, sizes and engines 
 which an earlier version fitted, so that a fit may change without its forces.
 """
 
+import argparse
 import hashlib
 import json
-import sys
 from itertools import product
 
 import numpy as np
@@ -140,6 +140,8 @@ def write() -> None:
 
 
 if __name__ == "__main__":
-    for stored_name in models() if "--models" in sys.argv else ():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--models", action="store_true", help="fit the models anew, too")
+    for stored_name in models() if parser.parse_args().models else ():
         write_model(FOLDER / f"{stored_name}.spm", fitted(stored_name, trees=4))
     write()

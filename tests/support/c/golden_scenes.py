@@ -4,6 +4,7 @@ smallest_scene: a model written by hand, with nothing around it. proxy_scene: a 
 with all that a hand on a device needs. `cd tests && python -m support.c.golden_scenes` writes them.
 """
 
+import argparse
 from pathlib import Path
 
 import numpy as np
@@ -85,6 +86,7 @@ def emission(name: str) -> dict[str, str]:
 
 
 if __name__ == "__main__":
+    argparse.ArgumentParser(description=__doc__.splitlines()[0]).parse_args()
     for scene in SCENES:
         for name, text in emission(scene).items():
             (folder_of(scene) / name).write_text(text)

@@ -1,5 +1,6 @@
 """Notebooks, run cell by cell; `make notebook` stores what the quick start shows, for GitHub."""
 
+import argparse
 import ast
 import base64
 import contextlib
@@ -77,4 +78,5 @@ def store_outputs(file: Path) -> None:
 
 
 if __name__ == "__main__":
+    argparse.ArgumentParser(description=store_outputs.__doc__).parse_args()
     store_outputs(QUICK_START)
