@@ -18,7 +18,7 @@ MCU_PACKAGES := gcc-arm-none-eabi libnewlib-arm-none-eabi qemu-system-arm gcc-ri
   picolibc-riscv64-unknown-elf qemu-system-misc \
   clang lld nodejs
 
-.PHONY: demo test test-rest test-long test-all durations test-mcu setup-mcu firmware soak bench-tick prove docs notebook dist lock licences check format lint types ns test-c clean
+.PHONY: demo test test-rest test-long test-all durations test-mcu test-windows setup-mcu firmware soak bench-tick prove docs notebook dist lock licences check format lint types ns test-c clean
 
 # No bytecode yet: Python writes that of what it imports, a third of what pip would compile.
 $(STAMP): requirements.lock pyproject.toml
@@ -59,6 +59,11 @@ setup-mcu:
 # The same C on emulated boards; what is missing here is skipped, counted, and said.
 test-mcu: $(STAMP)
 	$(BIN)/pytest -n 2 -m board
+
+# A Windows Python under wine (Debian's wine64 and mingw, as root), and the whole job with it.
+test-windows: $(STAMP)
+	tests/windows/make_python.sh build/windows . $(BIN)/python
+	tests/windows/smoke.sh build/windows $(BIN)/springpot
 
 # make firmware BOARD=mps2-an386 SCENE=scene.toml: build/firmware/BOARD/firmware.elf and its sources.
 firmware: $(STAMP)

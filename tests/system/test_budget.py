@@ -44,7 +44,7 @@ def code_lines(text: str) -> int:
 # two per cent of air, and change once a release, in a commit of their own.
 @pytest.mark.parametrize(
     ("files", "max_lines"),
-    [("codegen/*.py", 4950), ("trainer/*.py", 7150), ("host/*.py", 9700), ("tests/*.py", 16300)],
+    [("codegen/*.py", 4950), ("trainer/*.py", 7500), ("host/*.py", 9700), ("tests/*.py", 16500)],
 )
 def test_lines_of_code(files: str, max_lines: int) -> None:
     assert sum(map(code_lines, tracked(files))) <= max_lines
@@ -65,7 +65,7 @@ def test_files_of_the_product() -> None:
 
 def test_documents() -> None:
     pages = tracked("docs/*.md")
-    assert len(pages) <= 25
+    assert len(pages) <= 26
     assert sum(len(text.split()) for text in [*pages, *tracked("README.md")]) <= 21000
 
 
