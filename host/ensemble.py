@@ -13,6 +13,7 @@ from springpot import Model
 from springpot.codegen.arrays import Samples, to_float64
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.features import Features
+from springpot.codegen.model.regressors import Linear
 from springpot.trainer.models.ensembles import convert_ensemble, convert_linear, require_fitted
 from springpot.trainer.models.fit import FitOptions, assemble
 from springpot.trainer.models.passive.passive_fit import fit_passive
@@ -29,6 +30,7 @@ from springpot.trainer.recordings.recording_file import Recordings, resolve_reco
 KIND = "ensemble"
 GivenFeatures = Features | Sequence[float] | None
 _AGREES = 1e-4  # of the peak force: float32 leaves a tree now and then on the other side
+_SINGLE_PRECISION = 1e-3  # of the peak force: what the C may err by against `predict`
 _CHECKED_ROWS = 10_000
 # Of XGBoost and LightGBM.
 _EARLY_STOPPING = {"early_stopping_rounds", "early_stopping_round", "callbacks"}
@@ -104,12 +106,37 @@ def from_ensemble(
             f"{type(regressor).__name__} is no weighted sum of its trees: fit it with a squared or "
             "absolute error, without dart, linear_tree or an init of its own"
         )
+    if isinstance(found, Linear):
+        _require_single_precision(found, values, predicted_n)
+    elif not np.isfinite(found.threshold).all():
+        raise UsageError(
+            f"{type(regressor).__name__} decides on thresholds that are not finite: fit it on rows "
+            "without NaN or infinity, as ensemble_data returns them"
+        )
     require_same_data(regressor, predicted_n[::2], values[::2], force_n[::2])
     options = FitOptions(smooth_s=smooth_s)
     passive = fit_passive(data, options)
     metadata = {"regressor": type(regressor).__name__}
     parts = (features, found.on_scaled(scale))  # a power of two: exact
     return assemble(KIND, name, data, options, data.rows_total, parts, passive, False, metadata)
+
+
+def _require_single_precision(law: Linear, values: Samples, predicted_n: Samples) -> None:
+    """Raise UsageError where weights that cancel leave the C's sum off by a thousandth of the peak.
+
+    values (rows, features) are exact in float32, and the C adds their products one by one.
+    """
+    weights = law.weights_n.astype(np.float32)
+    sums = np.full(len(values), law.intercept_n, dtype=np.float32)
+    for column, weight in zip(values.T.astype(np.float32), weights, strict=True):
+        sums += column * weight
+    off_n, peak_n = float(np.abs(sums - predicted_n).max()), float(np.abs(predicted_n).max())
+    if off_n > _SINGLE_PRECISION * peak_n:
+        raise UsageError(
+            f"the weights, up to {np.abs(law.weights_n).max():.3g} N, cancel: in single precision "
+            f"the force errs by up to {off_n:.2g} N of {peak_n:.3g} N: fit with a stronger "
+            "penalty, such as Ridge(1.0)"
+        )
 
 
 def require_same_data(

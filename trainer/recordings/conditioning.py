@@ -158,7 +158,7 @@ def _set_contact_zero(recording: Recording, options: Conditioning) -> tuple[Reco
         raise UsageError("--contact-force and --tare find the zero: leave out --zero")
     details, line = dict[str, Any](recording.details), f"{recording.name}: "
     sets_zero, contact, drifted_n = options.contact_force is not None, None, 0.0
-    if tare_n is None and (drift_found := find_air_drift(recording)):
+    if tare_n is None and (drift_found := find_air_drift(recording, asked=True)):
         recording, drift = drift_found
         details |= {"drift_nps": drift.slope_nps, "drift_bound_nps": drift.bound_nps}
         line += f"drift of {60.0 * drift.slope_nps:.3g} N/min taken off, "
@@ -183,12 +183,12 @@ def _set_contact_zero(recording: Recording, options: Conditioning) -> tuple[Reco
     return replace(recording, position_m=position_m, force_n=force_n, details=details), line
 
 
-def find_air_drift(recording: Recording) -> tuple[Recording, Drift] | None:
+def find_air_drift(recording: Recording, asked: bool = False) -> tuple[Recording, Drift] | None:
     """The recording without the drift of its force in the air, and that; None if it has none.
 
     An object that relaxes, with its force zeroed under load, looks alike, but has no surface.
     """
-    if recording.zero == "none" and (drift := find_drift(recording)):
+    if recording.zero == "none" and (drift := find_drift(recording, asked)):
         time_s = np.arange(len(recording.force_n)) * recording.dt_s
         drift_n = drift.start_n + drift.slope_nps * time_s
         steady = replace(recording, force_n=recording.force_n - drift_n)

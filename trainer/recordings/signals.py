@@ -83,12 +83,13 @@ class Drift:
     bound_nps: float
 
 
-def find_drift(recording: Recording) -> Drift | None:
+def find_drift(recording: Recording, asked: bool = False) -> Drift | None:
     """The drift of the force where the tool is farthest out; None if noise or relaxing explains it.
 
     An object that is pressed all along relaxes: its force falls, and not below 0. So what rises, or
     ends below where it began and below 0, is the sensor's. The slope is that of the visits' means,
-    and its bound what they scatter around the line, or the noise.
+    and its bound what they scatter around the line, or the noise. asked: whether a person wants it
+    off: then any that is beyond its bound is returned.
     """
     position_m, force_n = recording.position_m, recording.force_n
     in_air = position_m <= position_m.min() + _AIR_FRACTION * float(np.ptp(position_m))
@@ -108,11 +109,8 @@ def find_drift(recording: Recording) -> Drift | None:
     is_sensor_drift = slope_nps > 0.0 or line_n[-1] < min(
         -_MIN_DRIFT_FRACTION * float(np.ptp(force_n)), line_n[0]
     )
-    if (
-        not is_sensor_drift
-        or abs(slope_nps) < bound_nps
-        or abs(change_n) < _MIN_DRIFT_FRACTION * np.ptp(force_n)
-    ):
+    is_large = is_sensor_drift and abs(change_n) >= _MIN_DRIFT_FRACTION * np.ptp(force_n)
+    if abs(slope_nps) < bound_nps or not (asked or is_large):
         return None
     return Drift(float(line_n[0] - slope_nps * time_s[0]), slope_nps, bound_nps)
 

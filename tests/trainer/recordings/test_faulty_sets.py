@@ -16,7 +16,7 @@ from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.conditioning import Conditioning, condition
 from springpot.trainer.recordings.contact_point import find_contact
 from springpot.trainer.recordings.quality.channels import channel_findings
-from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.recording import Recording, Zero
 
 DEPTH_M, PEAK_N, NOISE_N, COUNT_N, DT_S = 5e-3, 8.0, 0.01, 0.012, 5e-3
 SURFACE_M = 12e-3
@@ -336,3 +336,71 @@ def test_a_sign_bit_that_is_read_wrong_is_named_and_a_surface_that_lets_go_is_no
     flipped_n = np.where(force_n < 0.0, 2.05 - force_n, force_n)
     for each_n, named in ((force_n, False), (pulls_n, False), (flipped_n, True)):
         assert ("levels" in kinds([Recording("a", position_m, each_n, 0.01)])) == named
+
+
+def trapezoids(hold_s: float) -> Samples:
+    """Eight presses from 5 mm above the surface, at 100 Hz, m."""
+    knots_s, knots_m = [0.0], [-5e-3]
+    for number in range(8):
+        depth_m = (2.5 + 1.5 * (3 * number % 8) / 8) * 1e-3
+        for span_s, to_m in ((1.0, -5e-3), (0.4, depth_m), (hold_s, depth_m), (0.4, -5e-3)):
+            knots_s.append(knots_s[-1] + span_s)
+            knots_m.append(to_m)
+    return np.interp(np.arange(0.0, knots_s[-1], 0.01), knots_s, knots_m)
+
+
+@pytest.mark.parametrize("hold_s", [0.2, 1.0, 3.0])
+@pytest.mark.parametrize("per_min", [0.05, 0.2, 0.6, -0.1, -0.3])
+def test_a_slow_drift_is_taken_off_and_moves_no_surface(per_min: float, hold_s: float) -> None:
+    position_m = trapezoids(hold_s)
+    drift_n = per_min / 60.0 * 0.01 * np.arange(len(position_m))
+    item = Recording("a", position_m + 20e-3, soft_n(position_m) + drift_n, 0.01)
+    (mended, (line,)) = condition(item, Conditioning(tare="auto", contact_force="auto"))
+    taken = re.search(r"drift of (\S+) N/min", line)
+    assert taken and float(taken[1]) == pytest.approx(per_min, abs=0.02)
+    off_m = mended.details["contact_position_m"] - 20e-3
+    assert abs(off_m) < mended.details["contact_uncertainty_m"] < 0.4e-3
+
+
+def test_a_slope_in_the_air_is_named_and_a_preload_is_not_called_one() -> None:
+    position_m = trapezoids(1.0)
+    sloped_n = soft_n(position_m) + 30.0 * (position_m + 5e-3)
+    pressed_n = soft_n(position_m + 6e-3)
+    elastic_n = 1e3 * np.maximum(position_m, 0.0) + 50.0 * (position_m + 5e-3)
+    for force_n, words in (
+        (sloped_n, "0.03.* N/mm over position"),
+        (elastic_n, "0.05.* N/mm over position"),
+        (pressed_n, "never leaves"),
+    ):
+        item = Recording("a", position_m, force_n, 0.01)
+        try:
+            mended = condition(item, Conditioning(contact_force="auto", tare="auto"))[0]
+        except DataError as refused:
+            assert re.search(words, str(refused))
+        else:  # or the surface is found in spite of it
+            off_m = mended.details["contact_position_m"]
+            assert abs(off_m) < mended.details["contact_uncertainty_m"]
+
+
+@pytest.mark.parametrize(
+    ("low_m", "remedy"), [(-1e-3, "--contact-force auto"), (0.5e-3, "--zero (first|min)")]
+)
+def test_positions_below_0_all_along_are_refused_with_what_mends_them(
+    low_m: float, remedy: str
+) -> None:
+    """A gap meter, turned round: of an object that is left, and of one that is not."""
+    position_m = cycles() * (4e-3 - low_m) / 5e-3 + (low_m + (4e-3 - low_m) / 5.0)
+    item = Recording("a", position_m - 11e-3, soft_n(position_m), 0.01)
+    with pytest.raises(DataError, match=f"below 0 all along.*; import with {remedy}$"):
+        springpot.check_recordings(item).refuse()
+    zero: Zero = "none" if "contact" in remedy else "first"
+    options = AUTO if zero == "none" else Conditioning()
+    assert not springpot.check_recordings(condition(item, options, zero)[0]).refused
+
+
+def test_all_refusals_of_a_folder_are_said_at_once(tmp_path: Path) -> None:
+    for name, force in (("a", "1"), ("b", "x"), ("c", "1"), ("d", "nan")):
+        rows = "".join(f"{k / 100},{k},{force if k == 5 else k}\n" for k in range(20))
+        (tmp_path / f"{name}.csv").write_text(f"time_s,position_mm,force_N\n{rows}")
+    with pytest.raises(DataError, match=r"b\.csv, row 7, .*; also .*d\.csv, row 7: force"):
+        springpot.import_recordings(tmp_path)

@@ -21,6 +21,7 @@ from springpot.trainer.recordings.formats.sampling import RawChannels, to_record
 from springpot.trainer.recordings.formats.units import factor_to_si, split_factor
 from springpot.trainer.recordings.hdf5_file import is_recording
 from springpot.trainer.recordings.journal import JOURNAL_SUFFIX
+from springpot.trainer.recordings.quality.finding import join_refusals
 from springpot.trainer.recordings.recording import Recording, Zero, parse_zero, safe_recording_name
 from springpot.trainer.recordings.recording_file import read_recording
 
@@ -168,7 +169,7 @@ def import_set(
     files, notes = _list_files(paths)
     recordings: list[Recording] = []
     guesses: dict[Path, str] = {}
-    others: list[NoRecordingError] = []
+    others, refused = list[NoRecordingError](), list[DataError]()
     for file in with_progress(files, "reading"):
         try:
             recording, guesses[file] = import_file(file, mapping, zero, resample_hz, options)
@@ -177,9 +178,18 @@ def import_set(
                 raise
             others.append(error)
             continue
+        except DataError as error:
+            refused.append(error)
+            continue
         recordings.append(recording)
+    if refused:
+        raise join_refusals(map(str, refused))
     if others and not recordings:
         raise others[0]
+    rates = {f"{each.rate_hz:.5g}": each.name for each in recordings}
+    if len(rates) > 1:
+        shown = ", ".join(f"{hz} Hz ({name})" for hz, name in rates.items())
+        notes.append(f"rates differ, and a model has one: {shown}: import with --resample-hz RATE")
     notes += [f"left out, no recording: {other}" for other in others]
     recordings, surface = align_surfaces(recordings, (options or ImportOptions()).conditioning)
     if rest_s is not None:

@@ -1,8 +1,11 @@
 """A finding: one line that says what, where, so what, and what to do."""
 
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass
 from functools import partial
 from typing import Literal
+
+from springpot.codegen.errors import DataError
 
 
 @dataclass(frozen=True)
@@ -27,6 +30,11 @@ class Finding:
 
     def metadata(self) -> dict[str, str]:
         return asdict(self) | {"line": self.line}
+
+
+def join_refusals(texts: Iterable[str]) -> DataError:
+    """One error of all refusals, each said once."""
+    return DataError("; also ".join(dict.fromkeys(texts)))
 
 
 refusal = partial(Finding, "refusal")

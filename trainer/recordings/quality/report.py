@@ -4,7 +4,7 @@ Of all together: whether force begins at position 0, where the surface should be
 contact.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -12,15 +12,20 @@ from functools import cached_property
 import numpy as np
 
 from springpot.codegen.arrays import Samples, rms
-from springpot.codegen.errors import DataError
+from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.messages import with_progress
 from springpot.codegen.types import JsonObject
-from springpot.trainer.recordings.conditioning import find_air_drift
+from springpot.trainer.recordings.conditioning import (
+    Conditioning,
+    align_surfaces,
+    condition,
+    find_air_drift,
+)
 from springpot.trainer.recordings.contact_point import ContactPoint, find_contact
 from springpot.trainer.recordings.formats.units import format_map_option, split_factor
 from springpot.trainer.recordings.quality.channels import channel_findings, level_findings
 from springpot.trainer.recordings.quality.dissipation import Dissipation
-from springpot.trainer.recordings.quality.finding import Finding, refusal, warning
+from springpot.trainer.recordings.quality.finding import Finding, join_refusals, refusal, warning
 from springpot.trainer.recordings.quality.repeats import (
     Cycles,
     Skew,
@@ -33,7 +38,7 @@ from springpot.trainer.recordings.quality.repeats import (
 from springpot.trainer.recordings.quality.signs import Signs, find_signs, sign_findings
 from springpot.trainer.recordings.quality.spikes import replace_spikes
 from springpot.trainer.recordings.quality.units import summarise_press, unit_findings
-from springpot.trainer.recordings.recording import Recording
+from springpot.trainer.recordings.recording import Recording, Zero
 from springpot.trainer.recordings.recording_file import Recordings, resolve_recordings
 
 _MAX_OFFSET_FRACTION, _MIN_TARE_FRACTION = 0.05, 0.02  # of the travel; of the peak force
@@ -45,6 +50,17 @@ _MAX_UNCERTAINTY_FRACTION = 0.1  # of the deepest press: force errs by 5 to 10 %
 
 _COMPARED_LEVELS, _MOVED_RATIO = 10, 0.7  # of the depth; of the difference that a shift leaves
 _ALSO_TORN = ("gone", "fall")  # a force that is torn, late or turned round is also so
+# Remedies, as a person types them, and what they do.
+_BY_CONTACT: dict[str, tuple[Conditioning, Zero]] = {
+    "import with --contact-force auto": (Conditioning(contact_force="auto"), "none")
+}
+_BY_TARE: dict[str, tuple[Conditioning, Zero]] = {
+    "import with --tare auto": (Conditioning(tare="auto"), "none")
+}
+_BY_ZERO: dict[str, tuple[Conditioning, Zero]] = {
+    "import with --zero first": (Conditioning(), "first"),
+    "import with --zero min": (Conditioning(), "min"),
+}
 RecordingContact = tuple[Recording, ContactPoint]
 
 
@@ -107,11 +123,10 @@ class QualityReport:
         return {"refused": self.refused, **lists, **self.figures}
 
     def refuse(self) -> None:
-        """Raise DataError for the first refusal, if any, counting the others."""
-        refusals = [finding for finding in self.findings if finding.severity == "refusal"]
+        """Raise DataError with all refusals, if any."""
+        refusals = [finding.text for finding in self.findings if finding.severity == "refusal"]
         if refusals:
-            more = f" ({len(refusals) - 1} more)" if len(refusals) > 1 else ""
-            raise DataError(refusals[0].text + more)
+            raise join_refusals(refusals)
 
 
 def check_recordings(given: Recordings) -> QualityReport:
@@ -148,7 +163,8 @@ def check_recordings(given: Recordings) -> QualityReport:
                 finding for finding in found if not (sign_faults and finding.kind in _ALSO_TORN)
             ] + sign_faults
             spoiled = _has_refusal(found) or stuck  # a turned sign moves the contact
-            intact += [] if spoiled else [recording]
+            found += [] if spoiled else _depth_findings(recording)
+            intact += [] if _has_refusal(found) or spoiled else [recording]
             found += unit_findings(recording)
         findings += found
     findings += _compare_units(intact)
@@ -212,6 +228,38 @@ def _compare_units(recordings: Sequence[Recording]) -> Iterator[Finding]:
                 )  # fmt: skip
 
 
+def _first_that_mends(
+    recordings: Sequence[Recording], remedies: Mapping[str, tuple[Conditioning, Zero]]
+) -> str:
+    """The first remedy that, followed on these recordings in memory, ends right; else none.
+
+    Right is: not refused, by its signs neither, and at most as far off as the surface is known.
+    """
+    for words, (options, zero) in remedies.items():
+        with suppress(DataError, UsageError):
+            mended = [condition(each, options, zero)[0] for each in recordings]
+            align_surfaces(mended, options)
+            judged = [
+                finding for each in mended for finding in sign_findings(each, find_signs(each))
+            ]
+            deep = all(float(each.position_m.max()) > 0.0 for each in mended)
+            if deep and not _has_refusal(judged):
+                return words
+    return "no option mends that: record from farther above the object, or correct the source"
+
+
+def _depth_findings(recording: Recording) -> Iterator[Finding]:
+    """Refuse positions that are never above 0, as those of a gap meter turned round."""
+    position_m = recording.position_m
+    if recording.zero == "none" and position_m.max() <= 0.0 < np.ptp(position_m):
+        to_do = _first_that_mends([recording], {**_BY_CONTACT, **_BY_ZERO})
+        yield refusal(
+            "contact", recording.name,
+            f"position is below 0 all along, {1e3 * position_m.min():.4g} to "
+            f"{1e3 * position_m.max():.4g} mm", "nothing would be pressed", to_do,
+        )  # fmt: skip
+
+
 def _has_refusal(findings: Sequence[Finding]) -> bool:
     return any(finding.severity == "refusal" for finding in findings)
 
@@ -245,7 +293,7 @@ def contact_findings(recordings: Sequence[Recording]) -> Iterator[Finding]:
                 "drift", recording.name,
                 f"force without contact drifts by {60.0 * drift.slope_nps:.3g} +- "
                 f"{60.0 * drift.bound_nps:.2g} N/min", "the model would learn it as the object's",
-                "import with --tare auto",
+                _first_that_mends([recording], _BY_TARE),
             )  # fmt: skip
         uncertainty_m = recording.details.get("contact_uncertainty_m")
         if uncertainty_m and uncertainty_m > _MAX_UNCERTAINTY_FRACTION * recording.position_m.max():
@@ -300,7 +348,7 @@ def _surface_findings(met: Sequence[RecordingContact]) -> Iterator[Finding]:
     if first in off:
         yield warning(
             "contact", where, f"{begins}, not at 0", "the surface is not where position is 0",
-            "import with --contact-force auto",
+            _first_that_mends([recording for recording, _ in off], _BY_CONTACT),
         )  # fmt: skip
     elif moved := [item for item in off if _is_moved_throughout(*item, first[0])]:
         where = moved[0][0].name if len(moved) == 1 else f"{len(moved)} recordings"
