@@ -18,8 +18,8 @@ Contact = Literal["surface", "always"]
 # Of the depth: from here on a tool is inside the object. Above it all presses begin, which tells
 # nothing of what came before.
 _INSIDE_DEPTH_FRACTION = 0.002
-# Times the fastest trained motion: an object without a surface, entered from farther than a tick of
-# it, would pull at the tool for that tick.
+# Times the fastest trained motion: what begins farther away than a tick of it has not come there in
+# a tick.
 _MAX_START_SPEED_RATIO = 4.0
 
 
@@ -131,7 +131,7 @@ class Model:
 
     @property
     def start_reach_m(self) -> float:
-        """How far from where training ended a motion without a surface may begin and go on, m."""
+        """How far from where training ended a motion may begin that goes on in a tick, m."""
         return _MAX_START_SPEED_RATIO * self.trained.max_mps * self.dt_s
 
     def with_start(self, start: Start) -> "Model":

@@ -53,7 +53,10 @@ def predict_each_n(model: Model, pieces: Sequence[tuple[Recording, Indices]]) ->
             first = motion.recordings[0]
             passive = replace(model.hammerstein, continues=model.continues_training(depths[first]))
             place_m = recordings[first].place_m
-            motion_force_n = simulate_passive(passive, motion, model.dt_s, surface, place_m)[0]
+            reach_m = model.start_reach_m
+            motion_force_n = simulate_passive(
+                passive, motion, model.dt_s, surface, place_m, reach_m
+            )[0]
             for number, start in zip(motion.recordings, motion.starts, strict=True):
                 forces_n[number] = motion_force_n[start + pieces[number][1]]
         force_n += np.concatenate(forces_n)

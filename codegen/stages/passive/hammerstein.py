@@ -50,7 +50,8 @@ class StartMemory:
     """`Memory` that the object begins with when its history restarts, in the order of the stage.
 
     held_n: of branches, (capacity,), N; flow: h, (F,); deepest: M of damage, (D,); play: of stops,
-    (K,); force_n: at u. reach_u: how far from u a tool may be; None: of an object with a surface.
+    (K,); force_n: at u. near_u: how deep a tool may be, least and most, that goes on from u in the
+    next tick. surface: the object has one.
     """
 
     held_n: Reals
@@ -59,18 +60,19 @@ class StartMemory:
     play: Reals
     u: Scalar
     force_n: Scalar
-    reach_u: Scalar | None
+    near_u: tuple[Scalar, Scalar]
+    surface: bool
 
     def position(self, tool_u: Scalar) -> Scalar | None:
-        """Where the model stands for a tool at tool_u; None: it is too far, the object rests.
+        """Where the model stands for a tool at tool_u; None: at rest there, too far from u.
 
-        At a surface as deep as the tool or deeper: the next tick moves it to the tool, and lifts it
-        off. What has no surface would pull at the tool in that tick.
+        The next tick moves it to the tool. At a surface a tool above is let go in it, and one far
+        below has come there slowly; without one the object would pull or push at either.
         """
-        if self.reach_u is None:
-            return max(tool_u, self.u)
-        near = tool_u - self.u <= self.reach_u and self.u - tool_u <= self.reach_u
-        return self.u if near else None
+        least, most = self.near_u
+        if self.surface:
+            return tool_u if tool_u > most else self.u
+        return None if tool_u < least or tool_u > most else self.u
 
     def tables(self) -> list[str]:
         named = {"held": self.held_n, "flow": self.flow, "deepest": self.deepest, "play": self.play}
@@ -253,7 +255,7 @@ def hammerstein_stage(model: Hammerstein, ticks: SceneTicks, follows: str) -> Ha
     damage = None if model.damage is None else build_damage_curves(model.damage, ticks)
     stops, start = integrate_slopes(model.stop_n).astype(dtype), None
     if model.continues:
-        memory = model.memory
+        memory, reach_u = model.memory, ticks.start_reach_m / model.span_m
         flow_n, deepest = memory.flow, memory.deepest
         flow_n = flow_n if model.flow is None else flow_n[sort_by_power(model.flow)]
         deepest = deepest if model.damage is None else deepest[sort_by_power(model.damage)]
@@ -264,7 +266,8 @@ def hammerstein_stage(model: Hammerstein, ticks: SceneTicks, follows: str) -> Ha
             play=memory.play.astype(dtype),
             u=dtype(memory.u),
             force_n=dtype(memory.force_n),
-            reach_u=None if ticks.surface else dtype(ticks.start_reach_m / model.span_m),
+            near_u=(dtype(memory.u - reach_u), dtype(memory.u + reach_u)),
+            surface=ticks.surface,
         )
     return HammersteinStage(
         config=HammersteinConfig(

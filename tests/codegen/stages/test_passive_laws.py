@@ -116,7 +116,7 @@ def test_a_start_that_continues_is_in_the_c(contact: str, end: float, number: st
     assert (
         plan.stiffness_npm == make_plan(model.with_start("rested"), plan.scene, True).stiffness_npm
     )
-    for begin_m in (end_m, 0.0, 0.6 * small.DEPTH_M):
+    for begin_m in (end_m, 0.0, 0.6 * small.DEPTH_M, end_m + 1e-5, small.DEPTH_M):
         way_m = np.linspace(begin_m, 0.0, 200)
         position_m = np.concatenate([way_m, small.press(2.0), np.full(100, np.nan), way_m])
         require_same_bits(plan, position_m)

@@ -283,6 +283,9 @@ def test_a_motion_that_continues_is_the_second_part_of_one(end_m: float, surface
     _, memory = along(law, before_m)
     going_on = replace(law, end_memory=memory, continues=True)
     assert np.array_equal(along(going_on, after_m)[0], whole_n[len(before_m) :])
+    for cut in (100, 230, 400):  # on the way in, out, and after it
+        going_on = replace(law, end_memory=along(law, before_m[:cut])[1], continues=True)
+        assert np.array_equal(along(going_on, before_m[cut:])[0], along(law, before_m)[0][cut:])
     if surface:
         assert not along(going_on, np.zeros(2000))[0].any()
 

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
+from math import inf
 
 import numpy as np
 
@@ -18,18 +19,23 @@ _MAX_ERROR_RATIO = 0.9  # times the error
 
 
 def simulate_passive(
-    model: Hammerstein, motion: DepthMotion, dt_s: float, surface: bool, place_m: Site | None = None
+    model: Hammerstein,
+    motion: DepthMotion,
+    dt_s: float,
+    surface: bool,
+    place_m: Site | None = None,
+    start_reach_m: float = inf,
 ) -> tuple[Samples, Samples, Memory]:
     """Force along a motion, (n,), N, the depth at which the model is then, (n,), m, and its memory.
 
     That is the tool's, or the surface's while the tool is away. place_m: of a map, x and y, m;
-    None: of the stiffest. A model that continues knows what came before a motion: the guess of that
-    in the motion is passed over (0 there).
+    None: of the stiffest. start_reach_m: see `Model`. A model that continues knows what came before
+    a motion: the guess of that in the motion is passed over (0 there).
     """
 
     @cache
     def stage_of(step_s: float) -> HammersteinStage:
-        ticks = SceneTicks(step_s, surface=surface)
+        ticks = SceneTicks(step_s, surface=surface, start_reach_m=start_reach_m)
         return hammerstein_stage(model, ticks, "penetration").at(place_m)
 
     stage = stage_of(dt_s)
