@@ -26,8 +26,9 @@ from springpot.codegen.scene import Coupling
 STIFFNESS_MARGIN_OFF = 1.25
 # Gain margin behind a proxy, whose mass and damping the device's own figures blur.
 STIFFNESS_MARGIN_PROXY = 1.5
-# Speed of the tool from the encoder's noise and steps that counts as quiet.
-QUIET_MPS = 1e-3
+# Expected speed of the tool, from the encoder's noise and steps, that counts as quiet: closed loops
+# of the emitted C vibrate with up to 1.5 times what is expected, and a hand may feel 1 mm/s.
+QUIET_MPS = 0.7e-3
 # Force noise of a proxy that is held, N: more throws the tool off an object that is soft there.
 MAX_NOISE_N = 0.06
 # Every oscillation keeps at least this fraction of the damping of hand and device.

@@ -115,7 +115,7 @@ def measure_point(
         plan = make_plan(model, bench_scene(candidate.number), accept_unsafe=True)
         library = build_and_load(plan)
         found = {
-            **prediction_errors(plan, library, data.validation),
+            **prediction_errors(plan, library, data.validation, data.training),
             "tick_ns_hot": hot_ns(library, data.validation),
             **small_signal_map(plan, library, 0).as_dict(),
             **measure_sizes(model, candidate.number, target),
@@ -162,9 +162,19 @@ def bench_scene(number: Number, target: Target = "host") -> Scene:
     )
 
 
-def prediction_errors(plan: Plan, library: SceneLibrary, recordings: Sequence[Recording]) -> Point:
-    """Return error of the C on recordings."""
-    forces_n, ramps = replay_forces(plan, Replay(library), recordings)
+def prediction_errors(
+    plan: Plan,
+    library: SceneLibrary,
+    recordings: Sequence[Recording],
+    before: Sequence[Recording] = (),
+) -> Point:
+    """Return error of the C on recordings; those of one session go on after the ones `before`.
+
+    As the object does, and as `train --validate` measures: an object that remembers its training
+    presses is not at rest where the test goes on.
+    """
+    forces_n, ramps = replay_forces(plan, Replay(library), [*before, *recordings])
+    forces_n, ramps = forces_n[len(before) :], ramps[len(before) :]
     contacts = find_contacts(recordings, plan.contact)
     found = accuracy([recording.force_n for recording in recordings], forces_n, ramps, contacts)
     named = ("rmse_n", "rmse_percent_of_peak", "mean_recording_rmse_n", "max_abs_error_n",

@@ -91,7 +91,7 @@ def measured(fit: Fit, training: Recordings, test: Recordings) -> dict[str, Any]
     """One model: built, and replayed on the test part."""
     plan = make_plan(fit.model, bench_scene("float32"), accept_unsafe=True)
     library = build_and_load(plan)
-    errors = prediction_errors(plan, library, test)
+    errors = prediction_errors(plan, library, test, training)
     tick_ns = hot_ns(library, test)
     percent = errors["rmse_percent_of_peak"]
     if not np.isfinite(percent):
