@@ -20,7 +20,7 @@ from support.small import DEPTH_M, passive_model, press, scene, training, wander
 from springpot import Recording
 from springpot.codegen.errors import UsageError
 from springpot.codegen.make_plan import make_plan
-from springpot.codegen.model.regressors import Forest
+from springpot.codegen.model.regressors import Forest, Linear
 from springpot.host import ensemble as own
 from springpot.host.ensemble import ensemble_data, from_ensemble, require_same_data
 from springpot.trainer.features import feature_values
@@ -156,3 +156,23 @@ def test_what_is_no_fitted_ensemble_is_told_what_to_give():
     ):
         with refusing(UsageError, says):
             from_ensemble(given, training())
+
+
+def test_weights_that_cancel_and_thresholds_that_are_not_finite_are_refused() -> None:
+    values = np.random.default_rng(0).uniform(1.0, 2.0, (200, 2)).astype(np.float32).astype(float)
+    values[:, 1] = values[:, 0]
+    for size, refused in ((1e2, False), (1e6, True)):
+        law = Linear(0.0, np.array([size + 3.0, -size]))
+        predicted_n = values @ law.weights_n
+        if not refused:
+            own._require_single_precision(law, values, predicted_n)
+            continue
+        with refusing(UsageError, "cancel", "errs by up to"):
+            own._require_single_precision(law, values, predicted_n)
+    features, force_n = ensemble_data(training(), fraction=0.1, seed=1)
+    holed = np.where(np.arange(len(features))[:, None] % 3 == 0, np.nan, features)
+    forest = FOREST(2, max_depth=3, random_state=0).fit(holed, force_n)
+    for each in forest.estimators_:
+        each.tree_.threshold[0] = np.inf
+    with refusing(UsageError, "not finite", "NaN"):
+        from_ensemble(forest, training())
