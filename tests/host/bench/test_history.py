@@ -2,11 +2,8 @@
 
 from dataclasses import replace
 
-import numpy as np
-import pytest
 from support.small import DT_S, passive_model, press
 
-from springpot.codegen.arrays import rms
 from springpot.codegen.make_plan import make_plan
 from springpot.host.bench.measure import bench_scene, prediction_errors
 from springpot.host.native.scene_library import build_and_load
@@ -18,16 +15,17 @@ def test_a_recording_of_a_session_goes_on_after_those_before() -> None:
     model = passive_model()
     position_m = press(1.0)
     ends_s = len(position_m) * DT_S
-    first, second = (
+    presses = [
         Recording(name, position_m, 900.0 * position_m, DT_S, session="day", start_s=start_s)
         for name, start_s in (("first", 0.0), ("second", ends_s))
+    ]
+    first, second = (
+        replace(item, force_n=force_n)
+        for item, force_n in zip(presses, predict_limited_n(model, presses), strict=True)
     )
     plan = make_plan(model, bench_scene("float64"))
     library = build_and_load(plan)
     after = prediction_errors(plan, library, [second], [first])["rmse_n"]
     alone = prediction_errors(plan, library, [second])["rmse_n"]
-    joined_n = predict_limited_n(model, [first, second])[1]
-    assert after == pytest.approx(rms(joined_n - second.force_n), rel=1e-3)
-    fresh_n = predict_limited_n(model, [replace(second, session="", start_s=None)])[0]
-    assert np.abs(joined_n - fresh_n).max() > 0.01 * np.abs(fresh_n).max()
-    assert alone != pytest.approx(after, rel=0.01)
+    assert alone > 5e-4 * second.force_n.max()  # its branches still hold some of the first press
+    assert after < 0.2 * alone
