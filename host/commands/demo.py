@@ -49,9 +49,11 @@ def demo(out: Path, object_name: str, as_json: bool) -> None:
         store_validation(folder, validation)
     with _step("report", seconds):
         page = str(write_report(folder))
+        pressed = _press_page(folder, out / "press.html")
     result = {
         "object": object_name,
         "report": page,
+        "press_page": pressed,
         "seconds": seconds,
         "emit": emission.as_dict(),
         "validate": validation.as_dict(),
@@ -62,9 +64,21 @@ def demo(out: Path, object_name: str, as_json: bool) -> None:
         **emission_rows(emission),
         **validation_rows(validation),
         "report": page,
+        "press it": pressed or "in a browser: springpot page, which needs clang and lld, or zig",
     }
     print_result(result, as_json, rows)
     raise_on_mismatch(folder, validation)
+
+
+def _press_page(folder: Path, out: Path) -> str | None:
+    """Write the page that presses the object in a browser; None without a compiler for it."""
+    from springpot.host.pages.press_page import write_press_page
+
+    try:
+        write_press_page([folder], out)
+    except UsageError:
+        return None
+    return str(out)
 
 
 def _prepare(out: Path) -> None:

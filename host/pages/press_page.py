@@ -89,7 +89,7 @@ def _entry(folder: Path, emitted: Emitted, module: bytes) -> JsonObject:
 def _verdict(plan: Plan, stiffness_npm: float, more_delay: int) -> str:
     """Return what the stability check says of a hand, in words."""
     hand = Hand(DESIGN_HAND.name, DESIGN_HAND.mass_kg, stiffness_npm, DESIGN_HAND.damping_nspm)
-    return margin_sentence(plan_margin(plan, ((hand, more_delay),)))
+    return margin_sentence(plan_margin(plan, ((hand, more_delay),)), "this hand")
 
 
 def _recording(folder: Path) -> list[str] | None:

@@ -49,14 +49,14 @@ def is_stable(plan: Plan) -> bool:
     return plan_margin(plan).is_stable and not is_unit_error(plan.coupling.coupling)
 
 
-def margin_sentence(margin: LoopMargin) -> str:
-    """Say whether a hand may hold the device, and by what margin."""
+def margin_sentence(margin: LoopMargin, hands: str = "every hand") -> str:
+    """Say whether a hand may hold the device, and by what margin; hands: those asked."""
     if not margin.is_stable:
         return (
             f"Unstable in the {margin.hand_text}, which holds this object only {margin.least:.2g} "
             "times as stiff as it is: do not hold the device with this scene."
         )
-    return f"Stable in every hand: the loop holds this object {margin.least:.2g} times as stiff."
+    return f"Stable in {hands}: the loop holds this object {margin.least:.2g} times as stiff."
 
 
 def plans_at_higher_rates(plan: Plan) -> Iterator[Plan]:

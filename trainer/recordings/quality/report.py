@@ -203,17 +203,25 @@ def _compare_units(recordings: Sequence[Recording]) -> Iterator[Finding]:
         for each in recordings
         for deep in [np.abs(each.position_m / common_m - 0.75) <= 0.25]
     ])  # fmt: skip
-    for channel, sizes, others in (
-        ("position", strokes_m, peaks_n),
-        ("force", forces_n, strokes_m),
+    for channel, sizes, peaks, others in (
+        ("position", strokes_m, strokes_m, peaks_n),
+        ("force", forces_n, peaks_n, strokes_m),
     ):
-        usual, beside = (float(np.median(each[:-1] if len(each) == 2 else each))
-                         for each in (sizes, others))  # fmt: skip
-        for recording, size, other in zip(recordings, sizes, others, strict=True):
+        usual, highest, beside = (float(np.median(each[:-1] if len(each) == 2 else each))
+                                  for each in (sizes, peaks, others))  # fmt: skip
+        for recording, size, peak, other in zip(recordings, sizes, peaks, others, strict=True):
             alike = 1.0 / _SET_UNITS.alike < other / beside < _SET_UNITS.alike
             ratio = float(size) / usual if usual else 0.0
             many = bool(ratio) and max(ratio, 1.0 / ratio) > _SET_UNITS.ratio
-            if many and alike:
+            # An object that is still deep from the press before has hardly any force at equal
+            # depth, but the same peak: of another unit the peak is off as well.
+            peak_ratio = float(peak) / highest
+            same_way = (
+                (peak_ratio > _SET_UNITS.alike)
+                if ratio > 1.0
+                else (peak_ratio * _SET_UNITS.alike < 1.0)
+            )
+            if many and alike and same_way:
                 read = recording.details.get("units", {}).get(channel, {})
                 stated = read.get("unit") or {"position": "m", "force": "N"}[channel]
                 factor, unit = split_factor(stated)
