@@ -36,7 +36,7 @@ step validate c --recording validation
 expect "0 ticks differ"
 step stability --scene scene.toml
 step report c
-step bench training --validate validation --model hammerstein --out bench
+# Not bench: the workers of joblib do not end under wine.
 step run --scene scene.toml --device sim://ecoflex-00-30 --seconds 4 --log felt.h5
 step validate c --recording felt.h5
 expect "0 of .* ticks differ"
