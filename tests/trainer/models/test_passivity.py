@@ -177,7 +177,7 @@ PLANTED: dict[str, tuple[Hammerstein, str, Callable[..., Any]]] = {
         special(branch_n=np.full((3, 9), 16.0) - 300.0 * (np.arange(9) == 5), **BY_DEPTH), "", abs,
     ),
     "a loss below 0": (
-        special(**BY_DEPTH), "springpot.codegen.stages.passive.maxwell.loss_by_depth",
+        special(**BY_DEPTH), "springpot.codegen.stages.passive.maxwell.compute_depth_loss",
         lambda *given: -1e-3 * compute_depth_loss(*given),
     ),
     "a branch that pulls": (
