@@ -46,10 +46,10 @@ def sentences(figures: dict[str, Any]) -> str:
     models = next(c for c in figures["cells"] if (c["object"], c["structure"]) == AGAIN)["models"]
     ours, paper = models[PASSIVE], models[PAPER]
     return (
-        f"Error of the emitted C in % of the peak force: {foreign['springpot']:.2g} on simulated "
+        f"Error of the emitted C in % of the peak force: {foreign['springpot']:.3g} on simulated "
         "objects of laws that our models do not have, "
         f"{foreign[PAPER] / foreign['springpot']:.1f} times less than that of the paper's random "
-        f"forest, and {real['springpot']:.2g} on a real machine, "
+        f"forest, and {real['springpot']:.3g} on a real machine, "
         f"{real[PAPER] / real['springpot']:.1f} times less (geometric means over recordings of "
         "other depths, speeds or frequencies than the trained ones, of repeats and of minutes of "
         f"memory; `{COMMAND}`). A step takes {ours['tick_ns'] / 1e3:.2f} µs of a PC instead of "
