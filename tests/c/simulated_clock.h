@@ -1,11 +1,10 @@
 /* The loop of a PC on a clock of the test's own: its thread is a call, and no time passes but what
- * the test lets pass. A program that includes this defines sim_sleep, sim_poll and sim_join. */
+ * the test lets pass. A program that includes this defines sim_sleep and sim_join. */
 #ifndef SIMULATED_CLOCK_H
 #define SIMULATED_CLOCK_H
 
 #define _GNU_SOURCE
 #include <math.h>
-#include <poll.h>
 #include <pthread.h>
 #include <signal.h>
 #include <stdint.h>
@@ -19,12 +18,9 @@ static uint64_t sim_now_ns;
 static int sim_clock(clockid_t clock, struct timespec *time);
 static int sim_sleep(clockid_t clock, int flags, const struct timespec *until,
                      struct timespec *left);
-static int sim_poll(struct pollfd *waits, nfds_t n, const struct timespec *left,
-                    const sigset_t *mask);
 static int sim_join(void);
 #define clock_gettime sim_clock
 #define clock_nanosleep sim_sleep
-#define ppoll sim_poll
 #define pthread_create(thread, attributes, run, argument) ((void)run(argument), 0)
 #define pthread_join(thread, result) sim_join()
 #include "../../runtime_c/port/posix/sp_loop.c"

@@ -66,23 +66,22 @@ static int arrives_by(uint64_t until_ns)
     return sim.at < sim.count && 1000u * (uint64_t)sim.arrivals_us[sim.at] <= until_ns;
 }
 
-static int sim_poll(struct pollfd *waits, nfds_t n, const struct timespec *left,
-                    const sigset_t *mask)
+int sp_link_wait(int fd, uint64_t max_ns)
 {
-    CHECK(n == 1 && waits->fd == self.link->fd && waits->events == POLLIN && mask == NULL);
+    CHECK(fd == self.link->fd);
     sim.polls++;
     if (sim.arrivals_us != NULL) {
-        const uint64_t until_ns = sim_now_ns + as_ns(left);
+        const uint64_t until_ns = sim_now_ns + max_ns;
         const int comes = arrives_by(until_ns);
         const uint64_t then_ns = comes ? 1000u * (uint64_t)sim.arrivals_us[sim.at] : until_ns;
         sim_now_ns = then_ns > sim_now_ns ? then_ns : sim_now_ns;
         return comes;
     }
-    if (sim.poll_ns <= as_ns(left)) {
+    if (sim.poll_ns <= max_ns) {
         sim_now_ns += sim.poll_ns;
         return 1;
     }
-    sim_now_ns += as_ns(left);
+    sim_now_ns += max_ns;
     return 0;
 }
 
