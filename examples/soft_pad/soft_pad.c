@@ -1,4 +1,4 @@
-/* springpot 0.1.0 aad305c3d309469659a012a66a2a3ff8aa564cea80c100feb3bd4bba65b43d8b */
+/* springpot 0.1.0 457ed7852e45c42638e7968245c74f81acee177739505fbf32136d4336d7abd5 */
 /* pad: the whole scene, its self-test too. How to call it: soft_pad.h.
  *
  * In the order of a tick: units, each named by its file in springpot and without what this scene does
@@ -37,7 +37,7 @@ typedef char soft_pad_int_is_as_planned[sizeof(int) >= 4 ? 1 : -1];
 
 /* The few number helpers that the units share. */
 
-#if defined(__FAST_MATH__) || defined(_M_FP_FAST) || \
+#if defined(__FAST_MATH__) || defined(_M_FP_FAST) ||                                               \
     (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ != 0)
 #error                                                                                             \
     "springpot needs IEEE arithmetic: build without -ffast-math, -ffinite-math-only"
@@ -901,7 +901,7 @@ uint32_t soft_pad_state_size(void)
 
 const char *soft_pad_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"aad305c3d309469659a012a66a2a3ff8aa564cea80c100feb3bd4bba65b43d8b\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"457ed7852e45c42638e7968245c74f81acee177739505fbf32136d4336d7abd5\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

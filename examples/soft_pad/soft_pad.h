@@ -1,4 +1,4 @@
-/* springpot 0.1.0 aad305c3d309469659a012a66a2a3ff8aa564cea80c100feb3bd4bba65b43d8b */
+/* springpot 0.1.0 457ed7852e45c42638e7968245c74f81acee177739505fbf32136d4336d7abd5 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SOFT_PAD_RATE_HZ:

@@ -4,7 +4,7 @@
 
 #include "sp_real.h"
 
-#if defined(__FAST_MATH__) || defined(_M_FP_FAST) || \
+#if defined(__FAST_MATH__) || defined(_M_FP_FAST) ||                                               \
     (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ != 0)
 #error                                                                                             \
     "springpot needs IEEE arithmetic: build without -ffast-math, -ffinite-math-only (see flags.mk)"

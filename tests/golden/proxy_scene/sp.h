@@ -1,4 +1,4 @@
-/* springpot 0.1.0 9615e0999478111cead8347f222b28aeca9bf09bf7e16477ee6ae386af14ef5d */
+/* springpot 0.1.0 c715efdd383d5eb54206cb93d06cdb00a1a66f9ca429a9bc390afa0a77e1a736 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:

@@ -247,7 +247,7 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"f10af8bc3fd4ac78156f6465845dd70e0f8c1b8d7b634e8fddfc4842ca49f9b2\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"7f434bce45e3523d545f0a096a8fd149d2322887734f1c0ca3b9d005e49214e3\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 f10af8bc3fd4ac78156f6465845dd70e0f8c1b8d7b634e8fddfc4842ca49f9b2 */
+/* springpot 0.1.0 7f434bce45e3523d545f0a096a8fd149d2322887734f1c0ca3b9d005e49214e3 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:
