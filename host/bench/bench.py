@@ -80,7 +80,9 @@ def run_bench(bench: Bench, folder: Path, command: str) -> JsonObject:
     refused = [row for row, model in found if model is None]
     if not points:
         raise DataError(f"no model can be made of these recordings: {refused[0]['error']}")
-    alone = memory.cache(measure_alone, ignore=["model_file", "recording", "validation"])
+    alone = memory.cache(
+        measure_alone, ignore=["model_file", "recording", "validation", "training"]
+    )
     longest = max(bench.validation, key=lambda item: len(item.position_m))
     front = pareto_front(points)
     for number, (point, on_front) in enumerate(zip(points, front, strict=True)):
@@ -90,7 +92,17 @@ def run_bench(bench: Bench, folder: Path, command: str) -> JsonObject:
                                    f"of {sum(front)} on the front")  # fmt: skip
             its = cache_key(key, point["hash"])
             file = folder / str(point["file"])
-            point.update(alone(file, point["number"], bench.target, its, longest, bench.validation))
+            point.update(
+                alone(
+                    file,
+                    point["number"],
+                    bench.target,
+                    its,
+                    longest,
+                    bench.validation,
+                    bench.training,
+                )
+            )
     metadata = machine_metadata()
     result = {
         "points": sorted(points, key=itemgetter("rmse_n")),

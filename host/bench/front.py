@@ -53,6 +53,7 @@ def measure_alone(
     key: str,
     recording: Recording,
     validation: Sequence[Recording],
+    training: Sequence[Recording],
 ) -> Point:
     """Return paced ticks, the scene with hands and its error, instructions on the target.
 
@@ -71,7 +72,7 @@ def measure_alone(
     return {
         **_paced_ticks(model, number, recording),
         **_closed_loop(model, number),
-        **_rendered(model, number, validation),
+        **_rendered(model, number, validation, training),
         "instructions": instructions,
         "instructions_why": why,
     }
@@ -107,9 +108,11 @@ def _closed_loop(model: Model, number: Number) -> Point:
     }
 
 
-def _rendered(model: Model, number: Number, validation: Sequence[Recording]) -> Point:
+def _rendered(
+    model: Model, number: Number, validation: Sequence[Recording], training: Sequence[Recording]
+) -> Point:
     """Return the error behind the coupling that `emit` chooses: what a hand meets."""
-    rendered = measure_rendered(model, validation, number)
+    rendered = measure_rendered(model, validation, training, number)
     assert rendered is not None  # the model's own C was built before
     return {
         "rendered_rmse_n": rendered.accuracy.rmse_n,

@@ -259,7 +259,7 @@ def errors(
     measured_n = [recording.force_n for recording in new]
     contacts = find_contacts(new, fit.model.contact == "surface")
     found = accuracy(measured_n, predicted_n, contacts=contacts)
-    rendered = measure_rendered(fit.model, new)
+    rendered = measure_rendered(fit.model, new, known)
     for line in find_moving_starts(model, new):
         print_line(f"warning: {line}")
 

@@ -28,18 +28,25 @@ class Rendered:
 
 
 def measure_rendered(
-    model: Model, recordings: Sequence[Recording], number: Number = "float32"
+    model: Model,
+    recordings: Sequence[Recording],
+    before: Sequence[Recording] = (),
+    number: Number = "float32",
 ) -> Rendered | None:
-    """Replay recordings through the C that `emit --model` writes; None without a compiler."""
+    """Replay recordings through the C that `emit --model` writes; None without a compiler.
+
+    Those of one session go on after the ones `before`, as the model's own error is measured.
+    """
     scene = Scene(schema=1, name="rendered", model="model.spm", runtime=Runtime(number=number))
     plan = make_plan(model, scene, accept_unsafe=True)
     try:
         library = build_and_load(plan)
     except NoCompilerError:
         return None
-    ticked = [resample_to_ticks(recording, plan.dt_s) for recording in recordings]
+    ticked = [resample_to_ticks(recording, plan.dt_s) for recording in (*before, *recordings)]
     forces_n, ramps = replay_forces(plan, Replay(library), ticked)
-    pairs = list(zip(recordings, forces_n, ramps, strict=True))
+    first = len(before)
+    pairs = list(zip(recordings, forces_n[first:], ramps[first:], strict=True))
     return Rendered(
         accuracy(
             [recording.force_n for recording in recordings],

@@ -209,6 +209,8 @@ def _compare_units(recordings: Sequence[Recording]) -> Iterator[Finding]:
     ):
         usual, highest, beside = (float(np.median(each[:-1] if len(each) == 2 else each))
                                   for each in (sizes, peaks, others))  # fmt: skip
+        if not (highest and beside):  # of what never moves or pushes its own finding says so
+            continue
         for recording, size, peak, other in zip(recordings, sizes, peaks, others, strict=True):
             alike = 1.0 / _SET_UNITS.alike < other / beside < _SET_UNITS.alike
             ratio = float(size) / usual if usual else 0.0
