@@ -1,4 +1,4 @@
-/* springpot 0.1.0 457ed7852e45c42638e7968245c74f81acee177739505fbf32136d4336d7abd5 */
+/* springpot 0.1.0 36b45672261fbeea2e45da40e1370bc5d5b6205383a22d5e1a407afb1bee26f5 */
 /* pad: the whole scene, its self-test too. How to call it: soft_pad.h.
  *
  * In the order of a tick: units, each named by its file in springpot and without what this scene does
@@ -132,8 +132,8 @@ static inline float soft_pad_silence_no_sample(const soft_pad_silence_config *co
     }
     const float silent_overrun_s = silent_s - config->watchdog_s;
     const float debt_overrun_s = debt_s - max_debt_s;
-    const float overrun =
-        (silent_overrun_s > debt_overrun_s ? silent_overrun_s : debt_overrun_s) * config->rate_hz;
+    const float overrun_s = silent_overrun_s > debt_overrun_s ? silent_overrun_s : debt_overrun_s;
+    const float overrun = overrun_s > 0.0f ? overrun_s * config->rate_hz : 0.0f;
     const float capped =
         overrun < SOFT_PAD_SILENCE_MAX_LATCHED_TICKS ? overrun : SOFT_PAD_SILENCE_MAX_LATCHED_TICKS;
     const float latched_ticks = (float)((uint32_t)capped + 1u);
@@ -901,7 +901,7 @@ uint32_t soft_pad_state_size(void)
 
 const char *soft_pad_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"457ed7852e45c42638e7968245c74f81acee177739505fbf32136d4336d7abd5\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"36b45672261fbeea2e45da40e1370bc5d5b6205383a22d5e1a407afb1bee26f5\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 457ed7852e45c42638e7968245c74f81acee177739505fbf32136d4336d7abd5 */
+/* springpot 0.1.0 36b45672261fbeea2e45da40e1370bc5d5b6205383a22d5e1a407afb1bee26f5 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SOFT_PAD_RATE_HZ:

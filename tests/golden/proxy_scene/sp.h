@@ -1,4 +1,4 @@
-/* springpot 0.1.0 c715efdd383d5eb54206cb93d06cdb00a1a66f9ca429a9bc390afa0a77e1a736 */
+/* springpot 0.1.0 a6e105d353225ce49cc8a10c9bf28af297978c3b2b0dc7723585e695fbc4f085 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:

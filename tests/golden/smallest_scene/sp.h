@@ -1,4 +1,4 @@
-/* springpot 0.1.0 7f434bce45e3523d545f0a096a8fd149d2322887734f1c0ca3b9d005e49214e3 */
+/* springpot 0.1.0 86b16118cb54dfc4c8e67997fce67e0a33dbec4fecb42abb280fc9382212af05 */
 /* springpot: the feel of a recorded soft object, one force a tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:

@@ -41,7 +41,7 @@ static int call(sp_real x, sp_real *force_n)
 /* Growth: the force given before, cut into pieces that the analyser keeps apart: within one, growth
  * is known to the piece's width. Latched, it falls by its step at least, and stays latched. */
 #define PIECES 8
-static const sp_real piece_n = (output.max_n - output.min_n) / PIECES;
+static const sp_real piece_n = (sp_scene_output.max_n - sp_scene_output.min_n) / PIECES;
 
 static void any_call(void)
 {
@@ -49,16 +49,16 @@ static void any_call(void)
     const sp_real zero = (sp_real)0;
     const int piece = Frama_C_interval(0, PIECES - 1);
     //@ split piece;
-    const sp_real low_n = output.min_n + (sp_real)piece * piece_n;
+    const sp_real low_n = sp_scene_output.min_n + (sp_real)piece * piece_n;
     const sp_real high_n = low_n + piece_n;
-    const sp_real most_n = (high_n > zero ? high_n : zero) + output.slew_n;
-    const sp_real lower_n = (low_n < zero ? low_n : zero) - output.slew_n;
+    const sp_real most_n = (high_n > zero ? high_n : zero) + sp_scene_output.slew_n;
+    const sp_real lower_n = (low_n < zero ? low_n : zero) - sp_scene_output.slew_n;
     if (state.output.last_n >= low_n && state.output.last_n <= high_n) {
         (void)call(anything(), &force_n);
         //@ assert growth: force_n <= most_n;
         //@ assert pull: force_n >= lower_n;
         //@ assert finite: \is_finite(force_n);
-        //@ assert limit: output.min_n <= force_n <= output.max_n;
+        //@ assert limit: sp_scene_output.min_n <= force_n <= sp_scene_output.max_n;
     }
 }
 
@@ -67,9 +67,9 @@ static void latched_call(void)
     sp_real force_n = (sp_real)0;
     const int piece = Frama_C_interval(0, PIECES - 1);
     //@ split piece;
-    const sp_real low_n = output.min_n + (sp_real)piece * piece_n;
+    const sp_real low_n = sp_scene_output.min_n + (sp_real)piece * piece_n;
     const sp_real high_n = low_n + piece_n;
-    const sp_real down_n = high_n - output.fall_n;
+    const sp_real down_n = high_n - sp_scene_output.fall_n;
     if (state.silence.latched == 1u && state.output.last_n >= low_n &&
         state.output.last_n <= high_n && down_n > (sp_real)0) {
         (void)sp_step(&state, anything(), anything(), &force_n);
@@ -84,7 +84,7 @@ static void any_call(void)
     sp_real force_n = (sp_real)0;
     (void)call(anything(), &force_n);
     //@ assert finite: \is_finite(force_n);
-    //@ assert limit: output.min_n <= force_n <= output.max_n;
+    //@ assert limit: sp_scene_output.min_n <= force_n <= sp_scene_output.max_n;
 }
 #endif
 
