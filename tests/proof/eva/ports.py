@@ -28,8 +28,8 @@ class Port:
 
 PORT_DRIVERS = (
     Port("wire",
-         Precision({"whole": 200, "sp_wire_receive": 400, "receive": 400},
-                   ("whole", "sp_wire_receive"), {}),
+         Precision({"decode_frame": 200, "sp_wire_receive": 400, "receive": 400},
+                   ("decode_frame", "sp_wire_receive"), {}),
          ("-eva-min-loop-unroll", "64", "-eva-interprocedural-splits")),
     Port("serial",
          Precision({"take_frame": 400, "sp_wire_get_ack": 5, "sp_wire_get_sample": 5},
