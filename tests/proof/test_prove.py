@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 from proof.eva.analysis import Precision, alarms_in, frama_c, unbounded_in
-from proof.eva.defects import DEFECTS, Defect, analyse_defect
-from proof.eva.ports import PORT_DRIVERS, PORTS, analyse_port
+from proof.eva.defects import DEFECTS, Defect, analyse_defect, plant_defect
+from proof.eva.ports import PORT_DRIVERS, PORTS, Port, analyse_port
 from proof.eva.scene_analysis import analyse_scene
 from proof.eva.scenes import ProvedScene, emit_scene, proved_scenes
 
@@ -51,6 +51,20 @@ def test_every_kind_coupling_and_number_is_analysed() -> None:
 @pytest.mark.parametrize("defect", DEFECTS, ids=lambda defect: defect.what)
 def test_the_code_has_what_a_defect_changes(defect: Defect) -> None:
     assert defect.right in (SOURCE / defect.file).read_text()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("defect", DEFECTS, ids=lambda defect: defect.what)
+def test_the_emitted_code_has_what_a_defect_changes(defect: Defect, tmp_path: Path) -> None:
+    assert (plant_defect(defect, tmp_path) / "sp.c").exists()
+
+
+@pytest.mark.parametrize("port", PORT_DRIVERS, ids=lambda port: port.name)
+def test_a_port_has_the_functions_that_its_analysis_names(port: Port) -> None:
+    files = [PORTS / f"{port.name}.c", *(SOURCE.parent / "port").rglob("*.c")]
+    text = "".join(path.read_text() for path in files)
+    for name in (*port.precision.apart, *port.precision.by_result):
+        assert f"{name}(" in text
 
 
 @pytest.mark.slow

@@ -9,6 +9,8 @@ from proof.eva.analysis import Analysis, Known
 from proof.eva.scene_analysis import analyse_scene, real_type
 from proof.eva.scenes import ProvedScene, emit_scene
 
+from springpot.codegen.emit.header import apply_prefix
+
 _PASSIVE = ProvedScene("hammerstein", "off", "float32")
 
 
@@ -57,22 +59,27 @@ DEFECTS = (
     Defect("a pole that grows", "sp_poles.h", "h + (rise - loss * h)", "h + (rise + loss * h)"),
     Defect("a piece of a curve beyond the last", "sp_curve.h", "(sp_real)(n_intervals - 1u)",
            "(sp_real)(n_intervals + 1u)"),
-    Defect("a missed tick that never ends", "sp_silence.h",
-           "const sp_real silent_s = state->silent_s < max_s ? state->silent_s : max_s;",
-           "const sp_real silent_s = state->silent_s;"),
+    Defect("latched ticks without a bound", "sp_silence.h",
+           "overrun < SP_SILENCE_MAX_LATCHED_TICKS ? overrun : SP_SILENCE_MAX_LATCHED_TICKS;",
+           "overrun;"),
 )  # fmt: skip
 
 
-def analyse_defect(defect: Defect, folder: Path, known: Known = MappingProxyType({})) -> Analysis:
-    """Plant it in a scene of its own under `folder`, and analyse that.
+def plant_defect(defect: Defect, folder: Path) -> Path:
+    """Emit the defect's scene under `folder` with the defect in it; returns its folder.
 
     Raises ValueError where the C no longer has what it changes.
     """
     out = emit_scene(defect.scene, folder / defect.what.replace(" ", "-"))
     changed = out / "sp.c"
     text, number = changed.read_text(), real_type(json.loads((out / "manifest.json").read_text()))
-    right, wrong = (part.replace("sp_real", number) for part in (defect.right, defect.wrong))
+    right, wrong = (apply_prefix(part, "sp", number) for part in (defect.right, defect.wrong))
     if right not in text:
         raise ValueError(f"{defect.what}: {changed} has no {right!r} any more")
     changed.write_text(text.replace(right, wrong, 1))
-    return analyse_scene(out, laws=defect.of_laws, known=known)
+    return out
+
+
+def analyse_defect(defect: Defect, folder: Path, known: Known = MappingProxyType({})) -> Analysis:
+    """Plant it in a scene of its own, and analyse that. Raises as `plant_defect`."""
+    return analyse_scene(plant_defect(defect, folder), laws=defect.of_laws, known=known)
