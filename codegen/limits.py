@@ -30,7 +30,7 @@ SLEW_TICK_S = 0.001
 
 @dataclass(frozen=True)
 class GuardConfig:
-    """sp_guard_config of sp_guard.h, member by member: which positions are believed."""
+    """sp_guard_config of sp_guard.h, member by member: which positions are plausible."""
 
     max_step_m: Real
     min_m: Real
@@ -41,13 +41,13 @@ class GuardConfig:
 
 @dataclass(frozen=True)
 class OutputConfig:
-    """sp_output_config of sp_output.h, member by member: which forces leave."""
+    """sp_output_config of sp_output.h, member by member: limits of the force."""
 
     min_n: Real
     max_n: Real
     slew_n: Real
-    rise: Real
-    fall_n: Real
+    ramp_per_tick: Real
+    latch_fall_n: Real
 
 
 @dataclass(frozen=True)
@@ -114,8 +114,8 @@ def build_output_config(model: Model, scene: Scene, ticks: SceneTicks) -> Output
         min_n=real(min_n),
         max_n=real(max_n),
         slew_n=real(max(dt_s, SLEW_TICK_S) * max(MIN_SLEW_NPS, max_n / SLEW_S)),
-        rise=real(min(1.0, dt_s / RAMP_S)),
-        fall_n=real(dt_s * max_n / LATCH_FALL_S),
+        ramp_per_tick=real(min(1.0, dt_s / RAMP_S)),
+        latch_fall_n=real(dt_s * max_n / LATCH_FALL_S),
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from springpot.codegen.arrays import Reals
 from springpot.codegen.types import Scalar
 
-_WIDTH = 96
+_WIDTH = 95  # of the items: the indent and the last comma make it 100 columns
 
 
 def c_literal(value: Scalar) -> str:
@@ -64,6 +64,6 @@ def members_text(name: str, c_type: str, members: Mapping[str, str]) -> str:
 
     Without designators: C++ has none before 2020.
     """
-    width = max(map(len, members.values())) + 1
+    width = min(max(map(len, members.values())) + 1, 40)  # one member may be a whole array
     lines = [f"    {f'{text},':<{width}} /* {member} */" for member, text in members.items()]
     return "\n".join([f"static const {c_type} {name} = {{", *lines, "};"])

@@ -84,8 +84,8 @@ class Plan(Stages):
     dt_s: float
     guard: GuardConfig
     range: RangeConfig
-    per_onset: Real | None
-    per_fade: Real | None
+    onset_per_m: Real | None
+    fade_per_m: Real | None
     velocity: ToolVelocityStage | None
     couple: CoupleConfig | None
     at_proxy: bool
@@ -115,7 +115,7 @@ class Plan(Stages):
         time constants of a pole (none longer than MAX_RECOVERY_S counts: an object that creeps for
         minutes has rightly rested elsewhere).
         """
-        ramp = round(1.0 / float(self.output.rise))
+        ramp = round(1.0 / float(self.output.ramp_per_tick))
         model = self.model
         passive_s = 0.0 if model.hammerstein is None else 4.0 * model.hammerstein.memory_s
         features_s = 0.0 if model.features is None else model.features.settling_s(self.dt_s)
@@ -140,7 +140,7 @@ class Plan(Stages):
     @property
     def contact(self) -> bool:
         """Whether positions at or below 0 are free air."""
-        return self.per_onset is not None
+        return self.onset_per_m is not None
 
 
 def list_stages(plan: Plan) -> list[Stage]:

@@ -75,13 +75,13 @@ def simulate_proxy(
 def apply_onset_and_fade(plan: Plan, pressed: Reals, model_n: Reals) -> Reals:
     """sp_range_fade and sp_contact.h: the model's force at border and surface, (n,), N."""
     zero, one = model_n.dtype.type(0), model_n.dtype.type(1)
-    if plan.per_fade is not None:
+    if plan.fade_per_m is not None:
         beyond = np.maximum(pressed - plan.range.max_m, plan.range.min_m - pressed)
-        share = one - beyond * plan.per_fade
+        share = one - beyond * plan.fade_per_m
         fading = np.where(share > 0, model_n * share, zero)
         model_n = np.where(beyond > 0, fading, model_n)
-    if plan.per_onset is not None:
-        share = pressed * plan.per_onset
+    if plan.onset_per_m is not None:
+        share = pressed * plan.onset_per_m
         rising = np.where(share < 1, model_n * share, model_n)
         model_n = np.where(share > 0, rising, zero)
     return model_n

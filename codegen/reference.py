@@ -156,15 +156,15 @@ class OutputLimiter:
         self._config = plan.output
         self._real = plan.dtype
         self.last_force_n: Scalar = self._real(0)
-        self._share: Scalar = self._real(0)
+        self._ramp: Scalar = self._real(0)
 
     def restart(self) -> None:
         """The ramp begins again."""
-        self._share = self._real(0)
+        self._ramp = self._real(0)
 
     def release(self) -> None:
         """No contact."""
-        self._share = self._real(1)
+        self._ramp = self._real(1)
 
     def hold(self, latched: Scalar, fall: Scalar, share: Scalar) -> tuple[Scalar, int]:
         """A tick without a good sample; fall: how much of it was latched.
@@ -181,9 +181,9 @@ class OutputLimiter:
         if latched:
             return self._fall(self._real(1)), LATCHED
         note = 0
-        if self._share < 1:
-            force = force * self._share
-            self._share = self._share + self._config.rise * self._real(1)
+        if self._ramp < 1:
+            force = force * self._ramp
+            self._ramp = self._ramp + self._config.ramp_per_tick * self._real(1)
             note |= RAMPED
         force, clamped = self._clamp(force)
         self.last_force_n, limited = self._limit_slew(force)
@@ -210,7 +210,7 @@ class OutputLimiter:
         return (least, LIMITED) if force < least else (force, 0)
 
     def _fall(self, ticks: Scalar) -> Scalar:
-        step = self._config.fall_n * ticks
+        step = self._config.latch_fall_n * ticks
         down, up = self.last_force_n - step, self.last_force_n + step
         self.last_force_n = down if down > 0 else up if up < 0 else self._real(0)
         return self.last_force_n

@@ -4,7 +4,7 @@ A block is what stands between blank lines outside braces: a definition with the
 """
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import cache
 from typing import Any
 
@@ -30,6 +30,10 @@ _FILE_SCOPE = (
     (re.compile(r"^ +(N_\w+) = ", re.MULTILINE), "SP_SCENE_"),
 )
 _MACRO = re.compile(r"#define (\w+)")
+_COLUMNS = 100
+_BREAK = re.compile(r"(?:,|=|\+|-|\?|:|&&|\|\||[=!<>]=) ")
+_CONTINUES = re.compile(r"(?:[,(=+?:-]|&&|\|\|)$")
+_NO_STATEMENT = re.compile(r'"|/\*|^ \*|^#|\\$')
 _DIRECTIVE = re.compile(r"^#(?!pragma)", re.MULTILINE)
 
 
@@ -100,6 +104,42 @@ def _change_code(text: str, change: Callable[[str], str]) -> str:
         parts += [change(text[end : prose.start()]), prose[0]]
         end = prose.end()
     return "".join([*parts, change(text[end:])])
+
+
+def wrap_code(text: str) -> str:
+    """Break statements that have a line of more than 100 columns: a scene's names lengthen them.
+
+    Continued lines are aligned to the innermost bracket. Comments, strings and macros stay.
+    """
+    wrapped, statement = list[str](), list[str]()
+    for line in text.split("\n"):
+        statement.append(line)
+        if _CONTINUES.search(line):
+            continue
+        long = any(len(part) > _COLUMNS for part in statement)
+        prose = any(_NO_STATEMENT.search(part) for part in statement)
+        wrapped += _wrap_statement(statement) if long and not prose else statement
+        statement = []
+    return "\n".join([*wrapped, *statement])
+
+
+def _wrap_statement(lines: Sequence[str]) -> Iterator[str]:
+    indent = len(lines[0]) - len(lines[0].lstrip())
+    rest = " " * indent + " ".join(line.strip() for line in lines).replace("( ", "(")
+    aligned = [indent + 4]  # column at which a line goes on, one for each open bracket
+    while len(rest) > _COLUMNS:
+        ends = [mark.end() for mark in _BREAK.finditer(rest, 0, _COLUMNS + 1)]
+        if not ends or ends[-1] <= aligned[-1]:
+            break
+        line, rest = rest[: ends[-1]].rstrip(), rest[ends[-1] :]
+        for column, mark in enumerate(line):
+            if mark == "(":
+                aligned.append(column + 1)
+            elif mark == ")":
+                aligned.pop()
+        yield line
+        rest = " " * aligned[-1] + rest
+    yield rest
 
 
 def drop_unused(found: Sequence[str]) -> list[str]:

@@ -5,7 +5,7 @@ from functools import cache
 
 import numpy as np
 
-from springpot.codegen.emit.c_text import render_template, split_blocks, strip_comments
+from springpot.codegen.emit.c_text import render_template, split_blocks, strip_comments, wrap_code
 from springpot.codegen.literals import c_literal
 from springpot.codegen.plan import Plan, list_headers, list_state_members, state_bytes
 from springpot.runtime_c.paths import INCLUDE, SOURCE
@@ -36,14 +36,14 @@ def render_header(plan: Plan) -> str:
     for pattern, replacement in (
         (r" +\(from sp_scene\.h; on a PC, \w+\(\) bytes\)", ""),
         (r"at the rate that sp_scene\.h and sp_manifest\(\) state", "at the rate SP_RATE_HZ"),
-        (r"\(bits, in sp_notes\.h\)", "(bits, below)"),
-        (r"(?= \* What a call returns)", note),
+        (r"\(bits in sp_notes\.h\)", "(bits below)"),
+        (r"(?= \* Return values: )", note),
         (r'\n#include "sp_notes\.h"\n#include "sp_real.h"\n', f"\n{notes}"),
         (r"(?<=/\* springpot declarations end \*/\n)(?=\n#ifdef)", _render_state(plan)),
     ):
         text, changed = re.subn(pattern, replacement.replace("\\", r"\\"), text)
         assert changed == 1, f"sp.h has no {pattern} any more"
-    return apply_prefix(text, prefix, plan.real)
+    return wrap_code(apply_prefix(text, prefix, plan.real))
 
 
 def apply_prefix(text: str, prefix: str, real: str) -> str:

@@ -13,6 +13,7 @@ from springpot.codegen.emit.c_text import (
     render_template,
     scope_to_scene,
     split_blocks,
+    wrap_code,
 )
 from springpot.codegen.emit.golden import LEG_TICKS, golden_arrays, golden_places
 from springpot.codegen.emit.header import apply_prefix, read_unit_blocks, state_types
@@ -67,12 +68,12 @@ def _force_terms(plan: Plan) -> list[str]:
 
 def _find_used_depths(plan: Plan, text: str, always: bool) -> dict[str, bool]:
     """Which of the depths, and of the position, the C of the parts reads; always: the depth too."""
-    clipped, penetration = _mentions("clipped", text), _mentions("penetration", text)
+    clipped, penetration = _mentions("clipped_m", text), _mentions("penetration_m", text)
     used = clipped or penetration
     return {
         "clipped": clipped,
         "penetration": penetration or always or (used and plan.contact),
-        "position": used or _mentions("position", text),
+        "position": used or _mentions("position_m", text),
     }
 
 
@@ -118,7 +119,7 @@ def render_source(plan: Plan, manifest: str, selftest: bool = True) -> str:
         body="\n\n".join(drop_unused(parts)),
     )
     escaped = manifest.replace("\\", "\\\\").replace('"', '\\"')
-    return apply_prefix(text, prefix, plan.real).replace(_MANIFEST, escaped)
+    return wrap_code(apply_prefix(text, prefix, plan.real)).replace(_MANIFEST, escaped)
 
 
 def render_constants(plan: Plan) -> str:
@@ -129,8 +130,8 @@ def render_constants(plan: Plan) -> str:
         "range": plan.range,
         "output": plan.output,
         "couple": plan.couple,
-        "per_onset": plan.per_onset,
-        "per_fade": plan.per_fade,
+        "onset_per_m": plan.onset_per_m,
+        "fade_per_m": plan.fade_per_m,
         "smooth_alpha": plan.smooth_alpha,
     }
     return "\n".join(constant_text(*item) for item in configs.items() if item[1] is not None)

@@ -1,8 +1,9 @@
-/* springpot 0.1.0 36b45672261fbeea2e45da40e1370bc5d5b6205383a22d5e1a407afb1bee26f5 */
-/* pad: the whole scene, its self-test too. How to call it: soft_pad.h.
+/* springpot 0.1.0 fbac791ee4f5fc803a81b8890ed3b5782a284001fde822055353720d265ce79e */
+/* pad: the whole scene with its self-test. soft_pad.h says how to call it.
  *
- * In the order of a tick: units, each named by its file in springpot and without what this scene does
- * not call; the constants of this scene; the tick; the functions of the header; the self-test. */
+ * First the units, in the order of a tick: each is named by its file in springpot, without the
+ * functions that this scene does not call. Then the constants of this scene, the tick, the
+ * functions of the header, and the self-test. */
 #include "soft_pad.h"
 
 #include <float.h>
@@ -35,7 +36,7 @@ typedef char soft_pad_int_is_as_planned[sizeof(int) >= 4 ? 1 : -1];
 
 /* ---------------------------------------------------------------------------------- sp_number.h */
 
-/* The few number helpers that the units share. */
+/* Number helpers that the units share. */
 
 #if defined(__FAST_MATH__) || defined(_M_FP_FAST) ||                                               \
     (defined(__FINITE_MATH_ONLY__) && __FINITE_MATH_ONLY__ != 0)
@@ -43,8 +44,8 @@ typedef char soft_pad_int_is_as_planned[sizeof(int) >= 4 ? 1 : -1];
     "springpot needs IEEE arithmetic: build without -ffast-math, -ffinite-math-only"
 #endif
 
-/* A function that few ticks call, out of the way of the others; and a long one that is called in
- * two places: a copy in each would cost the inlining within it. */
+/* SOFT_PAD_COLD: rarely called, kept out of line. SOFT_PAD_NOINLINE: long and called twice; inlining it would
+ * stop the compiler from inlining inside it. */
 #if defined(__GNUC__)
 #define SOFT_PAD_COLD __attribute__((noinline, cold, unused)) static
 #define SOFT_PAD_NOINLINE __attribute__((noinline)) static
@@ -53,13 +54,14 @@ typedef char soft_pad_int_is_as_planned[sizeof(int) >= 4 ? 1 : -1];
 #define SOFT_PAD_NOINLINE static
 #endif
 
-/* A length of time: positive, not infinite and not NaN, without libm. */
+/* Returns 1 if x is a length of time: positive, finite, not NaN. Without libm. */
 static inline int soft_pad_is_valid_dt(float x)
 {
     return x == x && x > 0.0f && x <= SOFT_PAD_REAL_MAX;
 }
 
-/* Values below this are 0: a denormal costs a hundred times a number's time on some processors. */
+/* Smaller values become 0: on some processors a denormal takes a hundred times as long as other
+ * numbers. */
 #define SOFT_PAD_FLUSH_BELOW_DOUBLE 1e-30
 #define SOFT_PAD_FLUSH_BELOW ((float)SOFT_PAD_FLUSH_BELOW_DOUBLE)
 
@@ -68,9 +70,9 @@ static inline float soft_pad_flush_denormal(float x)
     return soft_pad_abs(x) < SOFT_PAD_FLUSH_BELOW ? 0.0f : x;
 }
 
-/* Far above every state of a model in its units. Where bounds of one step do not add up to a bound
- * of the state (a measured time step, a mass on a spring), it is stated. The analysis shows that no
- * NaN comes here; one would become the largest. */
+/* Bound of every model state, far above any real value. It lets the static analyser prove finite
+ * states where one step alone gives no bound (a measured time step, a mass on a spring). NaN does
+ * not come here, as the analyser shows; it would become the largest value. */
 #define SOFT_PAD_MAX_STATE 1e6
 
 static inline float soft_pad_clamp_state(float x)
@@ -115,8 +117,8 @@ static inline void soft_pad_silence_good_sample(soft_pad_silence_state *state, f
 }
 
 /* Record dt_s without a good sample. Returns for how many ticks of it the watchdog was latched. */
-static inline float soft_pad_silence_no_sample(const soft_pad_silence_config *config, soft_pad_silence_state *state,
-                                           float dt_s)
+static inline float soft_pad_silence_no_sample(const soft_pad_silence_config *config,
+                                               soft_pad_silence_state *state, float dt_s)
 {
     const float ticks = dt_s * config->rate_hz;
     if (state->latched) {
@@ -156,39 +158,41 @@ static inline uint32_t soft_pad_silence_missed_ticks(const soft_pad_silence_conf
 
 /* ----------------------------------------------------------------------------------- sp_guard.h */
 
-/* Guard: the position that the rest of the tick may believe.
+/* Input guard: rejects implausible positions and holds the last good one.
  *
- * A sample that is not finite, too far away to be real, or further from the last good one than the
- * hand can have moved since is not taken; a denormal one is 0. After `resync_ticks` samples that
- * agree with each other, the new position is taken as true: a stall must not hold for ever. */
+ * A sample is implausible if it is not finite, outside [min_m, max_m], or further from the last
+ * good one than a hand can have moved since. Denormals become 0. After `resync_ticks` samples in a
+ * row that agree with each other the guard accepts the new position and restarts the history, so
+ * that a sensor that jumped once does not hold the force for ever. */
 
 typedef struct {
-    float max_step_m;    /* maximum believable step, m a tick */
-    float min_m;         /* believable positions: from here */
-    float max_m;         /* to here */
-    float air_m;         /* at most there nothing is touched: any step is plausible */
-    uint32_t resync_ticks; /* agreeing_samples samples after which a new position is true */
+    float max_step_m;    /* largest plausible step, m a tick */
+    float min_m;         /* smallest plausible position */
+    float max_m;         /* largest plausible position */
+    float air_m;         /* any step is plausible between positions at or below this one */
+    uint32_t resync_ticks; /* agreeing samples after which a new position is accepted */
 } soft_pad_guard_config;
 
-/* What soft_pad_init writes into a state: memory that it never saw does not hold this word. */
+/* Magic number that soft_pad_init writes; soft_pad_step refuses a state without it. */
 #define SOFT_PAD_STATE_MAGIC 0x5b9a3c1fu
 
 static inline int soft_pad_guard_plausible(const soft_pad_guard_config *config, float x)
 {
-    return x == x && x >= config->min_m && x <= config->max_m; /* a NaN is not itself */
+    return x == x && x >= config->min_m && x <= config->max_m; /* false for NaN */
 }
 
-/* The nearest believable position: for a way that was never measured. */
+/* Clamp a computed position (proxy, missed tick) to the plausible range. */
 static inline float soft_pad_guard_clamp(const soft_pad_guard_config *config, float x)
 {
     const float below = x < config->max_m ? x : config->max_m;
     return below > config->min_m ? below : config->min_m;
 }
 
-/* ticks: since the last good sample. Returns the position to use, m; before the first believable
- * sample, 0. */
-static inline float soft_pad_guard_accept(const soft_pad_guard_config *config, soft_pad_guard_state *state,
-                                      float ticks, float x, int *notes)
+/* Accept or reject the sample x. ticks: since the last good sample. Returns the position to use, m;
+ * 0 before the first plausible sample. */
+static inline float soft_pad_guard_accept(const soft_pad_guard_config *config,
+                                          soft_pad_guard_state *state, float ticks, float x,
+                                          int *notes)
 {
     x = soft_pad_flush_denormal(x);
     if (!soft_pad_guard_plausible(config, x)) {
@@ -222,8 +226,8 @@ static inline float soft_pad_guard_accept(const soft_pad_guard_config *config, s
     return x;
 }
 
-/* While a sample is not taken, the last force is held; this is the share of it that acts. A sample
- * that may be true, and is less deep than the last good one, gets less; above the surface, none. */
+/* Fraction of the held force to render while a sample is rejected: less if the sample is shallower
+ * than the last good one, 0 above the surface. */
 static inline float soft_pad_guard_held_fraction(const soft_pad_guard_config *config,
                                              const soft_pad_guard_state *state, float x)
 {
@@ -234,13 +238,13 @@ static inline float soft_pad_guard_held_fraction(const soft_pad_guard_config *co
     if (!(x > 0.0f)) {
         return 0.0f;
     }
-    const float share = x < state->last_good_m ? x / state->last_good_m : 1.0f;
-    return share < 1.0f ? share : 1.0f;
+    const float fraction = x < state->last_good_m ? x / state->last_good_m : 1.0f;
+    return fraction < 1.0f ? fraction : 1.0f;
 }
 
 /* ----------------------------------------------------------------------------------- sp_range.h */
 
-/* Trained range: the model never sees a depth that it was not trained on. */
+/* Trained range: clips the depth for models that cannot extrapolate. */
 
 typedef struct {
     float min_m;
@@ -262,33 +266,33 @@ static inline float soft_pad_range_clip(const soft_pad_range_config *config, flo
 
 /* ----------------------------------------------------------------------------------- sp_curve.h */
 
-/* Curves of the depth: smooth, and monotone.
+/* Smooth curves of the normalised depth u.
  *
- * u is 0 at the lowest trained position, 1 at the last node. Each curve has a value and a slope at
- * equally spaced nodes from 0 to 1. It is a parabola between them, and straight beyond the last
- * one. With slopes >= 0 it never falls. */
+ * u is 0 at the lowest trained position and 1 at the last node. Each curve has a value and a slope
+ * at equally spaced nodes from 0 to 1, is a parabola between two nodes, and straight beyond the
+ * last one. A curve whose slopes are all >= 0 never falls. */
 
 typedef struct {
     uint32_t interval;
-    float
-        fraction; /* from the start of the interval, 1 at its end; beyond 1 in the last interval */
+    float fraction; /* of the interval, 0 .. 1; above 1 beyond the last node */
 } soft_pad_curve_position;
 
-/* Curves do not move below u = 0. n_intervals: those between nodes, and the one beyond. */
+/* Find the interval that holds u. Below 0 curves are constant; the last interval extends beyond the
+ * last node. */
 static inline soft_pad_curve_position soft_pad_curve_locate(float u, uint32_t n_intervals)
 {
     const float n_per_u = (float)(n_intervals > 1u ? n_intervals - 1u : 1u);
     const float last = (float)(n_intervals - 1u);
-    const float passed = u > 0.0f ? u * n_per_u : 0.0f;
-    const uint32_t interval = passed < last ? (uint32_t)passed : n_intervals - 1u;
-    const soft_pad_curve_position place = {interval, passed - (float)interval};
+    const float steps = u > 0.0f ? u * n_per_u : 0.0f;
+    const uint32_t interval = steps < last ? (uint32_t)steps : n_intervals - 1u;
+    const soft_pad_curve_position place = {interval, steps - (float)interval};
     return place;
 }
 
-/* nodes: [n_intervals + 1][2][n_curves], values and slopes a interval at each node; the last slope
- * goes on. values: [n_curves]. */
-static inline void soft_pad_curve(const float *nodes, uint32_t n_curves, soft_pad_curve_position place,
-                            float *values)
+/* Evaluate n_curves curves. nodes: [n_intervals + 1][2][n_curves], values and slopes per interval;
+ * the last slope repeats. values: [n_curves]. */
+static inline void soft_pad_curve(const float *nodes, uint32_t n_curves,
+                                  soft_pad_curve_position place, float *values)
 {
     const float *value = nodes + place.interval * 2 * n_curves;
     const float *slope = value + n_curves;
@@ -301,8 +305,8 @@ static inline void soft_pad_curve(const float *nodes, uint32_t n_curves, soft_pa
 
 /* ----------------------------------------------------------------------------------- sp_stops.h */
 
-/* Stop operators (Prandtl-Ishlinskii): P(u) - P(p), where p, the play, follows u at a distance of
- * at most its radius. Rate-independent loss; with a P that never falls, never a gain of energy. */
+/* Stop operators (Prandtl-Ishlinskii): P(u) - P(p). The play p follows u and stays within `radius`
+ * of it. The loss does not depend on the rate; with a P that never falls no energy is gained. */
 
 static inline float soft_pad_stops_play(float play, float u, float radius)
 {
@@ -314,17 +318,17 @@ static inline float soft_pad_stops_play(float play, float u, float radius)
 
 /* ----------------------------------------------------------------------------- sp_hammerstein.h */
 
-/* Hammerstein: a spring, Maxwell branches and stop operators, each of a curve of its own that never
- * falls with the depth:
+/* Hammerstein model: a spring, Maxwell branches and stop operators. Each has a curve of the depth
+ * that never falls:
  *
  *     force = bias + spring(u) + sum over branches of highpass(g_i(u)) + sum over stops
  *
- * Every weight is non-negative and every pole real, so that the force is passive: over any closed
- * press it takes at least the energy that it gives back. A stop is P(u) - P(play): the first half
- * is part of the spring's curve. A tick moves the branches (sp_poles.h, sp_depth.h) between reading
- * their curves at u and summing up here. */
+ * Every weight is non-negative and every pole real, so that the force is passive: a closed
+ * press takes at least as much energy as it returns. A stop is P(u) - P(play); P(u) is part of the
+ * spring's curve. Within a tick the branches (sp_poles.h, sp_poles_by_depth.h) advance after their
+ * curves are read at u, and before their forces are summed here. */
 
-enum { SOFT_PAD_HAMMERSTEIN_LANES = 4 /* where there are vectors, branches are padded to whole ones */ };
+enum { SOFT_PAD_HAMMERSTEIN_LANES = 4 /* on targets with vector units n_branches is a multiple of it */ };
 
 typedef struct {
     float origin_m;
@@ -335,27 +339,29 @@ typedef struct {
     uint32_t n_stops;
 } soft_pad_hammerstein_config;
 
-/* The caller's arrays: constants. Curves as in sp_curve.h, N. */
+/* Constant tables of the scene. Curves as in sp_curve.h, N. */
 typedef struct {
     const float *spring;   /* one curve */
     const float *branches; /* n_branches curves */
-    const float *stops;    /* n_stops times one curve */
-    const float *radius;   /* [n_stops], of u */
+    const float *stops;    /* one curve for each stop */
+    const float *radius;   /* [n_stops], in u */
 } soft_pad_hammerstein_tables;
 
-/* u of a depth of x, m. */
+/* Normalised depth of x, m. */
 static inline float soft_pad_hammerstein_u(const soft_pad_hammerstein_config *config, float x)
 {
     return (x - config->origin_m) * config->u_per_m;
 }
 
-/* u has been here for ever: every branch has relaxed. before, held: [n_branches]; play: [n_stops].
- */
+/* Set the state of an object that has rested at u for a long time: every branch has relaxed.
+ * before, held: [n_branches]; play: [n_stops]. */
 static inline void soft_pad_hammerstein_rest(const soft_pad_hammerstein_config *config,
                                        const soft_pad_hammerstein_tables *tables, float u,
                                        float *before, float *held, float *play)
 {
-    soft_pad_curve(tables->branches, config->n_branches, soft_pad_curve_locate(u, config->n_intervals), before);
+    soft_pad_curve(tables->branches, config->n_branches, soft_pad_curve_locate(u,
+                                                                               config->n_intervals),
+                   before);
     for (uint32_t i = 0; i < config->n_branches; i++) {
         held[i] = 0.0f;
     }
@@ -364,25 +370,27 @@ static inline void soft_pad_hammerstein_rest(const soft_pad_hammerstein_config *
     }
 }
 
-/* What the spring, the stops and the bias give at u; moves the plays. */
+/* Rate-independent force at u: spring, stops and bias, N. Updates the stops' plays. */
 static inline float soft_pad_hammerstein_static_force(const soft_pad_hammerstein_config *config,
-                                                  const soft_pad_hammerstein_tables *tables, float u,
-                                                  soft_pad_curve_position place, float *play)
+                                                      const soft_pad_hammerstein_tables *tables,
+                                                      float u, soft_pad_curve_position place,
+                                                      float *play)
 {
-    float still_n;
-    soft_pad_curve(tables->spring, 1, place, &still_n);
-    still_n += config->bias_n;
+    float static_n;
+    soft_pad_curve(tables->spring, 1, place, &static_n);
+    static_n += config->bias_n;
     for (uint32_t k = 0; k < config->n_stops; k++) {
         const float *stop = tables->stops + k * (config->n_intervals + 1) * 2;
         float stop_n;
         play[k] = soft_pad_stops_play(play[k], u, tables->radius[k]);
         soft_pad_curve(stop, 1, soft_pad_curve_locate(play[k], config->n_intervals), &stop_n);
-        still_n -= stop_n;
+        static_n -= stop_n;
     }
-    return still_n;
+    return static_n;
 }
 
-/* Four partial sums in one fixed order. */
+/* Sum of the branch forces: four partial sums in one fixed order, so that bits do not depend on
+ * vector units. */
 static inline float soft_pad_hammerstein_branch_sum(const float *held, uint32_t n_branches)
 {
     float sum[SOFT_PAD_HAMMERSTEIN_LANES] = {0};
@@ -400,14 +408,14 @@ static inline float soft_pad_hammerstein_branch_sum(const float *held, uint32_t 
     return (sum[0] + sum[2]) + (sum[1] + sum[3]);
 }
 
-/* What the branches hold now (`held`), the spring, the stops and the bias at u: N. */
+/* Force at u, N: branch forces `held` of this tick, spring, stops and bias. */
 static inline float soft_pad_hammerstein_force(const soft_pad_hammerstein_config *config,
                                            const soft_pad_hammerstein_tables *tables, float u,
                                            soft_pad_curve_position place, const float *held,
                                            float *play)
 {
-    const float still_n = soft_pad_hammerstein_static_force(config, tables, u, place, play);
-    return still_n + soft_pad_hammerstein_branch_sum(held, config->n_branches);
+    const float static_n = soft_pad_hammerstein_static_force(config, tables, u, place, play);
+    return static_n + soft_pad_hammerstein_branch_sum(held, config->n_branches);
 }
 
 /* ----------------------------------------------------------------------------------- sp_poles.h */
@@ -416,15 +424,15 @@ static inline float soft_pad_hammerstein_force(const soft_pad_hammerstein_config
  *
  *     h[n] = exp(-dt/tau) h[n-1] + gain (g[n] - g[n-1])
  *
- * loss = 1 - exp(-dt/tau); the gain, tau/dt (1 - exp(-dt/tau)), is folded into what is read off h
- * or put into g. At rest h is 0, so that a start in equilibrium needs no history. */
+ * loss = 1 - exp(-dt/tau). The gain, tau/dt (1 - exp(-dt/tau)), is folded into the weights of h or
+ * into g. At rest h is 0, so that a start in equilibrium needs no history. */
 
 static inline float soft_pad_poles_step(float h, float loss, float rise)
 {
     return soft_pad_flush_denormal(h + (rise - loss * h));
 }
 
-/* Each pole has an input of its own: g now, `before` at the last tick. */
+/* Advance poles that have an input each: g now, `before` at the last tick. */
 static inline void soft_pad_poles_separate(const float *loss, uint32_t n_poles, const float *g,
                                      float *before, float *h)
 {
@@ -436,66 +444,66 @@ static inline void soft_pad_poles_separate(const float *loss, uint32_t n_poles, 
 
 /* ----------------------------------------------------------------------------------- sp_depth.h */
 
-/* Poles with a rate that depends on the depth: soft tissue and elastomers relax faster or slower
- * the deeper they are pressed.
+/* Poles whose rate depends on the depth: soft tissue and elastomers relax faster or slower the
+ * deeper they are pressed.
  *
  *     h' = g' - r(u) h,   h[n] = h[n-1] + d - loss(u) (h[n-1] + d/2),   d = g[n] - g[n-1]
  *
- * dissipates for every r(u) > 0 (loss 0 to 1): what it holds relaxes towards g as it was halfway.
- * The loss is straight between the nodes of the curves (sp_curve.h). */
+ * dissipates for every r(u) > 0 (loss 0 to 1), as h relaxes towards g at the middle of the step.
+ * The loss is linear between the nodes of the curves (sp_curve.h). */
 
-/* loss: [n_intervals + 1][n_poles], at the nodes; the last row repeats. Each pole has an input of
- * its own: g now, `before` at the last tick. */
-static inline void soft_pad_poles_by_depth(const float *loss, uint32_t n_poles, soft_pad_curve_position place,
-                                     const float *g, float *before, float *h)
+/* Advance poles that have an input each: g now, `before` at the last tick. loss:
+ * [n_intervals + 1][n_poles], at the nodes; the last row repeats. */
+static inline void soft_pad_poles_by_depth(const float *loss, uint32_t n_poles,
+                                           soft_pad_curve_position place, const float *g,
+                                           float *before, float *h)
 {
     const float *at = loss + place.interval * n_poles;
     for (uint32_t i = 0; i < n_poles; i++) {
-        const float loss_here = at[i] + place.fraction * (at[n_poles + i] - at[i]);
+        const float loss_at_u = at[i] + place.fraction * (at[n_poles + i] - at[i]);
         const float rise = g[i] - before[i];
         const float branch_n = soft_pad_clamp_state(h[i]);
-        h[i] = soft_pad_flush_denormal(branch_n + (rise - loss_here * (branch_n + 0.5f * rise)));
+        h[i] = soft_pad_flush_denormal(branch_n + (rise - loss_at_u * (branch_n + 0.5f * rise)));
         before[i] = g[i];
     }
 }
 
 /* --------------------------------------------------------------------------------- sp_surface.h */
 
-/* The surface of an object that lets go: it recovers more slowly than a tool can leave.
+/* Surface of an object that recovers more slowly than the tool leaves it.
  *
- * A model that is pressed along the tool's fraction would pull. An object does not: from where its
- * force is 0 on, the tool has left it, and its surface comes back by itself. So the model is moved
- * to
+ * If the model followed the tool, it would pull the tool back. A real object lets go: where its
+ * force reaches 0 the tool leaves it, and the surface recovers by itself. So the model sees
  *
- *     u = max(tool, surface),   surface = where its force is 0
+ *     u = max(tool, surface),   surface = the depth at which the model's force is 0
  *
- * and gives no force while the tool is above. From tick to tick the surface comes back as far as
- * the force of the last tick allows at the stiffest that each interval of the depth can be: the
- * model does not pull on the fraction, and what is left of the force moves it in the next tick. No
- * work is done, and stored energy falls (docs/explanation/model.md). */
+ * and renders no force while the tool is above the surface. Each tick the surface rises until the
+ * last force is used up, unloaded at the upper bound of the slope: the model never pulls, and what
+ * it still pushes raises the surface in the next tick. That does no work on the tool, and the
+ * stored energy falls (docs/explanation/model.md). */
 
-/* Where the surface comes back to from `from` under force_n. stiffest: [n_intervals], N a interval.
- */
-static inline float soft_pad_surface_recovered_u(const float *stiffest, uint32_t n_intervals,
-                                             float from, float force_n)
+/* Compute to where the surface recovers in a tick from `from_u` under force_n. max_slope_n:
+ * [n_intervals], upper bound of the force gained in each interval, N. */
+static inline float soft_pad_surface_recovered_u(const float *max_slope_n, uint32_t n_intervals,
+                                             float from_u, float force_n)
 {
-    soft_pad_curve_position place = soft_pad_curve_locate(from, n_intervals);
+    soft_pad_curve_position place = soft_pad_curve_locate(from_u, n_intervals);
     float remaining_n = force_n;
-    float unload_n = stiffest[place.interval] * place.fraction;
+    float unload_n = max_slope_n[place.interval] * place.fraction;
     while (place.interval > 0 && remaining_n > unload_n) {
         remaining_n -= unload_n;
         place.interval--;
         place.fraction = 1.0f;
-        unload_n = stiffest[place.interval];
+        unload_n = max_slope_n[place.interval];
     }
-    const float fraction = place.fraction - remaining_n / stiffest[place.interval];
+    const float fraction = place.fraction - remaining_n / max_slope_n[place.interval];
     const float end = (float)place.interval + (fraction > 0.0f ? fraction : 0.0f);
     const float n_per_u = (float)(n_intervals > 1u ? n_intervals - 1u : 1u);
     return end / n_per_u;
 }
 
-/* Where the model is while the tool is at u; NaN passes. */
-static inline float soft_pad_surface_model_u(const float *stiffest, uint32_t n_intervals,
+/* Normalised depth that the model sees while the tool is at u. NaN passes. */
+static inline float soft_pad_surface_model_u(const float *max_slope_n, uint32_t n_intervals,
                                          const soft_pad_surface_state *state, float u)
 {
     if (!(u < state->u)) {
@@ -505,16 +513,16 @@ static inline float soft_pad_surface_model_u(const float *stiffest, uint32_t n_i
         return state->u;
     }
     const float recovered_u =
-        soft_pad_surface_recovered_u(stiffest, n_intervals, state->u, state->force_n);
+        soft_pad_surface_recovered_u(max_slope_n, n_intervals, state->u, state->force_n);
     const float surface =
-        recovered_u < state->u ? recovered_u : state->u; /* but for rounding, recovered_u */
+        recovered_u < state->u ? recovered_u : state->u; /* rounding may raise recovered_u */
     return u > surface ? u : surface;
 }
 
 /* --------------------------------------------------------------------------------- sp_contact.h */
 
-/* Contact and onset: no force at or above the surface, and a force that rises from 0 over the
- * first `onset_m` of depth (a forest is not 0 at 0). */
+/* Onset: no force at or above the surface, the model's force from 1/onset_per_m (m) of depth on,
+ * and a linear rise between. A forest does not give 0 at depth 0. */
 
 static inline float soft_pad_contact_onset(float onset_per_m, float x, float force_n)
 {
@@ -527,36 +535,36 @@ static inline float soft_pad_contact_onset(float onset_per_m, float x, float for
 
 /* ---------------------------------------------------------------------------------- sp_output.h */
 
-/* Output: the last word on the force.
+/* Output limiter: clamp, slew limit, start ramp, latched fall. Every force leaves through it.
  *
- * Down at once: a force that the model lowers is lower in the same tick. Up by two limits: never
- * more than slew_n above the force that was given before, whatever the reason that it was less; and
- * after a start at depth by a share of the model's force that rises to 1. Without a sample the
- * force never rises; latched, it falls to zero and stays there. docs/explanation/output.md has the
- * equations. */
+ * A lower force acts at once. A higher one is limited twice: it rises by at most slew_n a call, and
+ * after a start at depth the ramp scales the model's force by a fraction that grows from 0 to 1.
+ * Without a sample the force never rises; once latched it falls to zero and stays there.
+ * docs/explanation/output.md has the equations. */
 
 typedef struct {
     float min_n;
     float max_n;
-    float slew_n; /* maximum growth of the force from call to call: a fault's, not a touch's */
-    float rise;   /* share of the force gained in a tick after a start or restart at depth */
-    float fall_n; /* of the force in one tick once it is latched */
+    float slew_n; /* slew limit, N a call: faster than any touch, so it stops faults only */
+    float ramp_per_tick; /* growth of the start ramp */
+    float latch_fall_n;  /* fall of a latched force, N a tick */
 } soft_pad_output_config;
 
-/* A position was taken as true without a history: the force rises from zero. */
+/* After a restart at depth the force rises from zero. */
 static inline void soft_pad_output_begin_ramp(soft_pad_output_state *state)
 {
-    state->share = 0.0f;
+    state->ramp = 0.0f;
 }
 
-/* No contact: whatever comes next starts from zero by itself. */
+/* Without contact no ramp is needed: the next contact begins at zero force by itself. */
 static inline void soft_pad_output_end_ramp(soft_pad_output_state *state)
 {
-    state->share = 1.0f;
+    state->ramp = 1.0f;
 }
 
-/* What is not within the scene's limits; a NaN compares with nothing: it becomes 0. */
-SOFT_PAD_COLD float soft_pad_output_clamp_cold(const soft_pad_output_config *config, float force_n, int *notes)
+/* Clamp a force outside the limits (rare). NaN fails both comparisons and becomes 0. */
+SOFT_PAD_COLD float soft_pad_output_clamp_cold(const soft_pad_output_config *config, float force_n,
+                                               int *notes)
 {
     *notes |= SP_NOTE_CLAMPED;
     return force_n > config->max_n   ? config->max_n
@@ -564,8 +572,9 @@ SOFT_PAD_COLD float soft_pad_output_clamp_cold(const soft_pad_output_config *con
                                      : 0.0f;
 }
 
-/* Within the scene's limits. */
-static inline float soft_pad_output_clamp(const soft_pad_output_config *config, float force_n, int *notes)
+/* Clamp the force to the scene's limits. */
+static inline float soft_pad_output_clamp(const soft_pad_output_config *config, float force_n,
+                                          int *notes)
 {
     if (force_n >= config->min_n && force_n <= config->max_n) {
         return force_n;
@@ -573,12 +582,14 @@ static inline float soft_pad_output_clamp(const soft_pad_output_config *config, 
     return soft_pad_output_clamp_cold(config, force_n, notes);
 }
 
-/* Latched, for so many ticks; from within the limits, whatever a stray write made of last_n. */
-SOFT_PAD_COLD float soft_pad_output_fall_latched(const soft_pad_output_config *config, soft_pad_output_state *state,
-                                       float ticks, int *notes)
+/* Lower the latched force by `ticks` ticks. last_n is clamped first, in case a stray write
+ * corrupted it. */
+SOFT_PAD_COLD float soft_pad_output_fall_latched(const soft_pad_output_config *config,
+                                                 soft_pad_output_state *state, float ticks,
+                                                 int *notes)
 {
     const float last_n = soft_pad_output_clamp(config, state->last_n, notes);
-    const float step = config->fall_n * ticks;
+    const float step = config->latch_fall_n * ticks;
     const float down_n = last_n - step;
     const float up_n = last_n + step;
     state->last_n = down_n > 0.0f ? down_n : up_n < 0.0f ? up_n : 0.0f;
@@ -586,7 +597,7 @@ SOFT_PAD_COLD float soft_pad_output_fall_latched(const soft_pad_output_config *c
     return state->last_n;
 }
 
-/* The force given before, as far as it has the direction of `force_n`. */
+/* Force of the last call if it has the sign of `force_n`, else 0. */
 static inline float soft_pad_output_last_along(const soft_pad_output_state *state, float force_n)
 {
     const float zero = 0.0f;
@@ -597,13 +608,15 @@ static inline float soft_pad_output_last_along(const soft_pad_output_state *stat
     return last_n < zero ? last_n : zero;
 }
 
-/* The model's force of a good sample; returns what leaves, N. ticks: of this call, at most 1. */
-static inline float soft_pad_output_limit(const soft_pad_output_config *config, soft_pad_output_state *state,
-                                      float ticks, float force_n, int *notes)
+/* Limit the model's force of a good sample. ticks: of this call, at most 1. Returns the force to
+ * render, N. */
+static inline float soft_pad_output_limit(const soft_pad_output_config *config,
+                                          soft_pad_output_state *state, float ticks, float force_n,
+                                          int *notes)
 {
-    if (state->share < 1.0f) {
-        force_n *= state->share;
-        state->share += config->rise * ticks;
+    if (state->ramp < 1.0f) {
+        force_n *= state->ramp;
+        state->ramp += config->ramp_per_tick * ticks;
         *notes |= SP_NOTE_RAMPED;
     }
     force_n = soft_pad_output_clamp(config, force_n, notes);
@@ -646,10 +659,10 @@ static const soft_pad_output_config soft_pad_scene_output = {
     0.0f,       /* min_n */
     12.002745f, /* max_n */
     3.0006862f, /* slew_n */
-    0.02f,      /* rise */
-    1.5003431f, /* fall_n */
+    0.02f,      /* ramp_per_tick */
+    1.5003431f, /* latch_fall_n */
 };
-static const float soft_pad_scene_per_onset = 6900.93f;
+static const float soft_pad_scene_onset_per_m = 6900.93f;
 
 /* Curves: values and slopes at the nodes, a column a branch (sp_curve.h). */
 static const float soft_pad_scene_spring[20] = {
@@ -672,22 +685,23 @@ static const float soft_pad_scene_branches[20 * 12] = {
     0.0f, 0.0f, 0.0f, 0.9430701f, 0.052593745f, 0.037854183f, 0.024271784f, 0.3169425f, 0.07762715f,
     0.071740724f, 0.13944076f, 0.116920345f, 0.0032656426f, 0.0f, 0.0f, 3.793042f, 0.21545649f,
     0.15277083f, 0.06717869f, 0.15003717f, 0.025228968f, 0.05135323f, 0.06357676f, 0.059356917f,
-    0.0f, 0.0f, 0.0f, 0.9286524f, 0.038474295f, 0.026863582f, 0.052334167f, 0.48052192f, 0.09952954f,
-    0.13845365f, 0.21368329f, 0.1867985f, 0.0032656426f, 0.0f, 0.0f, 4.712427f, 0.24720307f,
-    0.17490184f, 0.14013581f, 0.17712168f, 0.018575815f, 0.082072616f, 0.08490832f, 0.08039939f,
-    0.0f, 0.0f, 0.0f, 0.9101176f, 0.025018869f, 0.01739843f, 0.09358008f, 0.67054856f, 0.11481221f,
-    0.23868886f, 0.31340894f, 0.28203064f, 0.0053116116f, 0.0f, 0.0f, 5.612798f, 0.26701307f,
-    0.18934962f, 0.26314995f, 0.20293155f, 0.011989515f, 0.118397795f, 0.114542976f, 0.1100649f,
-    0.004091938f, 0.0f, 0.0f, 0.89062464f, 0.014601136f, 0.0114971325f, 0.15244815f, 0.88954645f,
-    0.12368253f, 0.376028f, 0.44525757f, 0.40994075f, 0.013759043f, 0.0f, 0.0f, 6.4936385f,
-    0.27703497f, 0.19766866f, 0.45604837f, 0.23506424f, 0.005751133f, 0.15628053f, 0.14915429f,
-    0.14575534f, 0.012802924f, 0.0f, 0.0f, 0.87105614f, 0.0054426845f, 0.0051409486f, 0.23334873f,
-    1.2389312f, 0.1265581f, 0.5553932f, 0.61767316f, 0.575621f, 0.027473312f, 0.0f, 0.0f, 7.365221f,
-    0.2797563f, 0.20438221f, 0.7395865f, 0.46370512f, 0.0f, 0.20244983f, 0.19567688f, 0.18560521f,
-    0.0146256145f, 0.0f, 0.0f, 0.8721091f, 0.0f, 0.008286146f, 0.33372742f, 1.2389312f, 0.1265581f,
-    0.5553932f, 0.61767316f, 0.575621f, 0.027473312f, 0.0f, 0.0f, 7.365221f, 0.2797563f, 0.20438221f,
-    0.7395865f, 0.46370512f, 0.0f, 0.20244983f, 0.19567688f, 0.18560521f, 0.0146256145f, 0.0f, 0.0f,
-    0.8721091f, 0.0f, 0.008286146f, 0.33372742f
+    0.0f, 0.0f, 0.0f, 0.9286524f, 0.038474295f, 0.026863582f, 0.052334167f, 0.48052192f,
+    0.09952954f, 0.13845365f, 0.21368329f, 0.1867985f, 0.0032656426f, 0.0f, 0.0f, 4.712427f,
+    0.24720307f, 0.17490184f, 0.14013581f, 0.17712168f, 0.018575815f, 0.082072616f, 0.08490832f,
+    0.08039939f, 0.0f, 0.0f, 0.0f, 0.9101176f, 0.025018869f, 0.01739843f, 0.09358008f, 0.67054856f,
+    0.11481221f, 0.23868886f, 0.31340894f, 0.28203064f, 0.0053116116f, 0.0f, 0.0f, 5.612798f,
+    0.26701307f, 0.18934962f, 0.26314995f, 0.20293155f, 0.011989515f, 0.118397795f, 0.114542976f,
+    0.1100649f, 0.004091938f, 0.0f, 0.0f, 0.89062464f, 0.014601136f, 0.0114971325f, 0.15244815f,
+    0.88954645f, 0.12368253f, 0.376028f, 0.44525757f, 0.40994075f, 0.013759043f, 0.0f, 0.0f,
+    6.4936385f, 0.27703497f, 0.19766866f, 0.45604837f, 0.23506424f, 0.005751133f, 0.15628053f,
+    0.14915429f, 0.14575534f, 0.012802924f, 0.0f, 0.0f, 0.87105614f, 0.0054426845f, 0.0051409486f,
+    0.23334873f, 1.2389312f, 0.1265581f, 0.5553932f, 0.61767316f, 0.575621f, 0.027473312f, 0.0f,
+    0.0f, 7.365221f, 0.2797563f, 0.20438221f, 0.7395865f, 0.46370512f, 0.0f, 0.20244983f,
+    0.19567688f, 0.18560521f, 0.0146256145f, 0.0f, 0.0f, 0.8721091f, 0.0f, 0.008286146f,
+    0.33372742f, 1.2389312f, 0.1265581f, 0.5553932f, 0.61767316f, 0.575621f, 0.027473312f, 0.0f,
+    0.0f, 7.365221f, 0.2797563f, 0.20438221f, 0.7395865f, 0.46370512f, 0.0f, 0.20244983f,
+    0.19567688f, 0.18560521f, 0.0146256145f, 0.0f, 0.0f, 0.8721091f, 0.0f, 0.008286146f,
+    0.33372742f
 };
 static const float soft_pad_scene_branch_loss[8] = {
     0.39346933f, 0.2176933f, 0.014169568f, 0.0069827656f, 0.0016880065f, 0.00019998f, 1.0f, 1.0f
@@ -696,12 +710,12 @@ static const float soft_pad_scene_depth_branch_loss[10 * 4] = {
     0.86466473f, 0.34180617f, 0.08375269f, 0.00079968007f, 0.75688326f, 0.25602773f, 0.059976026f,
     0.00056552544f, 0.63212055f, 0.18870854f, 0.04279192f, 0.00039992f, 0.5069313f, 0.13746174f,
     0.030451665f, 0.0002828027f, 0.39346933f, 0.09928281f, 0.021629887f, 0.00019998f, 0.2978115f,
-    0.071270615f, 0.015343544f, 0.00014141135f, 0.22119921f, 0.050938785f, 0.010874066f, 9.9995e-05f,
-    0.16203311f, 0.036293935f, 0.007701428f, 7.070818e-05f, 0.1175031f, 0.025802271f, 0.0054518944f,
-    4.999875e-05f, 0.1175031f, 0.025802271f, 0.0054518944f, 4.999875e-05f
+    0.071270615f, 0.015343544f, 0.00014141135f, 0.22119921f, 0.050938785f, 0.010874066f,
+    9.9995e-05f, 0.16203311f, 0.036293935f, 0.007701428f, 7.070818e-05f, 0.1175031f, 0.025802271f,
+    0.0054518944f, 4.999875e-05f, 0.1175031f, 0.025802271f, 0.0054518944f, 4.999875e-05f
 };
 /* At most so stiff is each piece of the depth, N a piece (sp_surface.h). */
-static const float soft_pad_scene_stiffest[9] = {
+static const float soft_pad_scene_max_slope_n[9] = {
     1.6607395f, 1.9375955f, 2.2323358f, 2.568678f, 2.9742138f, 3.4883642f, 4.1473236f, 5.2225385f,
     5.2225385f
 };
@@ -735,73 +749,87 @@ static const soft_pad_hammerstein_tables soft_pad_scene_passive_tables = {
 
 /* ---------------------------------------------------- the tick, and the functions of the header */
 
-/* A position is true without a history: the object has rested there for ever. */
-static void soft_pad_restart(soft_pad_state *state, float position)
+/* Restart the history at position_m: the object is taken to have rested there for a long time. */
+static void soft_pad_restart_at(soft_pad_state *state, float position_m)
 {
-    const float penetration = position > 0.0f ? position : 0.0f;
-    const float penetration_u = soft_pad_hammerstein_u(&soft_pad_scene_passive, penetration);
-    soft_pad_hammerstein_rest(&soft_pad_scene_passive, &soft_pad_scene_passive_tables, penetration_u,
-                        state->penetration_before, state->penetration_held, state->penetration_play);
+    const float penetration_m = position_m > 0.0f ? position_m : 0.0f;
+    const float penetration_u = soft_pad_hammerstein_u(&soft_pad_scene_passive, penetration_m);
+    soft_pad_hammerstein_rest(&soft_pad_scene_passive, &soft_pad_scene_passive_tables,
+                              penetration_u, state->penetration_before, state->penetration_held,
+                              state->penetration_play);
     state->penetration_surface.u = penetration_u;
     state->penetration_surface.force_n = 0.0f;
     soft_pad_output_begin_ramp(&state->output);
 }
 
-/* One tick with the tool at `position`; returns the model's force, N. */
-SOFT_PAD_NOINLINE float soft_pad_tick(soft_pad_state *state, float position, int *notes)
+/* Advance the model by one tick with the tool at position_m. Returns the force before its limits,
+ * N. */
+SOFT_PAD_NOINLINE float soft_pad_advance_model(soft_pad_state *state, float position_m, int *notes)
 {
-    const float penetration = position > 0.0f ? position : 0.0f;
-    (void)soft_pad_range_clip(&soft_pad_scene_range, penetration, notes);
-    const float penetration_tool = soft_pad_hammerstein_u(&soft_pad_scene_passive, penetration);
-    const float penetration_u =
-        soft_pad_surface_model_u(soft_pad_scene_stiffest, soft_pad_scene_passive.n_intervals, &state->penetration_surface, penetration_tool);
-    const soft_pad_curve_position penetration_place = soft_pad_curve_locate(penetration_u, soft_pad_scene_passive.n_intervals);
+    const float penetration_m = position_m > 0.0f ? position_m : 0.0f;
+    (void)soft_pad_range_clip(&soft_pad_scene_range, penetration_m, notes);
+    const float penetration_tool_u = soft_pad_hammerstein_u(&soft_pad_scene_passive, penetration_m);
+    const float penetration_u = soft_pad_surface_model_u(soft_pad_scene_max_slope_n,
+                                                         soft_pad_scene_passive.n_intervals,
+                                                         &state->penetration_surface,
+                                                         penetration_tool_u);
+    const soft_pad_curve_position penetration_on_curve =
+        soft_pad_curve_locate(penetration_u, soft_pad_scene_passive.n_intervals);
     float penetration_branch[12];
-    soft_pad_curve(soft_pad_scene_branches, 12, penetration_place, penetration_branch);
+    soft_pad_curve(soft_pad_scene_branches, 12, penetration_on_curve, penetration_branch);
     soft_pad_poles_separate(soft_pad_scene_branch_loss, 8,
         penetration_branch, state->penetration_before, state->penetration_held);
-    soft_pad_poles_by_depth(soft_pad_scene_depth_branch_loss, 4, penetration_place,
+    soft_pad_poles_by_depth(soft_pad_scene_depth_branch_loss, 4, penetration_on_curve,
         penetration_branch + 8, state->penetration_before + 8, state->penetration_held + 8);
-    const float penetration_held_n =
-        soft_pad_hammerstein_force(&soft_pad_scene_passive, &soft_pad_scene_passive_tables, penetration_u, penetration_place,
-                             state->penetration_held, state->penetration_play);
+    const float penetration_held_n = soft_pad_hammerstein_force(&soft_pad_scene_passive,
+                                                                &soft_pad_scene_passive_tables,
+                                                                penetration_u, penetration_on_curve,
+                                                                state->penetration_held,
+                                                                state->penetration_play);
     state->penetration_surface.u = penetration_u;
     state->penetration_surface.force_n = penetration_held_n;
-    const float penetration_passive_n =
-        penetration_held_n > 0.0f && !(penetration_u > penetration_tool) ? penetration_held_n : 0.0f;
-    float force = 0.0f;
-    if (position > 0.0f) {
-        force = penetration_passive_n;
-        force = soft_pad_contact_onset(soft_pad_scene_per_onset, position, force);
+    const float penetration_passive_n = penetration_held_n > 0.0f &&
+        !(penetration_u > penetration_tool_u) ? penetration_held_n : 0.0f;
+    float force_n = 0.0f;
+    if (position_m > 0.0f) {
+        force_n = penetration_passive_n;
+        force_n = soft_pad_contact_onset(soft_pad_scene_onset_per_m, position_m, force_n);
     } else {
         soft_pad_output_end_ramp(&state->output);
     }
-    return force;
+    return force_n;
 }
 
-/* dt_s have passed without a good sample; share: of the force that may be felt. */
-static int soft_pad_hold(soft_pad_state *state, float dt_s, float share, float *force_n)
+/* Hold the last force for dt_s without a good sample, scaled by `fraction` (0 .. 1). Once the
+ * watchdog has latched, let it fall to zero instead. */
+static int soft_pad_hold_force(soft_pad_state *state, float dt_s, float fraction, float *force_n)
 {
     int notes = SP_NOTE_HELD;
-    const float latched = soft_pad_silence_no_sample(&soft_pad_scene_silence, &state->silence, dt_s);
-    float last_n = share * soft_pad_output_clamp(&soft_pad_scene_output, state->output.last_n, &notes);
-    state->output.last_n = last_n;
+    const float latched_ticks = soft_pad_silence_no_sample(&soft_pad_scene_silence, &state->silence,
+                                                           dt_s);
+    float held_n = fraction * soft_pad_output_clamp(&soft_pad_scene_output, state->output.last_n,
+                                                    &notes);
+    state->output.last_n = held_n;
     if (state->silence.latched) {
         notes = 0;
-        last_n = soft_pad_output_fall_latched(&soft_pad_scene_output, &state->output, latched, &notes);
+        held_n = soft_pad_output_fall_latched(&soft_pad_scene_output, &state->output, latched_ticks,
+                                              &notes);
     }
-    *force_n = last_n;
+    *force_n = held_n;
     return notes;
 }
 
-/* The `left` ticks without a sample before this one, a step each. */
-SOFT_PAD_COLD void soft_pad_make_up(soft_pad_state *state, float position, float step,
-                     uint32_t left)
+/* Advance the model through the missed ticks, on a path from the last good position to position_m.
+ * step_m: travel per tick. */
+SOFT_PAD_COLD void soft_pad_catch_up(soft_pad_state *state, float position_m, float step_m,
+                      uint32_t missed_ticks)
 {
-    for (; left > 0; left--) {
-        const float at = soft_pad_guard_clamp(&soft_pad_scene_guard, position - (float)left * step);
-        int ignored = 0;
-        (void)soft_pad_tick(state, at, &ignored);
+    for (; missed_ticks > 0; missed_ticks--) {
+        const float remaining_m = (float)missed_ticks * step_m;
+        const float missed_m = soft_pad_guard_clamp(&soft_pad_scene_guard, position_m -
+                                                    remaining_m);
+        int ignored_notes = 0;
+        (void)soft_pad_advance_model(state, missed_m, &ignored_notes);
     }
 }
 
@@ -813,43 +841,47 @@ int soft_pad_step(soft_pad_state *state, float position_m, float velocity_mps, f
     if (state->begun != SOFT_PAD_STATE_MAGIC) {
         return SP_ERROR_STATE;
     }
-    uint32_t left = 0;
-    float ticks = 1.0f;
+    uint32_t missed_ticks = 0;
+    float ticks = 1.0f; /* since the last good sample, this one included */
     if (state->silence.silent_s > 0.0f) {
-        left = soft_pad_silence_missed_ticks(&soft_pad_scene_silence, &state->silence, soft_pad_scene_silence.dt_s);
-        ticks = (float)(left + 1);
+        missed_ticks = soft_pad_silence_missed_ticks(&soft_pad_scene_silence, &state->silence,
+                                                     soft_pad_scene_silence.dt_s);
+        ticks = (float)(missed_ticks + 1);
     }
     (void)velocity_mps;
     int notes = 0;
-    const float before = state->guard.last_good_m;
-    const float position =
-        soft_pad_guard_accept(&soft_pad_scene_guard, &state->guard, ticks, position_m, &notes);
+    const float last_good_m = state->guard.last_good_m;
+    const float good_m = soft_pad_guard_accept(&soft_pad_scene_guard, &state->guard, ticks,
+                                               position_m, &notes);
     if (notes & SP_NOTE_HELD) {
-        return soft_pad_hold(state, soft_pad_scene_silence.dt_s, soft_pad_guard_held_fraction(&soft_pad_scene_guard, &state->guard, position_m), force_n);
+        const float fraction = soft_pad_guard_held_fraction(&soft_pad_scene_guard, &state->guard,
+                                                            position_m);
+        return soft_pad_hold_force(state, soft_pad_scene_silence.dt_s, fraction, force_n);
     }
     soft_pad_silence_good_sample(&state->silence, soft_pad_scene_silence.dt_s);
-    float way = position - before;
+    float travel_m = good_m - last_good_m;
     if (notes & SP_NOTE_RESYNC) {
-        soft_pad_restart(state, position);
-        left = 0;
+        soft_pad_restart_at(state, good_m);
+        missed_ticks = 0;
         ticks = 1.0f;
-        way = 0.0f;
+        travel_m = 0.0f;
     }
-    if (left > 0) {
-        soft_pad_make_up(state, position, way / ticks, left);
+    if (missed_ticks > 0) {
+        soft_pad_catch_up(state, good_m, travel_m / ticks, missed_ticks);
     }
-    const float force = soft_pad_tick(state, position, &notes);
+    const float model_force_n = soft_pad_advance_model(state, good_m, &notes);
     if (state->silence.latched) {
         (void)soft_pad_output_fall_latched(&soft_pad_scene_output, &state->output, 1.0f, &notes);
     } else {
-        (void)soft_pad_output_limit(&soft_pad_scene_output, &state->output, 1.0f, force, &notes);
+        (void)soft_pad_output_limit(&soft_pad_scene_output, &state->output, 1.0f, model_force_n,
+                                    &notes);
     }
     *force_n = state->output.last_n;
     return notes;
 }
 
-int soft_pad_run(soft_pad_state *state, uint32_t n, const float *position_m, const float *velocity_mps,
-           float *force_n)
+int soft_pad_run(soft_pad_state *state, uint32_t n, const float *position_m,
+                 const float *velocity_mps, float *force_n)
 {
     if (state == NULL || position_m == NULL || force_n == NULL) {
         return SP_ERROR_NULL;
@@ -873,7 +905,7 @@ int soft_pad_idle(soft_pad_state *state, float dt_s, float *force_n)
     if (!soft_pad_is_valid_dt(dt_s)) {
         return SP_ERROR_TIME_STEP;
     }
-    return soft_pad_hold(state, dt_s, 1.0f, force_n);
+    return soft_pad_hold_force(state, dt_s, 1.0f, force_n);
 }
 
 void soft_pad_init(soft_pad_state *state)
@@ -901,7 +933,7 @@ uint32_t soft_pad_state_size(void)
 
 const char *soft_pad_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"36b45672261fbeea2e45da40e1370bc5d5b6205383a22d5e1a407afb1bee26f5\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"fbac791ee4f5fc803a81b8890ed3b5782a284001fde822055353720d265ce79e\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */
@@ -1101,8 +1133,8 @@ static const uint8_t soft_pad_scene_golden_notes[600] = {
     0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
     0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 4, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12,
     12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12, 12,
-    12, 12, 4, 4, 4, 4, 4, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
-    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0
+    12, 12, 4, 4, 4, 4, 4, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0,
+    0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0
 };
 
 static float soft_pad_from_bits(uint32_t bits)
@@ -1124,29 +1156,37 @@ int soft_pad_selftest(void)
     soft_pad_state state;
     soft_pad_init(&state);
     float force_n = 0.0f;
-    for (size_t i = 0; i < sizeof soft_pad_scene_golden_position / sizeof soft_pad_scene_golden_position[0]; i++) {
-        const int notes = soft_pad_step(&state, soft_pad_from_bits(soft_pad_scene_golden_position[i]), 0.0f, &force_n);
-        if (soft_pad_to_bits(force_n) != soft_pad_scene_golden_force[i] || notes != (int)soft_pad_scene_golden_notes[i]) {
+    for (size_t i =
+         0; i < sizeof soft_pad_scene_golden_position / sizeof soft_pad_scene_golden_position[0]; i++) {
+        const int notes = soft_pad_step(&state,
+                                        soft_pad_from_bits(soft_pad_scene_golden_position[i]), 0.0f,
+                                        &force_n);
+        if (soft_pad_to_bits(force_n) != soft_pad_scene_golden_force[i] || notes !=
+            (int)soft_pad_scene_golden_notes[i]) {
             return 1 + (int)i;
         }
     }
     /* A time step that is no number: taken, it would end the watchdog's count for ever. */
     force_n = 0.0f;
     const float no_number = soft_pad_from_bits(0x7fc00000u);
-    if (no_number == no_number || soft_pad_idle(&state, no_number, &force_n) != SP_ERROR_TIME_STEP ||
-        soft_pad_to_bits(force_n) != 0) {
-        return 1 + (int)(sizeof soft_pad_scene_golden_position / sizeof soft_pad_scene_golden_position[0]);
+    if (no_number == no_number || soft_pad_idle(&state, no_number, &force_n) !=
+        SP_ERROR_TIME_STEP || soft_pad_to_bits(force_n) != 0) {
+        return 1 +
+            (int)(sizeof soft_pad_scene_golden_position / sizeof soft_pad_scene_golden_position[0]);
     }
     /* Too long a silence: no force any more, whatever comes, until a reset. */
     const float deep_m = soft_pad_from_bits(soft_pad_scene_golden_position[180]);
-    int as_planned = (soft_pad_idle(&state, 0.072f, &force_n) & SP_NOTE_LATCHED) && soft_pad_to_bits(force_n) == 0;
+    int as_planned = (soft_pad_idle(&state, 0.072f, &force_n) & SP_NOTE_LATCHED) &&
+        soft_pad_to_bits(force_n) == 0;
     as_planned &= (soft_pad_step(&state, deep_m, 0.0f, &force_n) & SP_NOTE_LATCHED) != 0;
     as_planned &= soft_pad_to_bits(force_n) == 0;
     soft_pad_reset(&state);
     const float first_m = soft_pad_from_bits(soft_pad_scene_golden_position[0]);
-    as_planned &= soft_pad_step(&state, first_m, 0.0f, &force_n) == (int)soft_pad_scene_golden_notes[0];
+    as_planned &= soft_pad_step(&state, first_m, 0.0f, &force_n) ==
+        (int)soft_pad_scene_golden_notes[0];
     if (!as_planned) {
-        return 1 + (int)(sizeof soft_pad_scene_golden_position / sizeof soft_pad_scene_golden_position[0]);
+        return 1 +
+            (int)(sizeof soft_pad_scene_golden_position / sizeof soft_pad_scene_golden_position[0]);
     }
     return 0;
 }

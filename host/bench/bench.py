@@ -88,7 +88,7 @@ def run_bench(bench: Bench, folder: Path, command: str) -> JsonObject:
     for number, (point, on_front) in enumerate(zip(points, front, strict=True)):
         point.update(dict.fromkeys(ALONE), pareto=on_front)
         if on_front:
-            progress_console.print(f"alone on the machine: {sum(front[: number + 1])} "
+            progress_console.print(f"timing alone: model {sum(front[: number + 1])} "
                                    f"of {sum(front)} on the front")  # fmt: skip
             its = cache_key(key, point["hash"])
             file = folder / str(point["file"])

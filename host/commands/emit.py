@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 @click.option(
     "--accept-unsafe",
     is_flag=True,
-    help="Emit although a hand would find it unstable, for replay; the manifest says so.",
+    help="Emit an unstable scene anyway, for replay only (recorded in the manifest).",
 )
 @recordings_option("--recording", "recordings", "What --fit measures smaller forests on")
 @click.option("--fit", is_flag=True, help="Make a forest smaller until it fits the budget.")
@@ -64,10 +64,10 @@ def _recordings(names: tuple[str, ...], model: Model) -> list[Recording]:
 def emission_rows(emission: Emission) -> dict[str, str]:
     """A person's view of an emission."""
     flash, stack = emission.flash_bytes, emission.stack_bytes
-    left_out = emission.manifest["left_out"]
+    left_out, dt_s = emission.manifest["left_out"], emission.manifest["dt_s"]
     rows = {
         "C source": str(emission.folder),
-        "tick": f"{1.0 / emission.manifest['dt_s']:.6g} Hz: call the step so often",
+        "tick": f"{1.0 / dt_s:.6g} Hz: call the step every {1e3 * dt_s:.4g} ms",
         "flash": "unknown" if flash is None else f"{flash} bytes",
         "RAM": f"{emission.ram_bytes} bytes and {stack if stack is not None else '?'} of stack",
         "units": ", ".join(emission.manifest["units"]),

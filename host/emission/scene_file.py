@@ -42,7 +42,7 @@ def toml_as_json(path: Path, max_bytes: int, what: str) -> str:
     except (ValueError, TypeError, RecursionError) as error:  # DataError too
         why = str(error).splitlines()[0]
         raise UsageError(
-            f"{path}: not a {what} ({why}): give TOML in UTF-8; a model is for --model"
+            f"{path}: not a {what} ({why}): give TOML in UTF-8; pass a model with --model"
         ) from None
 
 

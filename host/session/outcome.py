@@ -16,7 +16,7 @@ from springpot.host.native.c_library import Stop
 BY_USER = "stopped by the user"
 _WORDS = {
     "held": "no sample: the last one was held",
-    "resync": "history begins anew here",
+    "resync": "restarted without earlier samples, as at the start of a recording",
     "outside": "beyond what was recorded",
     "clamped": "force kept within its limits",
     "ramped": "force rising after a start or a silence",

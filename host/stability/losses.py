@@ -1,4 +1,4 @@
-"""What lost samples did to the force: does it kick, is it right again in time, who pays for it."""
+"""Effect of lost samples on the force: kick, recovery time, energy given back."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-/* springpot: the feel of a recorded soft object, one force a tick.
+/* springpot: the force of a recorded soft object, tick by tick.
  *
  * The loop of a haptic device, at the rate that sp_scene.h and sp_manifest() state:
  *
@@ -11,19 +11,18 @@
  * below 0 there is no contact. Force is positive where it pushes the tool out of the object.
  * Units: m, m/s, N, s.
  *
- * Nothing here allocates, blocks, reads a clock, or keeps anything outside the state; two states
- * never meet. One state belongs to one thread. Send the force in the tick that computed it: one
- * tick of delay costs most of the stiffness that a loop can render stably.
+ * No function allocates, blocks, reads a clock, or keeps anything outside the state, and states are
+ * independent. Use one state in one thread. Send the force in the tick that computed it: one tick
+ * of delay costs most of the stiffness that a loop can render stably.
  *
- * Time goes on without samples. Whatever was missed (sp_idle, a sample that is not believed), the
- * next good sample makes up for: the object's memory, the coupling's proxy and every
- * filter go through those ticks as if the tool had moved evenly since the last good sample, and the
- * force is the model's again at once where that is lower, within 10 ms where it is higher. Such a
- * call takes as many ticks' time as went by. Without a good sample the force never rises; if that
- * lasts for longer than the watchdog's time, or comes again and again, it goes to zero and stays
- * there until sp_reset.
+ * Time goes on without samples. After missed or rejected samples (sp_idle, a note HELD) the next
+ * good one advances the object's memory, the coupling's proxy and every filter through the missed
+ * ticks, as if the tool had moved evenly; the force is then the model's again at once. Such a call
+ * takes as long as the missed ticks together. Without a good sample the force never rises. If that
+ * lasts longer than the watchdog timeout, or happens again and again, the force falls to zero and
+ * stays there until sp_reset.
  *
- * What a call returns: 0, fine; positive, notes (bits, in sp_notes.h): the force is safe; negative,
+ * Return values: 0, no notes; positive, notes (bits in sp_notes.h), the force is safe; negative,
  * misuse: nothing has changed, and *force_n was not written.
  */
 #ifndef SP_H
@@ -41,41 +40,40 @@ extern "C" {
 /* springpot declarations begin */
 typedef struct sp_state sp_state;
 
-/* Version of this interface; a host refuses a library of another. */
+/* Version of this interface; a host refuses a library of another version. */
 uint32_t sp_abi_version(void);
 
-/* Bytes of one sp_state; align it as for double. */
+/* Bytes of one sp_state; align it like a double. */
 uint32_t sp_state_size(void);
 
 /* JSON: version, hash, units, sample time, number type, trained range. */
 const char *sp_manifest(void);
 
-/* First call on a state; sp_reset is the same for a state in use, and unlatches the watchdog. */
+/* sp_init: first call on a state. sp_reset: the same for a state in use; unlatches the watchdog. */
 void sp_init(sp_state *state);
 void sp_reset(sp_state *state);
 
-/* One tick: the newest position (m) in, the force (N) out. velocity_mps is not used: a coupling
- * estimates the tool's own, since a second signal of the same motion could contradict the first. */
+/* One tick: takes the newest position (m), writes the force (N). velocity_mps is not used: a
+ * coupling estimates the velocity from positions, which a second signal could contradict. */
 int sp_step(sp_state *state, sp_real position_m, sp_real velocity_mps, sp_real *force_n);
 
-/* n ticks in order; velocity_mps, not used, may be null. Returns all notes. */
+/* n ticks in order. velocity_mps is not used and may be null. Returns the notes of all ticks. */
 int sp_run(sp_state *state, uint32_t n, const sp_real *position_m, const sp_real *velocity_mps,
            sp_real *force_n);
 
-/* dt_s (s) have passed without a sample: the force stays, or falls if the tool was on its way out,
- * until the watchdog takes it to zero. */
+/* dt_s (s) have passed without a sample: the force holds until the watchdog latches, then falls to
+ * zero. */
 int sp_idle(sp_state *state, sp_real dt_s, sp_real *force_n);
 
 /* springpot places begin */
-/* Where the object is pressed from the next contact on, m; until it is called, the stiffest place.
- * sp_reset keeps it. Beyond the recorded places the nearest of them is felt. */
+/* Set the site, m, that is pressed from the next contact on; before the first call it is the
+ * stiffest one. sp_reset keeps the site. Beyond the recorded sites the nearest one is rendered. */
 void sp_place(sp_state *state, sp_real x_m, sp_real y_m);
 
 /* springpot places end */
-/* Replay the golden vectors that were emitted and compare bits: 0, or 1 + the first tick that
- * differs, or one more than there are ticks where NaN is assumed away or a long silence does not
- * latch. Catches a compiler with defaults that change floating-point results. Needs sp_state_size()
- * bytes of stack more than a tick. */
+/* Replay the golden ticks and compare bits. Returns 0 if all agree, else 1 + the first tick that
+ * differs (n_ticks + 1: a NaN comparison or the latch test failed). Catches a compiler whose
+ * defaults change floating-point results. Needs sp_state_size() bytes more stack than a tick. */
 int sp_selftest(void);
 /* springpot declarations end */
 

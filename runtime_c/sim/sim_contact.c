@@ -1,3 +1,4 @@
+/* Steps of a tool on a surface that pushes and never pulls. */
 #include "sim_contact.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* Filled rubber of Ogden and Roxburgh (sim_damaged.h). */
 #include "sim_damaged.h"
 
 #include "sim_contact.h"

@@ -1,3 +1,4 @@
+/* Simulated haptic device: mass, motor, encoder, load cell. */
 #include "sim_device.h"
 
 #include <math.h>

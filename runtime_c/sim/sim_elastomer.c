@@ -1,3 +1,4 @@
+/* Filled elastomer of Bergström and Boyce (sim_elastomer.h). */
 #include "sim_elastomer.h"
 
 #include "sim_contact.h"

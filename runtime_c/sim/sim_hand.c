@@ -1,3 +1,4 @@
+/* Simulated hand on the device: exact steps of a mass on a spring and a damper. */
 #include "sim_hand.h"
 
 #include <math.h>

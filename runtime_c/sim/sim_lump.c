@@ -1,3 +1,4 @@
+/* Soft layer with stiffer lumps (sim_lump.h). */
 #include "sim_lump.h"
 
 #include <math.h>

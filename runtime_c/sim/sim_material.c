@@ -1,3 +1,4 @@
+/* Silicone of two elastic branches with Maxwell modes (sim_material.h). */
 #include "sim_material.h"
 
 #include "sim_contact.h"

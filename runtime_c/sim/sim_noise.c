@@ -1,3 +1,4 @@
+/* Deterministic noise (sim_noise.h). */
 #include "sim_noise.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* Objects by number: choose the material, and step it. */
 #include "sim_object.h"
 
 #include "sim_constants.h"

@@ -1,3 +1,4 @@
+/* Soaked sponge under a porous punch (sim_porous.h). */
 #include "sim_porous.h"
 
 #include "sim_contact.h"

@@ -1,3 +1,4 @@
+/* Root of a rising function, by bisection and secants. */
 #include "sim_root.h"
 
 #include <math.h>

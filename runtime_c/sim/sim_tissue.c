@@ -1,3 +1,4 @@
+/* Soft tissue over a stiff bed (sim_tissue.h). */
 #include "sim_tissue.h"
 
 #include "sim_contact.h"

@@ -1,9 +1,9 @@
-/* Bins: how many of a feature's sorted thresholds are below it, so that trees compare 16 bits.
+/* Bins: the number of a feature's sorted thresholds below the feature, so that trees compare 16
+ * bits.
  *
- * A feature moves little in a tick: its bin is looked for near the previous_bins one, and among all
- * thresholds only where it has count that neighbourhood. Either search halves what is count without
- * a branch that depends on data; its longest way is a constant of the scene. The bin is the same
- * whichever way it was found. */
+ * A feature moves little in a tick. So its bin is searched near the last one first, and among all
+ * thresholds only if it has left that neighbourhood. Both searches halve the range without a branch
+ * that depends on data, in a number of steps that the scene fixes, and find the same bin. */
 #ifndef SP_BINS_H
 #define SP_BINS_H
 
@@ -13,7 +13,8 @@
 
 enum { SP_BINS_SEARCH_RADIUS = 31 /* thresholds on either side that are searched first */ };
 
-/* Thresholds below `feature` among those from `bin` on, `count` of them, plus bin. */
+/* Count the thresholds below `feature` among the `count` ones from bin_index on; returns bin_index
+ * plus that count. */
 static inline uint32_t sp_bins_search(const float *thresholds, uint32_t bin_index, uint32_t count,
                                       float feature)
 {
@@ -26,26 +27,24 @@ static inline uint32_t sp_bins_search(const float *thresholds, uint32_t bin_inde
     return bin_index;
 }
 
-/* thresholds: one feature after the other; feature i has those from starts[i] to starts[i + 1].
- * previous_bins: [n_features], the bins of the previous_bins tick, and those of this one
- * afterwards. */
+/* Update the bins of all features. thresholds: one feature after the other; feature i has those
+ * from starts[i] to starts[i + 1]. bins: [n_features], of the last tick; then of this one. */
 static inline void sp_bins(const float *thresholds, const uint32_t *starts, uint32_t n_features,
-                           const sp_real *features, uint32_t *previous_bins)
+                           const sp_real *features, uint32_t *bins)
 {
     for (uint32_t i = 0; i < n_features; i++) {
         const float feature = (float)features[i];
         const float *feature_thresholds = thresholds + starts[i];
         const uint32_t n = starts[i + 1] - starts[i];
-        const uint32_t from =
-            previous_bins[i] > SP_BINS_SEARCH_RADIUS ? previous_bins[i] - SP_BINS_SEARCH_RADIUS : 0;
+        const uint32_t from = bins[i] > SP_BINS_SEARCH_RADIUS ? bins[i] - SP_BINS_SEARCH_RADIUS : 0;
         const uint32_t begin_max =
             n > 2 * SP_BINS_SEARCH_RADIUS ? n - 2 * SP_BINS_SEARCH_RADIUS : 0;
         const uint32_t begin = from < begin_max ? from : begin_max;
         const uint32_t end = begin + (n - begin_max);
         const int near = (begin == 0 || feature_thresholds[begin - 1] < feature) &&
                          (end == n || !(feature_thresholds[end] < feature));
-        previous_bins[i] = near ? sp_bins_search(feature_thresholds, begin, n - begin_max, feature)
-                                : sp_bins_search(feature_thresholds, 0, n, feature);
+        bins[i] = near ? sp_bins_search(feature_thresholds, begin, n - begin_max, feature)
+                       : sp_bins_search(feature_thresholds, 0, n, feature);
     }
 }
 

@@ -1,5 +1,5 @@
-/* Contact and onset: no force at or above the surface, and a force that rises from 0 over the
- * first `onset_m` of depth (a forest is not 0 at 0). */
+/* Onset: no force at or above the surface, the model's force from 1/onset_per_m (m) of depth on,
+ * and a linear rise between. A forest does not give 0 at depth 0. */
 #ifndef SP_CONTACT_H
 #define SP_CONTACT_H
 

@@ -1,19 +1,19 @@
-/* Virtual coupling (the paper's figure 12c, Algorithm 1): the model's force moves a proxy, which a
- * spring and a damper tie to the tool:
+/* Virtual coupling (the paper's figure 12c, Algorithm 1): the model's force moves a proxy mass,
+ * which a spring and a damper connect to the tool:
  *
  *     m a_p = -f_M - k (x_p - x) - b (v_p - v)      positions into the object, f_M >= 0 pushing out
  *     force = k (x - x_p) + b (v - v_p)             positive outward
  *
- * The paper computes f_M at the tool. Computed at the proxy instead (sp_couple_proxy_position),
- * what the loop must render is the coupling in series with the object: never stiffer than k.
+ * The paper computes f_M at the tool. Computed at the proxy instead (sp_couple_proxy_position), the
+ * loop renders the coupling in series with the object, which is never stiffer than k.
  *
  * Stepped exactly instead of by Euler: with e = x_p - x and w = v_p - v, and the tool moving at v
  * within the step, (e + f_M/k, w) is multiplied by the matrix exponential `phi`. Stable for every
  * positive stiffness, damping and mass.
  *
- * A sum rounds by its order: terms are added from left to right, those in parentheses first, the
- * tool's own motion before the proxy's way relative to it. The numpy reference adds in this order,
- * and no flag may let a compiler choose another (flags.mk). */
+ * Rounding depends on the order of a sum: left to right, parentheses first, the tool's motion
+ * before the proxy's motion relative to it. The numpy reference adds in the same order, and no flag
+ * may let a compiler choose another (flags.mk). */
 #ifndef SP_COUPLE_H
 #define SP_COUPLE_H
 
@@ -32,7 +32,7 @@ typedef struct {
 typedef struct {
     sp_real proxy_m;
     sp_real proxy_mps;
-    uint32_t set; /* the proxy exists: from contact to release */
+    uint32_t set; /* 1 while the proxy exists: from contact to release */
 } sp_couple_state;
 
 static inline void sp_couple_release(sp_couple_state *state)
@@ -40,11 +40,11 @@ static inline void sp_couple_release(sp_couple_state *state)
     state->set = 0;
 }
 
-/* The proxy exists from here on; returns where it is, m. */
+/* Create the proxy at first contact; return its position, m. */
 static inline sp_real sp_couple_proxy_position(sp_couple_state *state, sp_real x, sp_real v)
 {
     if (!state->set) {
-        /* At the tool's velocity: from rest there would be a kick of b v. */
+        /* It begins at the tool's velocity: at rest the damper would kick with b v. */
         state->proxy_m = x;
         state->proxy_mps = v;
         state->set = 1;
@@ -52,7 +52,7 @@ static inline sp_real sp_couple_proxy_position(sp_couple_state *state, sp_real x
     return state->proxy_m;
 }
 
-/* Returns the force felt at the tool, N, from the proxy as it is; then moves the proxy. */
+/* Compute the force at the tool, N, from the proxy's present state; then move the proxy. */
 static inline sp_real sp_couple_step(const sp_couple_config *config, sp_couple_state *state,
                                      sp_real x, sp_real v, sp_real model_n)
 {

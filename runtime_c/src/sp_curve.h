@@ -1,8 +1,8 @@
-/* Curves of the depth: smooth, and monotone.
+/* Smooth curves of the normalised depth u.
  *
- * u is 0 at the lowest trained position, 1 at the last node. Each curve has a value and a slope at
- * equally spaced nodes from 0 to 1. It is a parabola between them, and straight beyond the last
- * one. With slopes >= 0 it never falls. */
+ * u is 0 at the lowest trained position and 1 at the last node. Each curve has a value and a slope
+ * at equally spaced nodes from 0 to 1, is a parabola between two nodes, and straight beyond the
+ * last one. A curve whose slopes are all >= 0 never falls. */
 #ifndef SP_CURVE_H
 #define SP_CURVE_H
 
@@ -12,23 +12,23 @@
 
 typedef struct {
     uint32_t interval;
-    sp_real
-        fraction; /* from the start of the interval, 1 at its end; beyond 1 in the last interval */
+    sp_real fraction; /* of the interval, 0 .. 1; above 1 beyond the last node */
 } sp_curve_position;
 
-/* Curves do not move below u = 0. n_intervals: those between nodes, and the one beyond. */
+/* Find the interval that holds u. Below 0 curves are constant; the last interval extends beyond the
+ * last node. */
 static inline sp_curve_position sp_curve_locate(sp_real u, uint32_t n_intervals)
 {
     const sp_real n_per_u = (sp_real)(n_intervals > 1u ? n_intervals - 1u : 1u);
     const sp_real last = (sp_real)(n_intervals - 1u);
-    const sp_real passed = u > (sp_real)0 ? u * n_per_u : (sp_real)0;
-    const uint32_t interval = passed < last ? (uint32_t)passed : n_intervals - 1u;
-    const sp_curve_position place = {interval, passed - (sp_real)interval};
+    const sp_real steps = u > (sp_real)0 ? u * n_per_u : (sp_real)0;
+    const uint32_t interval = steps < last ? (uint32_t)steps : n_intervals - 1u;
+    const sp_curve_position place = {interval, steps - (sp_real)interval};
     return place;
 }
 
-/* nodes: [n_intervals + 1][2][n_curves], values and slopes a interval at each node; the last slope
- * goes on. values: [n_curves]. */
+/* Evaluate n_curves curves. nodes: [n_intervals + 1][2][n_curves], values and slopes per interval;
+ * the last slope repeats. values: [n_curves]. */
 static inline void sp_curve(const sp_real *nodes, uint32_t n_curves, sp_curve_position place,
                             sp_real *values)
 {

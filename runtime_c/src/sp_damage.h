@@ -1,9 +1,10 @@
-/* Damage: what was pressed deeper before is softer (Mullins's effect).
+/* Damage: an object that was pressed deeper before is softer (Mullins's effect).
  *
  *     force = g(v) (v/M)^q,   q = 1 or 3,   M the largest v so far, which heals towards v
  *
- * with v = max(u, 0), u the share of the trained depth. M rises only at v = M, where the force is
- * g(v), and falls only with the stored energy: none is given (docs/explanation/model.md). */
+ * with v = max(u, 0) of the normalised depth u. M rises only at v = M, where the force is g(v), and
+ * falls only together with the stored energy, so no energy is gained (docs/explanation/model.md).
+ */
 #ifndef SP_DAMAGE_H
 #define SP_DAMAGE_H
 
@@ -12,7 +13,7 @@
 #include "sp_curve.h"
 #include "sp_number.h"
 
-/* It has rested at u for ever, and was never deeper. */
+/* Set the state of an object that has rested at u for a long time and was never deeper. */
 static inline void sp_damage_rest(uint32_t n, sp_real u, sp_real *deepest)
 {
     for (uint32_t i = 0; i < n; i++) {
@@ -20,29 +21,30 @@ static inline void sp_damage_rest(uint32_t n, sp_real u, sp_real *deepest)
     }
 }
 
-/* (v/M) of one curve; deepest: its M. healed: the share of M - v that this tick takes off M. */
+/* v/M of one curve, whose M is *deepest. healed: fraction of M - v by which M falls in this tick.
+ */
 static inline sp_real sp_damage_ratio(sp_real healed, sp_real v, sp_real *deepest)
 {
-    const sp_real left = *deepest - healed * (*deepest - v);
-    if (!(left > v)) {
+    const sp_real healed_v = *deepest - healed * (*deepest - v);
+    if (!(healed_v > v)) {
         *deepest = v;
         return (sp_real)1;
     }
-    *deepest = left;
-    const sp_real share = v / left;
-    return share < (sp_real)1 ? share : (sp_real)1; /* always; for the analyser */
+    *deepest = healed_v;
+    const sp_real ratio = v / healed_v;
+    return ratio < (sp_real)1 ? ratio : (sp_real)1; /* below 1 anyway: a range for the analyser */
 }
 
-/* One tick. The first n_linear of n curves have q = 1, the others 3; values: of the curves at u.
- * Returns the sum, N. */
+/* Advance n curves by a tick; the first n_linear have q = 1, the others 3. values: the curves at u.
+ * Returns the sum of the forces, N. */
 static inline sp_real sp_damage(const sp_real *healed, uint32_t n_linear, uint32_t n, sp_real u,
                                 const sp_real *values, sp_real *deepest)
 {
     const sp_real v = u > (sp_real)0 ? u : (sp_real)0;
     sp_real sum_n = (sp_real)0;
     for (uint32_t i = 0; i < n; i++) {
-        const sp_real share = sp_damage_ratio(healed[i], v, &deepest[i]);
-        sum_n += values[i] * (i < n_linear ? share : share * share * share);
+        const sp_real ratio = sp_damage_ratio(healed[i], v, &deepest[i]);
+        sum_n += values[i] * (i < n_linear ? ratio : ratio * ratio * ratio);
     }
     return sum_n;
 }

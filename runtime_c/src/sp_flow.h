@@ -1,4 +1,4 @@
-/* Flow: branches that relax the faster the more they hold, as polymers do (Bergstroem and Boyce,
+/* Flow: branches that relax faster the larger their force is, as polymers do (Bergstroem and Boyce,
  * J. Mech. Phys. Solids 46, 1998; Norton's law of creep).
  *
  *     h' = b' - rate |h|^(p - 1) h,   p = 3 or 5,   b = u, u^2 or u^4, straight beyond u = 1
@@ -7,8 +7,8 @@
  *
  *     |h|^(1-p) grows by (p - 1) rate dt:  h (1 + (p - 1) rate dt |h|^(p - 1))^(-1/(p - 1))
  *
- * a share between 0 and 1, so that any step is stable and dissipates; square roots alone, so that
- * the bits are the same everywhere. */
+ * The factor lies between 0 and 1, so any step is stable and dissipates. Square roots alone give
+ * the same bits on every processor. */
 #ifndef SP_FLOW_H
 #define SP_FLOW_H
 
@@ -18,7 +18,7 @@
 
 enum { SP_FLOW_FUNCTIONS = 3 /* u, u^2, u^4 */ };
 
-/* values: b of each function at u. */
+/* Evaluate b of each function at u. */
 static inline void sp_flow_inputs(sp_real u, sp_real *values)
 {
     const sp_real v = u > (sp_real)0 ? u : (sp_real)0;
@@ -30,7 +30,7 @@ static inline void sp_flow_inputs(sp_real u, sp_real *values)
     values[2] = square * square + (sp_real)4 * beyond;
 }
 
-/* It has rested at u for ever. */
+/* Set the state of an object that has rested at u for a long time. */
 static inline void sp_flow_rest(sp_real u, uint32_t n, sp_real *before, sp_real *h)
 {
     sp_flow_inputs(u, before);
@@ -39,7 +39,7 @@ static inline void sp_flow_rest(sp_real u, uint32_t n, sp_real *before, sp_real 
     }
 }
 
-/* Half the rise of each function since the last tick; before: their values then. */
+/* Half the rise of each function since the last tick. before: the functions at the last tick. */
 static inline void sp_flow_half_increments(sp_real u, sp_real *before, sp_real *rises)
 {
     sp_real now[SP_FLOW_FUNCTIONS];
@@ -50,7 +50,7 @@ static inline void sp_flow_half_increments(sp_real u, sp_real *before, sp_real *
     }
 }
 
-/* h of one branch after a tick; loss: (p - 1) rate dt. */
+/* Advance one branch by a tick. loss: (p - 1) rate dt. Returns h. */
 static inline sp_real sp_flow_relax(sp_real h, sp_real half, sp_real loss, uint32_t cubic)
 {
     const sp_real held = sp_clamp_state(h + half);
@@ -61,8 +61,8 @@ static inline sp_real sp_flow_relax(sp_real h, sp_real half, sp_real loss, uint3
     return sp_flush_denormal(held / grown + half);
 }
 
-/* One tick. function: of each of n branches; the first n_cubic have p = 3, the others 5. before: of
- * the functions. Returns the sum of force_n h, N. */
+/* Advance n branches by a tick. function: index of each branch's b; the first n_cubic have p = 3,
+ * the others 5. Returns the sum of force_n h, N. */
 static inline sp_real sp_flow(const sp_real *loss, const sp_real *force_n, const uint8_t *function,
                               uint32_t n_cubic, uint32_t n, sp_real u, sp_real *before, sp_real *h)
 {

@@ -1,13 +1,13 @@
-/* Forest: the sum of the leaves that a feature vector reaches, one in each tree.
+/* Forest: sum of the leaves that a feature vector reaches, one in each tree.
  *
- * Features come as bins (whole numbers), so that a threshold is 16 bits and a node 4 bytes.
- * A node sends a bin above its own to the right. The first SP_FOREST_LEVELS levels of all trees
- * are complete and lie side by side, heap position by heap position; a leaf above them sends
- * everything to the left. Below, `step` holds the way to the left child in nodes, and the feature's
- * slot in its low bits; the right child is next to the left one, and three levels lie together. A
- * leaf's step is 0 and its bin is its value in steps: slot 0 has bin 0, so that traversing on stays
- * there. Many trees are therefore traversed at once, without a branch that depends on data, and
- * wait for memory together. Sums are integers: the same in any order, and on any processor. */
+ * Features are bins (whole numbers), so a threshold has 16 bits and a node 4 bytes. A node sends
+ * larger bins to the right. The first SP_FOREST_LEVELS levels of every tree are complete and lie
+ * side by side, heap position by heap position; a leaf within these levels sends everything to the
+ * left. Below, the high bits of `step` are the distance to the left child in nodes, its low bits
+ * the feature's slot; the right child follows the left one, and three levels lie together. A leaf
+ * has step 0 and its value as bin: slot 0 always has bin 0, so a traversal that goes on stays
+ * there. Thus many trees are traversed at once without a branch that depends on data, and their
+ * waits for memory overlap. Sums are integers: the same in any order, on any processor. */
 #ifndef SP_FOREST_H
 #define SP_FOREST_H
 
@@ -17,14 +17,14 @@ enum {
     SP_FOREST_SLOT_BITS = 4,
     SP_FOREST_SLOTS = 1 << SP_FOREST_SLOT_BITS,
     SP_FOREST_LEVELS = 4,
-    SP_FOREST_ENTRIES = 1 << SP_FOREST_LEVELS, /* of a tree, below its first levels */
+    SP_FOREST_ENTRIES = 1 << SP_FOREST_LEVELS, /* entries of a tree below its first levels */
     SP_FOREST_BLIND_LEVELS = 3                 /* levels traversed before looking for inner nodes */
 };
 
-/* Trees traversed at once: as many as hide the wait for memory; one where there is no cache. */
+/* Trees traversed at once: enough to hide the wait for memory; one on targets without a cache. */
 #if defined(__x86_64__) || defined(__aarch64__) || defined(_M_X64)
 enum { SP_FOREST_TRAVERSALS = 20, SP_FOREST_REMAINDER = 10 };
-#elif defined(__wasm__) /* of such a processor, with fewer registers */
+#elif defined(__wasm__) /* has fewer registers */
 enum { SP_FOREST_TRAVERSALS = 10, SP_FOREST_REMAINDER = 10 };
 #else
 enum { SP_FOREST_TRAVERSALS = 1, SP_FOREST_REMAINDER = 1 };
@@ -37,10 +37,10 @@ typedef struct {
 
 typedef struct {
     const sp_forest_node *top;   /* [SP_FOREST_ENTRIES - 1][n_padded] */
-    const sp_forest_node *nodes; /* tree after tree, each with its SP_FOREST_ENTRIES first */
+    const sp_forest_node *nodes; /* tree after tree, each begins with SP_FOREST_ENTRIES */
     const uint32_t *roots;       /* [n_padded]: first entry of each tree */
     uint32_t n_trees;
-    uint32_t n_padded; /* trees and padding: every way of traversal finds whole groups */
+    uint32_t n_padded; /* trees and padding: every traversal finds whole groups */
 } sp_forest;
 
 static inline uint32_t sp_forest_right(const sp_forest_node *node, const uint32_t *bins)
@@ -49,7 +49,7 @@ static inline uint32_t sp_forest_right(const sp_forest_node *node, const uint32_
     return (node->bin_index - bins[node->step & (SP_FOREST_SLOTS - 1)]) >> 31;
 }
 
-/* Sum over the `trees` trees from `tree` on; trees is a constant where this is inlined. */
+/* Sum over `trees` trees from `tree` on. `trees` is a constant where this is inlined. */
 static inline uint32_t sp_forest_traverse(const sp_forest *forest, uint32_t tree, uint32_t trees,
                                           const uint32_t *bins)
 {
@@ -94,7 +94,7 @@ static inline uint32_t sp_forest_traverse(const sp_forest *forest, uint32_t tree
     return sum;
 }
 
-/* bins: [SP_FOREST_SLOTS], each below 2^16, the first one 0. Returns steps. */
+/* bins: [SP_FOREST_SLOTS], all below 2^16, the first one 0. Returns leaf steps. */
 static inline uint32_t sp_forest_sum(const sp_forest *forest, const uint32_t *bins)
 {
     uint32_t sum = 0;

@@ -1,8 +1,8 @@
-/* The forest of sp_forest.h with the vector units that the processor turns out to have.
+/* Forest of sp_forest.h with the vector units that the processor has at run time.
  *
- * Chosen once, in sp_init, and the same sum in every case. A vector variant for another processor
- * goes here: beside the x86-64 ones, with a number of its own. SP_SIMD caps the choice; benchmarks
- * and tests set it. */
+ * sp_init chooses once; the sum is the same in every case. A variant for another processor goes
+ * here, beside the x86-64 ones, with a new number. SP_SIMD caps the choice, for benchmarks and
+ * tests. */
 #ifndef SP_FOREST_SIMD_H
 #define SP_FOREST_SIMD_H
 

@@ -1,9 +1,8 @@
-/* The forest of sp_forest.h on AVX2 and AVX-512: a lane a tree.
+/* Forest of sp_forest.h on AVX2 and AVX-512: one tree in each lane.
  *
- * The first levels need no look-up: whole rows of them are loaded and blended. Below, one gather
- * fetches the nodes of all lanes. As many groups of lanes are traversed at once as there are
- * registers for: what a tick waits for is memory, and it waits for all of them together. A node is
- * read as 32 bits: the step low, the bin high. */
+ * The first levels need no look-up: whole rows are loaded and blended. Below, one gather fetches
+ * the nodes of all lanes. As many groups of lanes are traversed at once as the registers hold, so
+ * that their waits for memory overlap. A node is read as 32 bits: the step low, the bin high. */
 #ifndef SP_FOREST_X86_H
 #define SP_FOREST_X86_H
 
@@ -19,8 +18,8 @@ enum { SP_FOREST_GROUPS = 7 }; /* traversed at once; in a last round some may be
 #define SP_TARGET_AVX512 __attribute__((target("avx512f,avx512bw,avx512vl")))
 #define SP_TARGET_AVX2 __attribute__((target("avx2")))
 
-/* Lanes where the feature's bin is above the node's. Bins are in the upper half of their 32 bits;
- * the step below a node's never reaches the next bin, so that it need not be cut off. */
+/* Lanes in which the feature's bin is above the node's. Bins are in the upper half of their 32
+ * bits; the step in the lower half never reaches the next bin, so it need not be masked. */
 SP_TARGET_AVX512 static inline __mmask16 sp_forest_right512(__m512i node, __m512i bins)
 {
     return _mm512_cmpgt_epu32_mask(_mm512_permutexvar_epi32(node, bins), node);

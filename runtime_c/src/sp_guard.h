@@ -1,8 +1,9 @@
-/* Guard: the position that the rest of the tick may believe.
+/* Input guard: rejects implausible positions and holds the last good one.
  *
- * A sample that is not finite, too far away to be real, or further from the last good one than the
- * hand can have moved since is not taken; a denormal one is 0. After `resync_ticks` samples that
- * agree with each other, the new position is taken as true: a stall must not hold for ever. */
+ * A sample is implausible if it is not finite, outside [min_m, max_m], or further from the last
+ * good one than a hand can have moved since. Denormals become 0. After `resync_ticks` samples in a
+ * row that agree with each other the guard accepts the new position and restarts the history, so
+ * that a sensor that jumped once does not hold the force for ever. */
 #ifndef SP_GUARD_H
 #define SP_GUARD_H
 
@@ -12,11 +13,11 @@
 #include "sp_number.h"
 
 typedef struct {
-    sp_real max_step_m;    /* maximum believable step, m a tick */
-    sp_real min_m;         /* believable positions: from here */
-    sp_real max_m;         /* to here */
-    sp_real air_m;         /* at most there nothing is touched: any step is plausible */
-    uint32_t resync_ticks; /* agreeing_samples samples after which a new position is true */
+    sp_real max_step_m;    /* largest plausible step, m a tick */
+    sp_real min_m;         /* smallest plausible position */
+    sp_real max_m;         /* largest plausible position */
+    sp_real air_m;         /* any step is plausible between positions at or below this one */
+    uint32_t resync_ticks; /* agreeing samples after which a new position is accepted */
 } sp_guard_config;
 
 typedef struct {
@@ -26,23 +27,23 @@ typedef struct {
     uint32_t started;
 } sp_guard_state;
 
-/* What sp_init writes into a state: memory that it never saw does not hold this word. */
+/* Magic number that sp_init writes; sp_step refuses a state without it. */
 #define SP_STATE_MAGIC 0x5b9a3c1fu
 
 static inline int sp_guard_plausible(const sp_guard_config *config, sp_real x)
 {
-    return x == x && x >= config->min_m && x <= config->max_m; /* a NaN is not itself */
+    return x == x && x >= config->min_m && x <= config->max_m; /* false for NaN */
 }
 
-/* The nearest believable position: for a way that was never measured. */
+/* Clamp a computed position (proxy, missed tick) to the plausible range. */
 static inline sp_real sp_guard_clamp(const sp_guard_config *config, sp_real x)
 {
     const sp_real below = x < config->max_m ? x : config->max_m;
     return below > config->min_m ? below : config->min_m;
 }
 
-/* ticks: since the last good sample. Returns the position to use, m; before the first believable
- * sample, 0. */
+/* Accept or reject the sample x. ticks: since the last good sample. Returns the position to use, m;
+ * 0 before the first plausible sample. */
 static inline sp_real sp_guard_accept(const sp_guard_config *config, sp_guard_state *state,
                                       sp_real ticks, sp_real x, int *notes)
 {
@@ -78,8 +79,8 @@ static inline sp_real sp_guard_accept(const sp_guard_config *config, sp_guard_st
     return x;
 }
 
-/* While a sample is not taken, the last force is held; this is the share of it that acts. A sample
- * that may be true, and is less deep than the last good one, gets less; above the surface, none. */
+/* Fraction of the held force to render while a sample is rejected: less if the sample is shallower
+ * than the last good one, 0 above the surface. */
 static inline sp_real sp_guard_held_fraction(const sp_guard_config *config,
                                              const sp_guard_state *state, sp_real x)
 {
@@ -90,8 +91,8 @@ static inline sp_real sp_guard_held_fraction(const sp_guard_config *config,
     if (!(x > (sp_real)0)) {
         return (sp_real)0;
     }
-    const sp_real share = x < state->last_good_m ? x / state->last_good_m : (sp_real)1;
-    return share < (sp_real)1 ? share : (sp_real)1;
+    const sp_real fraction = x < state->last_good_m ? x / state->last_good_m : (sp_real)1;
+    return fraction < (sp_real)1 ? fraction : (sp_real)1;
 }
 
 #endif

@@ -1,4 +1,4 @@
-/* Past positions out of a ring: [length], the newest sample at `newest`, older ones behind it. */
+/* Past positions in a ring of `length` samples: the newest one at `newest`, older ones after it. */
 #ifndef SP_LAGS_H
 #define SP_LAGS_H
 

@@ -1,10 +1,10 @@
-/* A map: an object that is not the same everywhere, of materials that are mixed at each place.
+/* Map of an object that differs from site to site: a mixture of materials.
  *
- *     curve at a place = sum over materials r of amount_r(place) curve_r
+ *     curve at a site = sum over materials r of amount_r(site) curve_r
  *
- * The amounts are given at the nodes of a regular grid, are bilinear within a cell, and never
- * negative. The place changes only while the tool is off the object, which then has rested there
- * for ever: stored energy falls to 0 (docs/explanation/model.md). */
+ * The amounts are non-negative at the nodes of a regular grid, and bilinear within a cell. The site
+ * changes only while the tool is off the object, which then counts as rested: the stored energy
+ * falls to 0 (docs/explanation/model.md). */
 #ifndef SP_MAP_H
 #define SP_MAP_H
 
@@ -20,31 +20,31 @@ typedef struct {
     uint32_t nodes_x; /* 2 at least */
     uint32_t nodes_y;
     uint32_t n_materials;
-    uint32_t n_curves; /* numbers of a material: those of all its curves */
+    uint32_t n_curves; /* values of one material: those of all its curves */
 } sp_map_config;
 
 typedef struct {
-    sp_real x; /* in steps from the first node, on the grid */
+    sp_real x; /* grid coordinate: steps from the first node */
     sp_real y;
-    uint32_t pending; /* 1: for the tool to be off the object */
+    uint32_t pending; /* 1: a new site waits until the tool is off the object */
 } sp_map_state;
 
-/* As many materials as a map may have. */
+/* Most materials of a map. */
 enum { SP_MAP_MAX_MATERIALS = 8 };
 
-/* In steps from the first of n nodes; beyond the grid its edge. A NaN is at the first node. */
+/* Steps from the first of n nodes; clamped to the grid. NaN becomes the first node. */
 static inline sp_real sp_map_grid_coordinate(sp_real at_m, sp_real first_m, sp_real per_step,
                                              uint32_t n)
 {
-    const sp_real passed = (at_m - first_m) * per_step;
+    const sp_real steps = (at_m - first_m) * per_step;
     const sp_real last = (sp_real)(n - 1u);
-    if (passed == passed && passed > (sp_real)0) { /* a NaN is not itself */
-        return passed < last ? passed : last;
+    if (steps == steps && steps > (sp_real)0) { /* false for NaN */
+        return steps < last ? steps : last;
     }
     return (sp_real)0;
 }
 
-/* The place of the next contact, m; the one that is felt already changes nothing. */
+/* Set the site of the next contact, m. The site that is rendered already changes nothing. */
 static inline void sp_map_set_site(const sp_map_config *config, sp_map_state *state, sp_real x_m,
                                    sp_real y_m)
 {
@@ -59,24 +59,24 @@ static inline void sp_map_set_site(const sp_map_config *config, sp_map_state *st
     }
 }
 
-/* The node before a place. */
+/* Index of the node below a grid coordinate: of the cell that holds it. */
 static inline uint32_t sp_map_cell(sp_real steps, uint32_t n)
 {
     const uint32_t node = (uint32_t)steps;
     return node < n - 1u ? node : n - 2u;
 }
 
-/* Way from there to the next node, 0 to 1: the bounds act on no place, and show to a proof. */
+/* Fraction of the cell, 0 to 1. The clamps never act; they give the static analyser its range. */
 static inline sp_real sp_map_cell_fraction(sp_real steps, uint32_t node)
 {
-    const sp_real way = steps - (sp_real)node;
-    if (!(way > (sp_real)0)) {
+    const sp_real fraction = steps - (sp_real)node;
+    if (!(fraction > (sp_real)0)) {
         return (sp_real)0;
     }
-    return way < (sp_real)1 ? way : (sp_real)1;
+    return fraction < (sp_real)1 ? fraction : (sp_real)1;
 }
 
-/* A number of all materials, of which those of the next one lie n_curves further. */
+/* Weighted sum over the materials, whose values are n_curves apart. */
 static inline sp_real sp_map_mix(const sp_map_config *config, const sp_real *amount,
                                  const sp_real *first_material)
 {
@@ -87,15 +87,15 @@ static inline sp_real sp_map_mix(const sp_map_config *config, const sp_real *amo
     return mixed;
 }
 
-/* Raise what is divided by to `least`: all amounts of a place may be 0. */
-static inline void sp_map_clamp_below(sp_real *values, uint32_t n, sp_real least)
+/* Raise divisors to min_value: all amounts of a site may be 0. */
+static inline void sp_map_clamp_below(sp_real *values, uint32_t n, sp_real min_value)
 {
     for (uint32_t i = 0; i < n; i++) {
-        values[i] = values[i] > least ? values[i] : least;
+        values[i] = values[i] > min_value ? values[i] : min_value;
     }
 }
 
-/* Mix the curves of the place that pending, if one does. amounts: [nodes_x][nodes_y][n_materials];
+/* Mix the curves of a new site, if one is pending. amounts: [nodes_x][nodes_y][n_materials];
  * materials: [n_materials][n_curves]; curves: [n_curves]. */
 static inline void sp_map_apply_site(const sp_map_config *config, sp_map_state *state,
                                      const sp_real *amounts, const sp_real *materials,

@@ -1,4 +1,4 @@
-/* The few number helpers that the units share. */
+/* Number helpers that the units share. */
 #ifndef SP_NUMBER_H
 #define SP_NUMBER_H
 
@@ -10,8 +10,8 @@
     "springpot needs IEEE arithmetic: build without -ffast-math, -ffinite-math-only (see flags.mk)"
 #endif
 
-/* A function that few ticks call, out of the way of the others; and a long one that is called in
- * two places: a copy in each would cost the inlining within it. */
+/* SP_COLD: rarely called, kept out of line. SP_NOINLINE: long and called twice; inlining it would
+ * stop the compiler from inlining inside it. */
 #if defined(__GNUC__)
 #define SP_COLD __attribute__((noinline, cold, unused)) static
 #define SP_NOINLINE __attribute__((noinline)) static
@@ -20,13 +20,14 @@
 #define SP_NOINLINE static
 #endif
 
-/* A length of time: positive, not infinite and not NaN, without libm. */
+/* Returns 1 if x is a length of time: positive, finite, not NaN. Without libm. */
 static inline int sp_is_valid_dt(sp_real x)
 {
     return x == x && x > (sp_real)0 && x <= SP_REAL_MAX;
 }
 
-/* Values below this are 0: a denormal costs a hundred times a number's time on some processors. */
+/* Smaller values become 0: on some processors a denormal takes a hundred times as long as other
+ * numbers. */
 #define SP_FLUSH_BELOW_DOUBLE 1e-30
 #define SP_FLUSH_BELOW ((sp_real)SP_FLUSH_BELOW_DOUBLE)
 
@@ -35,15 +36,15 @@ static inline sp_real sp_flush_denormal(sp_real x)
     return sp_abs(x) < SP_FLUSH_BELOW ? (sp_real)0 : x;
 }
 
-/* The same for states that are kept in double whatever the scene's number type. */
+/* For states that are double whatever the scene's number type is. */
 static inline double sp_flush_denormal_double(double x)
 {
     return fabs(x) < SP_FLUSH_BELOW_DOUBLE ? 0.0 : x;
 }
 
-/* Far above every state of a model in its units. Where bounds of one step do not add up to a bound
- * of the state (a measured time step, a mass on a spring), it is stated. The analysis shows that no
- * NaN comes here; one would become the largest. */
+/* Bound of every model state, far above any real value. It lets the static analyser prove finite
+ * states where one step alone gives no bound (a measured time step, a mass on a spring). NaN does
+ * not come here, as the analyser shows; it would become the largest value. */
 #define SP_MAX_STATE 1e6
 
 static inline double sp_clamp_state_double(double x)

@@ -1,10 +1,9 @@
-/* Output: the last word on the force.
+/* Output limiter: clamp, slew limit, start ramp, latched fall. Every force leaves through it.
  *
- * Down at once: a force that the model lowers is lower in the same tick. Up by two limits: never
- * more than slew_n above the force that was given before, whatever the reason that it was less; and
- * after a start at depth by a share of the model's force that rises to 1. Without a sample the
- * force never rises; latched, it falls to zero and stays there. docs/explanation/output.md has the
- * equations. */
+ * A lower force acts at once. A higher one is limited twice: it rises by at most slew_n a call, and
+ * after a start at depth the ramp scales the model's force by a fraction that grows from 0 to 1.
+ * Without a sample the force never rises; once latched it falls to zero and stays there.
+ * docs/explanation/output.md has the equations. */
 #ifndef SP_OUTPUT_H
 #define SP_OUTPUT_H
 
@@ -14,29 +13,29 @@
 typedef struct {
     sp_real min_n;
     sp_real max_n;
-    sp_real slew_n; /* maximum growth of the force from call to call: a fault's, not a touch's */
-    sp_real rise;   /* share of the force gained in a tick after a start or restart at depth */
-    sp_real fall_n; /* of the force in one tick once it is latched */
+    sp_real slew_n; /* slew limit, N a call: faster than any touch, so it stops faults only */
+    sp_real ramp_per_tick; /* growth of the start ramp */
+    sp_real latch_fall_n;  /* fall of a latched force, N a tick */
 } sp_output_config;
 
 typedef struct {
-    sp_real last_n; /* by the last call: from here the force grows */
-    sp_real share;  /* 0 .. 1, of the model's force that is given */
+    sp_real last_n; /* force of the last call */
+    sp_real ramp;   /* fraction of the model's force that is rendered, 0 .. 1 */
 } sp_output_state;
 
-/* A position was taken as true without a history: the force rises from zero. */
+/* After a restart at depth the force rises from zero. */
 static inline void sp_output_begin_ramp(sp_output_state *state)
 {
-    state->share = (sp_real)0;
+    state->ramp = (sp_real)0;
 }
 
-/* No contact: whatever comes next starts from zero by itself. */
+/* Without contact no ramp is needed: the next contact begins at zero force by itself. */
 static inline void sp_output_end_ramp(sp_output_state *state)
 {
-    state->share = (sp_real)1;
+    state->ramp = (sp_real)1;
 }
 
-/* What is not within the scene's limits; a NaN compares with nothing: it becomes 0. */
+/* Clamp a force outside the limits (rare). NaN fails both comparisons and becomes 0. */
 SP_COLD sp_real sp_output_clamp_cold(const sp_output_config *config, sp_real force_n, int *notes)
 {
     *notes |= SP_NOTE_CLAMPED;
@@ -45,7 +44,7 @@ SP_COLD sp_real sp_output_clamp_cold(const sp_output_config *config, sp_real for
                                      : (sp_real)0;
 }
 
-/* Within the scene's limits. */
+/* Clamp the force to the scene's limits. */
 static inline sp_real sp_output_clamp(const sp_output_config *config, sp_real force_n, int *notes)
 {
     if (force_n >= config->min_n && force_n <= config->max_n) {
@@ -54,12 +53,13 @@ static inline sp_real sp_output_clamp(const sp_output_config *config, sp_real fo
     return sp_output_clamp_cold(config, force_n, notes);
 }
 
-/* Latched, for so many ticks; from within the limits, whatever a stray write made of last_n. */
+/* Lower the latched force by `ticks` ticks. last_n is clamped first, in case a stray write
+ * corrupted it. */
 SP_COLD sp_real sp_output_fall_latched(const sp_output_config *config, sp_output_state *state,
                                        sp_real ticks, int *notes)
 {
     const sp_real last_n = sp_output_clamp(config, state->last_n, notes);
-    const sp_real step = config->fall_n * ticks;
+    const sp_real step = config->latch_fall_n * ticks;
     const sp_real down_n = last_n - step;
     const sp_real up_n = last_n + step;
     state->last_n = down_n > (sp_real)0 ? down_n : up_n < (sp_real)0 ? up_n : (sp_real)0;
@@ -67,7 +67,7 @@ SP_COLD sp_real sp_output_fall_latched(const sp_output_config *config, sp_output
     return state->last_n;
 }
 
-/* The force given before, as far as it has the direction of `force_n`. */
+/* Force of the last call if it has the sign of `force_n`, else 0. */
 static inline sp_real sp_output_last_along(const sp_output_state *state, sp_real force_n)
 {
     const sp_real zero = (sp_real)0;
@@ -78,13 +78,14 @@ static inline sp_real sp_output_last_along(const sp_output_state *state, sp_real
     return last_n < zero ? last_n : zero;
 }
 
-/* The model's force of a good sample; returns what leaves, N. ticks: of this call, at most 1. */
+/* Limit the model's force of a good sample. ticks: of this call, at most 1. Returns the force to
+ * render, N. */
 static inline sp_real sp_output_limit(const sp_output_config *config, sp_output_state *state,
                                       sp_real ticks, sp_real force_n, int *notes)
 {
-    if (state->share < (sp_real)1) {
-        force_n *= state->share;
-        state->share += config->rise * ticks;
+    if (state->ramp < (sp_real)1) {
+        force_n *= state->ramp;
+        state->ramp += config->ramp_per_tick * ticks;
         *notes |= SP_NOTE_RAMPED;
     }
     force_n = sp_output_clamp(config, force_n, notes);

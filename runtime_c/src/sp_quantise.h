@@ -1,4 +1,4 @@
-/* Quantisation: a feature's bin of 16 bits, for a forest that was fitted on such bins. */
+/* Quantisation: bin of 16 bits of a feature, for a forest that was fitted on such bins. */
 #ifndef SP_QUANTISE_H
 #define SP_QUANTISE_H
 
@@ -6,7 +6,7 @@
 
 #include "sp_real.h"
 
-/* The nearest bin, within 0 .. 65535. */
+/* Returns the nearest bin, 0 .. 65535. */
 static inline uint32_t sp_quantise(sp_real feature, float feature_min, float bins_per_unit)
 {
     const float bin = ((float)feature - feature_min) * bins_per_unit + 0.5f;

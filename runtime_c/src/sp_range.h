@@ -1,4 +1,4 @@
-/* Trained range: the model never sees a depth that it was not trained on. */
+/* Trained range: clips the depth for models that cannot extrapolate. */
 #ifndef SP_RANGE_H
 #define SP_RANGE_H
 
@@ -23,8 +23,8 @@ static inline sp_real sp_range_clip(const sp_range_config *config, sp_real x, in
     return x;
 }
 
-/* For scenes that render nothing outside: the force ends over a depth (1/fade_per_m, m), not in a
- * step. */
+/* Fade the force to 0 over 1/fade_per_m (m) beyond the range, for scenes that render nothing
+ * outside. */
 static inline sp_real sp_range_fade(const sp_range_config *config, sp_real fade_per_m, sp_real x,
                                     sp_real force_n)
 {

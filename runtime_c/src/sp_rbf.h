@@ -15,7 +15,7 @@ enum {
     SP_RBF_WIDTH = 8 /* centers are padded to a multiple of this, with weight 0 */
 };
 
-/* Into the trained range, then to mean 0 and scale 1. */
+/* Clip x to the trained range, then scale it to mean 0 and scale 1. */
 static inline sp_real sp_rbf_standardise(sp_real x, sp_real lower, sp_real upper, sp_real mean,
                                          sp_real per_scale)
 {

@@ -1,5 +1,5 @@
-/* Poles with a time constant above 1e5 ticks: in float their states would stop moving, so they
- * are kept in double whatever the scene's number type. See sp_poles.h. */
+/* Poles (sp_poles.h) with a time constant above 1e5 ticks. In float their states would stop moving:
+ * a step is smaller than the rounding. So they are double whatever the scene's number type is. */
 #ifndef SP_SLOW_POLES_H
 #define SP_SLOW_POLES_H
 
@@ -7,7 +7,8 @@
 
 #include "sp_number.h"
 
-/* h[n] = h[n-1] - loss h[n-1] + rise, of the input g; out: h in the scene's type. */
+/* Advance poles that share one input: h[n] = h[n-1] - loss h[n-1] + rise. out: h in the scene's
+ * type. */
 static inline void sp_slow_poles(const double *loss, uint32_t n_poles, sp_real rise, double *h,
                                  sp_real *out)
 {
@@ -17,7 +18,7 @@ static inline void sp_slow_poles(const double *loss, uint32_t n_poles, sp_real r
     }
 }
 
-/* Each has an input of its own: g now, `before` at the last tick. */
+/* Advance poles that have an input each: g now, `before` at the last tick. */
 static inline void sp_slow_poles_separate(const double *loss, uint32_t n_poles, const sp_real *g,
                                           sp_real *before, double *h, sp_real *out)
 {

@@ -1,4 +1,4 @@
-/* Smoothing: an exponential moving average, weight `alpha` on the newest value. */
+/* Smoothing: exponential moving average with weight `alpha` on the newest value. */
 #ifndef SP_SMOOTH_H
 #define SP_SMOOTH_H
 

@@ -1,5 +1,5 @@
-/* Stop operators (Prandtl-Ishlinskii): P(u) - P(p), where p, the play, follows u at a distance of
- * at most its radius. Rate-independent loss; with a P that never falls, never a gain of energy. */
+/* Stop operators (Prandtl-Ishlinskii): P(u) - P(p). The play p follows u and stays within `radius`
+ * of it. The loss does not depend on the rate; with a P that never falls no energy is gained. */
 #ifndef SP_STOPS_H
 #define SP_STOPS_H
 

@@ -1,7 +1,7 @@
-/* Taps: each feature is a window of samples, each weighed by a tap of its own.
+/* Taps: each feature is the weighted sum of a window of samples.
  *
- * Sixteen partial sums run side by side and are added in one fixed order: the compiler vectorises
- * them without reordering any sum, so that the bits are the same with and without vector units. */
+ * Sixteen partial sums run side by side and are added in one fixed order. The compiler vectorises
+ * them without reordering a sum, so the bits are the same with and without vector units. */
 #ifndef SP_TAPS_H
 #define SP_TAPS_H
 

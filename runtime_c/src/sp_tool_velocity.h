@@ -1,6 +1,6 @@
-/* Velocity of the tool for a coupling: the difference of positions behind a first-order low-pass.
- * Its lag is the same at every speed, so that the loop's stability can be computed; adaptive
- * windows lag most on the small motions of a hold, where a coupling's damper is needed. */
+/* Velocity of the tool for a coupling: difference of positions and a first-order low-pass. The lag
+ * is the same at every speed, so the stability of the loop can be computed. Adaptive windows
+ * (sp_velocity.h) lag most on the small motions of a hold, where the damper is needed. */
 #ifndef SP_TOOL_VELOCITY_H
 #define SP_TOOL_VELOCITY_H
 
@@ -17,7 +17,7 @@ static inline void sp_tool_velocity_rest(sp_tool_velocity_state *state, sp_real 
     state->velocity_mps = (sp_real)0;
 }
 
-/* rate_hz: of the ticks; weight: of the newest difference, dt/(dt + time constant). */
+/* weight: of the newest difference, dt/(dt + time constant). Returns m/s. */
 static inline sp_real sp_tool_velocity(sp_tool_velocity_state *state, sp_real rate_hz,
                                        sp_real weight, sp_real x)
 {

@@ -1,9 +1,10 @@
 /* Velocity by first-order adaptive windowing (Janabi-Sharifi, Hayward, Chen 2000, end-fit): the
- * slope over the longest past, up to `length` samples, in which every sample lies within the noise
- * band of the line. Long and smooth on slow motion, short and quick on fast.
+ * slope of the longest line from the newest sample that passes every sample within the noise band,
+ * at most `length` samples back. Slow motion gives a long and smooth window, fast motion a short
+ * one.
  *
- * A line from the newest sample stays in the band of sample j while its slope lies in an interval;
- * intersecting the intervals makes the search one pass: at most `length` steps a tick. */
+ * The band of sample j allows an interval of slopes. The search intersects these intervals in one
+ * pass: at most `length` steps a tick. */
 #ifndef SP_VELOCITY_H
 #define SP_VELOCITY_H
 

@@ -1,4 +1,4 @@
-/* Weighted sums, a lane each: out[lane] = sum over k of weights[k][lane] in[k].
+/* Weighted sums side by side: out[lane] = sum over k of weights[k][lane] in[k].
  *
  * The weights are stored input by input, lanes padded to whole vectors, so that the compiler
  * vectorises over lanes and no sum is reordered: the same bits with and without vector units. */

@@ -1,6 +1,6 @@
-/* Window: the newest `length` samples, always contiguous, newest first.
+/* Window: the newest `length` samples, contiguous, newest first.
  *
- * Each sample is written twice, `length` apart, so that no tick ever moves the buffer. */
+ * Each sample is written twice, `length` apart, so that no tick moves the buffer. */
 #ifndef SP_WINDOW_H
 #define SP_WINDOW_H
 
@@ -8,7 +8,7 @@
 
 #include "sp_real.h"
 
-/* Fill all of `samples` (2 x length) with x: the object has rested there for ever. */
+/* Fill `samples` (2 x length) with x: the object has rested there for a long time. */
 static inline void sp_window_fill(sp_real *samples, uint32_t *newest, uint32_t length, sp_real x)
 {
     for (uint32_t i = 0; i < 2 * length; i++) {
@@ -17,7 +17,7 @@ static inline void sp_window_fill(sp_real *samples, uint32_t *newest, uint32_t l
     *newest = 0;
 }
 
-/* Returns the window with x in front. */
+/* Push x; returns the window that begins with it. */
 static inline const sp_real *sp_window_push(sp_real *samples, uint32_t *newest, uint32_t length,
                                             sp_real x)
 {

@@ -7,13 +7,13 @@
 static const sp_output_config config = {.min_n = (sp_real)-12,
                                         .max_n = (sp_real)16,
                                         .slew_n = (sp_real)4,
-                                        .rise = (sp_real)0.25,
-                                        .fall_n = (sp_real)1.5};
+                                        .ramp_per_tick = (sp_real)0.25,
+                                        .latch_fall_n = (sp_real)1.5};
 enum { OTHER_NOTE = 1 << 20 }; /* said before by another unit: it stays, alone */
 
 static sp_output_state after(double last_n)
 {
-    return (sp_output_state){.last_n = (sp_real)last_n, .share = (sp_real)1};
+    return (sp_output_state){.last_n = (sp_real)last_n, .ramp = (sp_real)1};
 }
 
 static sp_real next(sp_output_state *state, double force_n, int *notes)
@@ -66,7 +66,7 @@ TEST(a_shorter_call_grows_and_rises_less)
     CHECK(sp_output_limit(&config, &state, (sp_real)0.5, (sp_real)9, &notes) == (sp_real)2);
     sp_output_state ramp = {0};
     (void)sp_output_limit(&config, &ramp, (sp_real)0.5, (sp_real)8, &notes);
-    CHECK(ramp.share == (sp_real)0.125);
+    CHECK(ramp.ramp == (sp_real)0.125);
 }
 
 TEST(a_restart_rises_from_zero)

@@ -16,8 +16,8 @@ static const sp_guard_config guard = {.max_step_m = (sp_real)0.001,
 static const sp_output_config output = {.min_n = (sp_real)0,
                                         .max_n = (sp_real)12,
                                         .slew_n = (sp_real)3,
-                                        .rise = (sp_real)0.25,
-                                        .fall_n = (sp_real)1.5};
+                                        .ramp_per_tick = (sp_real)0.25,
+                                        .latch_fall_n = (sp_real)1.5};
 
 static sp_real pattern(uint32_t bits)
 {
@@ -37,9 +37,9 @@ static int gets_past(uint32_t bits)
     const sp_real x = pattern(bits);
     sp_guard_state fresh = {0};
     sp_guard_state held = {.last_good_m = (sp_real)0.005, .started = 1};
-    sp_output_state rest = {.share = (sp_real)1};
-    sp_output_state pressed = {.share = (sp_real)1, .last_n = (sp_real)11};
-    sp_output_state late = {.share = (sp_real)1, .last_n = (sp_real)6};
+    sp_output_state rest = {.ramp = (sp_real)1};
+    sp_output_state pressed = {.ramp = (sp_real)1, .last_n = (sp_real)11};
+    sp_output_state late = {.ramp = (sp_real)1, .last_n = (sp_real)6};
     int notes = 0;
     const sp_real first_m = sp_guard_accept(&guard, &fresh, (sp_real)1, x, &notes);
     const sp_real next_m = sp_guard_accept(&guard, &held, (sp_real)1, x, &notes);

@@ -21,7 +21,7 @@ SAID = """\
   state.silence.silent_s ∈ [0. .. 0.0205]
        .output{.model_n; .aim_n} ∈
        [-inf .. inf] ∪ {NaN}
-       .output.share ∈ [0. .. 1.2]
+       .output.ramp ∈ [0. .. 1.2]
 [eva:summary] ====== ANALYSIS SUMMARY ======
 """
 

@@ -68,7 +68,7 @@ class DepthStage(FeatureStage):
 {% block restart %}{% endblock %}
 {% block advance %}{% endblock %}
 {% block features %}
-    features[0] = clipped;
+    features[0] = clipped_m;
 {% endblock %}
 """
 

@@ -27,7 +27,7 @@ from springpot.codegen.types import RealType, Scalar
 
 FUNCTIONS = (1, 2, 4)  # degrees, SP_FLOW_FUNCTIONS of sp_flow.h
 MIN_STIFFNESS_FRACTION = (
-    1e-6  # of the stiffest piece: what no spring resists would come back at once
+    1e-6  # of the largest slope: an interval without stiffness would recover at once
 )
 
 
@@ -176,9 +176,9 @@ def bound_damage_slopes_n(damage: Damage) -> Samples:
 
 @dataclass(frozen=True, eq=False)
 class RecoveringSurface:
-    """stiffest: (J,), N a piece: the most that the force can rise through each piece."""
+    """max_slope_n: (J,), N: upper bound of the force gained in each interval."""
 
-    stiffest: Reals
+    max_slope_n: Reals
 
     headers = ("sp_surface.h",)
 
@@ -188,7 +188,7 @@ class RecoveringSurface:
     def tables(self) -> list[str]:
         return [
             "/* At most so stiff is each piece of the depth, N a piece (sp_surface.h). */",
-            array_text("stiffest", "sp_real", self.stiffest),
+            array_text("max_slope_n", "sp_real", self.max_slope_n),
         ]
 
     def at(self, u: Scalar, before: Scalar, force_n: Scalar) -> Scalar:
@@ -204,32 +204,32 @@ class RecoveringSurface:
     def may_leave(self, u: Reals, before: Reals, force_n: Reals) -> Flags:
         """Ticks, (n,), in which the tool may come off: all with `at` above u, and few others.
 
-        At the stiffest of all pieces up to `before` its way takes more than the force.
+        Where the largest slope up to `before`, over that distance, takes more than the force.
         """
-        steepest = np.maximum.accumulate(self.stiffest.astype(np.float64))
-        distance = (before.astype(np.float64) - u) * count_intervals(len(self.stiffest))
-        required_n = steepest[locate_on_curve(before, len(self.stiffest))[0]] * distance
+        steepest = np.maximum.accumulate(self.max_slope_n.astype(np.float64))
+        distance = (before.astype(np.float64) - u) * count_intervals(len(self.max_slope_n))
+        required_n = steepest[locate_on_curve(before, len(self.max_slope_n))[0]] * distance
         return (u < before) & (force_n < 1.01 * required_n)
 
     @cached_property
-    def _stiffest(self) -> list[Scalar]:
-        return to_scalars(self.stiffest)
+    def _max_slopes_n(self) -> list[Scalar]:
+        return to_scalars(self.max_slope_n)
 
     def _retract(self, before: Scalar, force_n: Scalar) -> Scalar:
         """sp_surface_recovered_u: how far the surface comes back in a tick."""
-        real, stiffest = scalar_type(self.stiffest.dtype.type), self._stiffest
-        last = len(stiffest) - 1
+        real, max_slope_n = scalar_type(self.max_slope_n.dtype.type), self._max_slopes_n
+        last = len(max_slope_n) - 1
         interval_position = (before if before > 0 else real(0)) * real(count_intervals(last + 1))
         interval, left_n = int(min(interval_position, last)), force_n
         fraction = interval_position - real(interval)
-        required_n = stiffest[interval] * fraction
+        required_n = max_slope_n[interval] * fraction
         while interval > 0 and left_n > required_n:
             left_n = left_n - required_n
             interval, fraction = interval - 1, real(1)
-            required_n = stiffest[interval]
-        fraction = fraction - left_n / stiffest[interval]
+            required_n = max_slope_n[interval]
+        fraction = fraction - left_n / max_slope_n[interval]
         end = real(interval) + (fraction if fraction > 0 else real(0))
-        return end / real(count_intervals(len(stiffest)))
+        return end / real(count_intervals(len(max_slope_n)))
 
 
 def build_surface(most_n: Samples, dtype: RealType) -> RecoveringSurface:
@@ -237,8 +237,12 @@ def build_surface(most_n: Samples, dtype: RealType) -> RecoveringSurface:
 
     most_n: the most that the force rises at each node, (J,), N for u from 0 to 1.
     """
-    stiffest = np.maximum(np.append(most_n[1:], most_n[-1]), most_n)
-    stiffest = np.maximum(stiffest, MIN_STIFFNESS_FRACTION * max(float(stiffest.max()), 1e-3))
+    max_slope_n = np.maximum(np.append(most_n[1:], most_n[-1]), most_n)
+    max_slope_n = np.maximum(
+        max_slope_n, MIN_STIFFNESS_FRACTION * max(float(max_slope_n.max()), 1e-3)
+    )
     # Rounded up, so that it is a bound in the scene's number type too.
-    rounded = np.nextafter((stiffest / count_intervals(len(stiffest))).astype(dtype), dtype(np.inf))
+    rounded = np.nextafter(
+        (max_slope_n / count_intervals(len(max_slope_n))).astype(dtype), dtype(np.inf)
+    )
     return RecoveringSurface(rounded)

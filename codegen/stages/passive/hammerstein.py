@@ -159,7 +159,7 @@ class HammersteinStage(Stage):
         if self.flow is not None:
             arrays["flow_n"] = self.flow.force_n
         if self.surface is not None:
-            arrays["stiffest"] = self.surface.stiffest
+            arrays["max_slope_n"] = self.surface.max_slope_n
         return {name: values for name, values in arrays.items() if values.size}
 
     def at(self, place_m: tuple[float, float] | None) -> "HammersteinStage":
@@ -177,7 +177,7 @@ class HammersteinStage(Stage):
             stops=curves_here.get("stops", self.stops),
             damage=self.damage and replace(self.damage, curves=curves_here["damage"]),
             flow=self.flow and replace(self.flow, force_n=curves_here["flow_n"]),
-            surface=self.surface and replace(self.surface, stiffest=curves_here["stiffest"]),
+            surface=self.surface and replace(self.surface, max_slope_n=curves_here["max_slope_n"]),
             placed=None,
         )
 

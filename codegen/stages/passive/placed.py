@@ -13,7 +13,7 @@ from springpot.codegen.stages.passive.beside import MIN_STIFFNESS_FRACTION
 from springpot.codegen.stages.stage import REAL, U32, Member
 from springpot.codegen.types import RealType
 
-_STIFFEST = "stiffest"
+_STIFFEST = "max_slope_n"
 _ROUNDING_MARGIN = 1.0 + 1e-5
 PlaceTicks = Sequence[tuple[int, tuple[float, float]]]  # first tick of a place, m
 

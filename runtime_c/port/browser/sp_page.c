@@ -1,3 +1,4 @@
+/* Page in a browser: the scene and the simulated device, called from JavaScript. */
 #include "sp_page.h"
 
 #include "sim_hand.h"

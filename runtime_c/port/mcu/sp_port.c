@@ -1,3 +1,4 @@
+/* Port of the loop to a microcontroller: reads the sensor, steps the scene, drives the motor. */
 #include "sp_port.h"
 
 #include "sp_cpu.h"

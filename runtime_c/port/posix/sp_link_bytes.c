@@ -1,3 +1,4 @@
+/* Non-blocking reads and writes that the serial and CAN links share. */
 #define _GNU_SOURCE
 #include "sp_link.h"
 

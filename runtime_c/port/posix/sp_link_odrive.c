@@ -1,3 +1,4 @@
+/* Link to an ODrive motor controller over CAN. */
 #include <math.h>
 #include <string.h>
 

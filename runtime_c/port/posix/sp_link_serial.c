@@ -1,3 +1,4 @@
+/* Link to a device of ours over a serial port (sp_wire.h). */
 #include <math.h>
 
 #include "sp_link.h"

@@ -1,3 +1,4 @@
+/* Thread of the real-time loop: start, deadlines, requests of the other thread, end. */
 #include "sp_loop.h"
 
 #include <math.h>

@@ -1,3 +1,4 @@
+/* Press of an object with a device whose motor also measures the force. */
 #include "sp_press.h"
 
 #include <math.h>

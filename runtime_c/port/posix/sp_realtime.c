@@ -1,3 +1,4 @@
+/* Real-time scheduling, locked memory, a core of its own: what the system grants. */
 #define _GNU_SOURCE
 #include "sp_realtime.h"
 

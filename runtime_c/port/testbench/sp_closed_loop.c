@@ -1,3 +1,4 @@
+/* A scene in closed loop with a simulated hand and device. */
 #include "sp_closed_loop.h"
 
 #include <math.h>

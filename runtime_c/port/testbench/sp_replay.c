@@ -1,3 +1,4 @@
+/* Replay of a recorded session through a scene, tick by tick. */
 #define _POSIX_C_SOURCE 200809L
 #include "sp_replay.h"
 

@@ -1,3 +1,4 @@
+/* Frames: CRC-32C, COBS, sequence numbers, and packing from the table of messages. */
 #include "sp_wire.h"
 
 /* CRC-32C (Castagnoli), reflected, a nibble at a time: 64 bytes of table. */

@@ -140,3 +140,11 @@ def test_fast_math_does_not_compile(tmp_path: Path, language: tuple[str, str, st
     source = write_single(hammerstein(), tmp_path).with_suffix(suffix)
     done = compiled(tmp_path / "x.o", compiler, "-Ofast", "-c", source)
     assert done.returncode != 0 and "without -ffast-math" in done.stderr
+
+
+def test_no_line_is_wider_than_a_screen_shows(tmp_path: Path) -> None:
+    for plan in (hammerstein(), radial()):
+        source = write_single(plan, tmp_path)
+        lines = [*source.read_text().split("\n"), *source.with_suffix(".h").read_text().split("\n")]
+        code = [line for line in lines if not line.lstrip().startswith(("*", "/*", 'return "{'))]
+        assert [line for line in code if len(line) > 100] == []

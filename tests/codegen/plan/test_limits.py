@@ -106,9 +106,9 @@ def test_forces_that_leave(
     # It grows to its maximum in 4 ms, by 1.5 N a millisecond at least, and by as much in a tick.
     assert output.slew_n == near(max(1.0 / rate_hz, 1e-3) * max(1500.0, output.max_n / 0.004))
     # A latched force falls from its maximum to zero in 8 ms.
-    assert output.fall_n * rate_hz == near(output.max_n / 0.008)
+    assert output.latch_fall_n * rate_hz == near(output.max_n / 0.008)
     # A start ramps in over 50 ms.
-    assert output.rise == near(min(1.0, 1.0 / (0.05 * rate_hz)))
+    assert output.ramp_per_tick == near(min(1.0, 1.0 / (0.05 * rate_hz)))
 
 
 @given(st.floats(-50.0, 0.0))

@@ -103,7 +103,7 @@ def test_defaults_come_from_the_model() -> None:
     plan, trained = make_plan(small_model(), SCENE), small_model().trained
     assert plan.output.max_n == np.float32(1.2 * trained.max_n)
     assert plan.watchdog_s == np.float32(0.02)
-    assert plan.per_onset == pytest.approx(1 / (0.01 * DEPTH_M), rel=1e-2)
+    assert plan.onset_per_m == pytest.approx(1 / (0.01 * DEPTH_M), rel=1e-2)
     assert plan.guard.max_step_m >= np.float32(1e-3) and plan.coupling.why.startswith("off: auto")
     assert plan.outside.startswith("fallback: ")
 
@@ -111,8 +111,8 @@ def test_defaults_come_from_the_model() -> None:
 def test_a_model_that_never_leaves_the_object_has_no_contact() -> None:
     model = dataclasses.replace(small_model(), contact="always")
     plan = make_plan(model, SCENE)
-    assert plan.per_onset is None and "contact and onset" in [item.what for item in plan.left_out]
-    assert make_plan(model, changed(guard=Guard(contact="surface"))).per_onset is not None
+    assert plan.onset_per_m is None and "contact and onset" in [item.what for item in plan.left_out]
+    assert make_plan(model, changed(guard=Guard(contact="surface"))).onset_per_m is not None
 
 
 def test_what_cannot_be_done_is_refused() -> None:

@@ -20,17 +20,17 @@ static const sp_output_config sp_scene_output = {
     0.0f,       /* min_n */
     10.955592f, /* max_n */
     2.738898f,  /* slew_n */
-    0.02f,      /* rise */
-    1.369449f,  /* fall_n */
+    0.02f,      /* ramp_per_tick */
+    1.369449f,  /* latch_fall_n */
 };
 static const sp_couple_config sp_scene_couple = {
-    1500.0f,                                              /* stiffness_npm */
-    20.0f,                                                /* damping_nspm */
-    0.00066666666f,                                       /* compliance_mpn */
-    0.001f,                                               /* dt_s */
+    1500.0f,                                 /* stiffness_npm */
+    20.0f,                                   /* damping_nspm */
+    0.00066666666f,                          /* compliance_mpn */
+    0.001f,                                  /* dt_s */
     {0.98684704f, 0.000820096f, -24.60288f, 0.65880865f}, /* phi */
 };
-static const float sp_scene_per_onset = 8334.402f;
+static const float sp_scene_onset_per_m = 8334.402f;
 
 /* Curves: values and slopes at the nodes, a column a branch (sp_curve.h). */
 static const float sp_scene_spring[20] = {
@@ -55,14 +55,14 @@ static const float sp_scene_branch_loss[4] = {
     0.39346933f, 0.07317967f, 0.0114841955f, 0.006145274f
 };
 /* At most so stiff is each piece of the depth, N a piece (sp_surface.h). */
-static const float sp_scene_stiffest[9] = {
+static const float sp_scene_max_slope_n[9] = {
     0.6748225f, 0.89255923f, 1.1020818f, 1.2977352f, 1.4947548f, 1.6979972f, 1.8891745f, 2.0885715f,
     2.0885715f
 };
 static const float sp_scene_stops[1 * 20] = {
     0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.0f, 0.003419151f, 0.006838302f,
-    0.015024306f, 0.016372008f, 0.032539934f, 0.018659245f, 0.050479703f, 0.017220294f, 0.050479703f,
-    0.017220294f
+    0.015024306f, 0.016372008f, 0.032539934f, 0.018659245f, 0.050479703f, 0.017220294f,
+    0.050479703f, 0.017220294f
 };
 static const float sp_scene_stop_radius[1] = {
     0.5f
@@ -88,84 +88,97 @@ static const float sp_scene_velocity_lag = 9.0f;
 
 /* ---------------------------------------------------- the tick, and the functions of the header */
 
-/* A position is true without a history: the object has rested there for ever. */
-static void sp_restart(sp_state *state, float position)
+/* Restart the history at position_m: the object is taken to have rested there for a long time. */
+static void sp_restart_at(sp_state *state, float position_m)
 {
-    const float penetration = position > 0.0f ? position : 0.0f;
-    const float penetration_u = sp_hammerstein_u(&sp_scene_passive, penetration);
+    const float penetration_m = position_m > 0.0f ? position_m : 0.0f;
+    const float penetration_u = sp_hammerstein_u(&sp_scene_passive, penetration_m);
     sp_hammerstein_rest(&sp_scene_passive, &sp_scene_passive_tables, penetration_u,
-                        state->penetration_before, state->penetration_held, state->penetration_play);
+                        state->penetration_before, state->penetration_held,
+                        state->penetration_play);
     state->penetration_surface.u = penetration_u;
     state->penetration_surface.force_n = 0.0f;
-    sp_tool_velocity_rest(&state->tool_velocity, position);
+    sp_tool_velocity_rest(&state->tool_velocity, position_m);
     sp_couple_release(&state->couple);
     sp_output_begin_ramp(&state->output);
 }
 
-/* One tick with the tool at `position`; returns the model's force, N. */
-SP_NOINLINE float sp_tick(sp_state *state, float position, int *notes)
+/* Advance the model by one tick with the tool at position_m. Returns the force before its limits,
+ * N. */
+SP_NOINLINE float sp_advance_model(sp_state *state, float position_m, int *notes)
 {
-    const float position_mps =
-        sp_tool_velocity(&state->tool_velocity, sp_scene_rate_hz, sp_scene_velocity_weight, position);
-    const float proxy =
-        position > 0.0f ? sp_guard_clamp(&sp_scene_guard, sp_couple_proxy_position(&state->couple, position, position_mps)) : position;
-    const float penetration = proxy > 0.0f ? proxy : 0.0f;
-    (void)sp_range_clip(&sp_scene_range, penetration, notes);
-    const float penetration_tool = sp_hammerstein_u(&sp_scene_passive, penetration);
-    const float penetration_u =
-        sp_surface_model_u(sp_scene_stiffest, sp_scene_passive.n_intervals, &state->penetration_surface, penetration_tool);
-    const sp_curve_position penetration_place = sp_curve_locate(penetration_u, sp_scene_passive.n_intervals);
+    const float position_mps = sp_tool_velocity(&state->tool_velocity, sp_scene_rate_hz,
+                                                sp_scene_velocity_weight, position_m);
+    float proxy_m = position_m;
+    if (position_m > 0.0f) {
+        proxy_m = sp_couple_proxy_position(&state->couple, position_m, position_mps);
+        proxy_m = sp_guard_clamp(&sp_scene_guard, proxy_m);
+    }
+    const float penetration_m = proxy_m > 0.0f ? proxy_m : 0.0f;
+    (void)sp_range_clip(&sp_scene_range, penetration_m, notes);
+    const float penetration_tool_u = sp_hammerstein_u(&sp_scene_passive, penetration_m);
+    const float penetration_u = sp_surface_model_u(sp_scene_max_slope_n,
+                                                   sp_scene_passive.n_intervals,
+                                                   &state->penetration_surface, penetration_tool_u);
+    const sp_curve_position penetration_on_curve =
+        sp_curve_locate(penetration_u, sp_scene_passive.n_intervals);
     float penetration_branch[4];
-    sp_curve(sp_scene_branches, 4, penetration_place, penetration_branch);
+    sp_curve(sp_scene_branches, 4, penetration_on_curve, penetration_branch);
     sp_poles_separate(sp_scene_branch_loss, 4,
         penetration_branch, state->penetration_before, state->penetration_held);
-    const float penetration_held_n =
-        sp_hammerstein_force(&sp_scene_passive, &sp_scene_passive_tables, penetration_u, penetration_place,
-                             state->penetration_held, state->penetration_play);
+    const float penetration_held_n = sp_hammerstein_force(&sp_scene_passive,
+                                                          &sp_scene_passive_tables, penetration_u,
+                                                          penetration_on_curve,
+                                                          state->penetration_held,
+                                                          state->penetration_play);
     state->penetration_surface.u = penetration_u;
     state->penetration_surface.force_n = penetration_held_n;
-    const float penetration_passive_n =
-        penetration_held_n > 0.0f && !(penetration_u > penetration_tool) ? penetration_held_n : 0.0f;
-    float force = 0.0f;
-    if (position > 0.0f) {
-        force = penetration_passive_n;
-        force = sp_contact_onset(sp_scene_per_onset, proxy, force);
-        force = sp_couple_step(&sp_scene_couple, &state->couple, position, position_mps, force);
+    const float penetration_passive_n = penetration_held_n > 0.0f &&
+        !(penetration_u > penetration_tool_u) ? penetration_held_n : 0.0f;
+    float force_n = 0.0f;
+    if (position_m > 0.0f) {
+        force_n = penetration_passive_n;
+        force_n = sp_contact_onset(sp_scene_onset_per_m, proxy_m, force_n);
+        force_n = sp_couple_step(&sp_scene_couple, &state->couple, position_m, position_mps,
+                                 force_n);
     } else {
         sp_couple_release(&state->couple);
         sp_output_end_ramp(&state->output);
     }
-    return force;
+    return force_n;
 }
 
-/* dt_s have passed without a good sample; share: of the force that may be felt. */
-static int sp_hold(sp_state *state, float dt_s, float share, float *force_n)
+/* Hold the last force for dt_s without a good sample, scaled by `fraction` (0 .. 1). Once the
+ * watchdog has latched, let it fall to zero instead. */
+static int sp_hold_force(sp_state *state, float dt_s, float fraction, float *force_n)
 {
     int notes = SP_NOTE_HELD;
-    const float latched = sp_silence_no_sample(&sp_scene_silence, &state->silence, dt_s);
-    float last_n = share * sp_output_clamp(&sp_scene_output, state->output.last_n, &notes);
-    state->output.last_n = last_n;
+    const float latched_ticks = sp_silence_no_sample(&sp_scene_silence, &state->silence, dt_s);
+    float held_n = fraction * sp_output_clamp(&sp_scene_output, state->output.last_n, &notes);
+    state->output.last_n = held_n;
     if (state->silence.latched) {
         notes = 0;
-        last_n = sp_output_fall_latched(&sp_scene_output, &state->output, latched, &notes);
+        held_n = sp_output_fall_latched(&sp_scene_output, &state->output, latched_ticks, &notes);
     }
-    *force_n = last_n;
+    *force_n = held_n;
     return notes;
 }
 
-/* The `left` ticks without a sample before this one, a step each. */
-SP_COLD void sp_make_up(sp_state *state, float position, float step,
-                     float ticks, uint32_t left)
+/* Advance the model through the missed ticks, on a path from the last good position to position_m.
+ * step_m: travel per tick. */
+SP_COLD void sp_catch_up(sp_state *state, float position_m, float step_m,
+                      float ticks, uint32_t missed_ticks)
 {
-    /* At a constant acceleration, or the damper would feel a kink. The velocity before is late. */
-    const float begin = state->tool_velocity.velocity_mps * sp_scene_silence.dt_s;
-    const float bend = (step - begin) / (ticks + sp_scene_velocity_lag);
-    for (; left > 0; left--) {
-        const float curve = bend * (ticks - (float)left);
-        const float way = (float)left * (step + curve);
-        const float at = sp_guard_clamp(&sp_scene_guard, position - way);
-        int ignored = 0;
-        (void)sp_tick(state, at, &ignored);
+    /* Constant acceleration from the last velocity: on a straight path the coupling's damper would
+     * feel a step in velocity. The filtered velocity lags by velocity_lag ticks. */
+    const float first_step_m = state->tool_velocity.velocity_mps * sp_scene_silence.dt_s;
+    const float step_change_m = (step_m - first_step_m) / (ticks + sp_scene_velocity_lag);
+    for (; missed_ticks > 0; missed_ticks--) {
+        const float bend_m = step_change_m * (ticks - (float)missed_ticks);
+        const float remaining_m = (float)missed_ticks * (step_m + bend_m);
+        const float missed_m = sp_guard_clamp(&sp_scene_guard, position_m - remaining_m);
+        int ignored_notes = 0;
+        (void)sp_advance_model(state, missed_m, &ignored_notes);
     }
 }
 
@@ -177,36 +190,37 @@ int sp_step(sp_state *state, float position_m, float velocity_mps, float *force_
     if (state->begun != SP_STATE_MAGIC) {
         return SP_ERROR_STATE;
     }
-    uint32_t left = 0;
-    float ticks = 1.0f;
+    uint32_t missed_ticks = 0;
+    float ticks = 1.0f; /* since the last good sample, this one included */
     if (state->silence.silent_s > 0.0f) {
-        left = sp_silence_missed_ticks(&sp_scene_silence, &state->silence, sp_scene_silence.dt_s);
-        ticks = (float)(left + 1);
+        missed_ticks = sp_silence_missed_ticks(&sp_scene_silence, &state->silence,
+                                               sp_scene_silence.dt_s);
+        ticks = (float)(missed_ticks + 1);
     }
     (void)velocity_mps;
     int notes = 0;
-    const float before = state->guard.last_good_m;
-    const float position =
-        sp_guard_accept(&sp_scene_guard, &state->guard, ticks, position_m, &notes);
+    const float last_good_m = state->guard.last_good_m;
+    const float good_m = sp_guard_accept(&sp_scene_guard, &state->guard, ticks, position_m, &notes);
     if (notes & SP_NOTE_HELD) {
-        return sp_hold(state, sp_scene_silence.dt_s, sp_guard_held_fraction(&sp_scene_guard, &state->guard, position_m), force_n);
+        const float fraction = sp_guard_held_fraction(&sp_scene_guard, &state->guard, position_m);
+        return sp_hold_force(state, sp_scene_silence.dt_s, fraction, force_n);
     }
     sp_silence_good_sample(&state->silence, sp_scene_silence.dt_s);
-    float way = position - before;
+    float travel_m = good_m - last_good_m;
     if (notes & SP_NOTE_RESYNC) {
-        sp_restart(state, position);
-        left = 0;
+        sp_restart_at(state, good_m);
+        missed_ticks = 0;
         ticks = 1.0f;
-        way = 0.0f;
+        travel_m = 0.0f;
     }
-    if (left > 0) {
-        sp_make_up(state, position, way / ticks, ticks, left);
+    if (missed_ticks > 0) {
+        sp_catch_up(state, good_m, travel_m / ticks, ticks, missed_ticks);
     }
-    const float force = sp_tick(state, position, &notes);
+    const float model_force_n = sp_advance_model(state, good_m, &notes);
     if (state->silence.latched) {
         (void)sp_output_fall_latched(&sp_scene_output, &state->output, 1.0f, &notes);
     } else {
-        (void)sp_output_limit(&sp_scene_output, &state->output, 1.0f, force, &notes);
+        (void)sp_output_limit(&sp_scene_output, &state->output, 1.0f, model_force_n, &notes);
     }
     *force_n = state->output.last_n;
     return notes;
@@ -237,7 +251,7 @@ int sp_idle(sp_state *state, float dt_s, float *force_n)
     if (!sp_is_valid_dt(dt_s)) {
         return SP_ERROR_TIME_STEP;
     }
-    return sp_hold(state, dt_s, 1.0f, force_n);
+    return sp_hold_force(state, dt_s, 1.0f, force_n);
 }
 
 void sp_init(sp_state *state)
@@ -265,7 +279,7 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"a6e105d353225ce49cc8a10c9bf28af297978c3b2b0dc7723585e695fbc4f085\", \"scene\": \"proxy\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [2.3093100251531682e-07, 0.011998460459983215], \"speed_mps\": 0.18366538639667027, \"force_n\": [-7.121525591458066e-15, 9.129659751043853]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"fe315e5d2626b6b3956fc0c2d79ca6403aeef047834f601d35e59c9770ade31d\", \"scene\": \"proxy\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [2.3093100251531682e-07, 0.011998460459983215], \"speed_mps\": 0.18366538639667027, \"force_n\": [-7.121525591458066e-15, 9.129659751043853]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

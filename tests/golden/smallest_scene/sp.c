@@ -20,10 +20,10 @@ static const sp_output_config sp_scene_output = {
     0.0f,  /* min_n */
     12.0f, /* max_n */
     3.0f,  /* slew_n */
-    0.02f, /* rise */
-    1.5f,  /* fall_n */
+    0.02f, /* ramp_per_tick */
+    1.5f,  /* latch_fall_n */
 };
-static const float sp_scene_per_onset = 10000.0f;
+static const float sp_scene_onset_per_m = 10000.0f;
 
 enum {
     SP_SCENE_N_TAPS = 16,
@@ -88,65 +88,71 @@ static const sp_forest sp_scene_forest = {
 
 /* ---------------------------------------------------- the tick, and the functions of the header */
 
-/* A position is true without a history: the object has rested there for ever. */
-static void sp_restart(sp_state *state, float position)
+/* Restart the history at position_m: the object is taken to have rested there for a long time. */
+static void sp_restart_at(sp_state *state, float position_m)
 {
-    const float penetration = position > 0.0f ? position : 0.0f;
-    int ignored = 0;
-    const float clipped = sp_range_clip(&sp_scene_range, penetration, &ignored);
-    sp_window_fill(state->history, &state->newest, SP_SCENE_N_TAPS, clipped);
+    const float penetration_m = position_m > 0.0f ? position_m : 0.0f;
+    int ignored_notes = 0;
+    const float clipped_m =
+        sp_range_clip(&sp_scene_range, penetration_m, &ignored_notes);
+    sp_window_fill(state->history, &state->newest, SP_SCENE_N_TAPS, clipped_m);
     sp_output_begin_ramp(&state->output);
 }
 
-/* One tick with the tool at `position`; returns the model's force, N. */
-SP_NOINLINE float sp_tick(sp_state *state, float position, int *notes)
+/* Advance the model by one tick with the tool at position_m. Returns the force before its limits,
+ * N. */
+SP_NOINLINE float sp_advance_model(sp_state *state, float position_m, int *notes)
 {
-    const float penetration = position > 0.0f ? position : 0.0f;
-    const float clipped = sp_range_clip(&sp_scene_range, penetration, notes);
+    const float penetration_m = position_m > 0.0f ? position_m : 0.0f;
+    const float clipped_m = sp_range_clip(&sp_scene_range, penetration_m, notes);
     const float *window =
-        sp_window_push(state->history, &state->newest, SP_SCENE_N_TAPS, clipped);
-    float force = 0.0f;
-    if (position > 0.0f) {
+        sp_window_push(state->history, &state->newest, SP_SCENE_N_TAPS, clipped_m);
+    float force_n = 0.0f;
+    if (position_m > 0.0f) {
         float features[1];
         sp_taps(sp_scene_taps, window, SP_SCENE_N_TAPS, SP_SCENE_N_ORDERS, features);
         uint32_t bins[SP_FOREST_SLOTS] = {0};
-        sp_bins(sp_scene_thresholds, sp_scene_threshold_starts, SP_SCENE_N_FEATURES, features, state->bins);
+        sp_bins(sp_scene_thresholds, sp_scene_threshold_starts, SP_SCENE_N_FEATURES, features,
+                state->bins);
         for (uint32_t i = 0; i < SP_SCENE_N_FEATURES; i++) {
             bins[i + 1] = state->bins[i];
         }
         const uint32_t leaf_sum = sp_forest_sum_simd(&sp_scene_forest, bins, state->simd);
         const float model_n = sp_scene_forest_bias_n + (float)leaf_sum * sp_scene_leaf_step_n;
-        force = model_n;
-        force = sp_contact_onset(sp_scene_per_onset, position, force);
+        force_n = model_n;
+        force_n = sp_contact_onset(sp_scene_onset_per_m, position_m, force_n);
     } else {
         sp_output_end_ramp(&state->output);
     }
-    return force;
+    return force_n;
 }
 
-/* dt_s have passed without a good sample; share: of the force that may be felt. */
-static int sp_hold(sp_state *state, float dt_s, float share, float *force_n)
+/* Hold the last force for dt_s without a good sample, scaled by `fraction` (0 .. 1). Once the
+ * watchdog has latched, let it fall to zero instead. */
+static int sp_hold_force(sp_state *state, float dt_s, float fraction, float *force_n)
 {
     int notes = SP_NOTE_HELD;
-    const float latched = sp_silence_no_sample(&sp_scene_silence, &state->silence, dt_s);
-    float last_n = share * sp_output_clamp(&sp_scene_output, state->output.last_n, &notes);
-    state->output.last_n = last_n;
+    const float latched_ticks = sp_silence_no_sample(&sp_scene_silence, &state->silence, dt_s);
+    float held_n = fraction * sp_output_clamp(&sp_scene_output, state->output.last_n, &notes);
+    state->output.last_n = held_n;
     if (state->silence.latched) {
         notes = 0;
-        last_n = sp_output_fall_latched(&sp_scene_output, &state->output, latched, &notes);
+        held_n = sp_output_fall_latched(&sp_scene_output, &state->output, latched_ticks, &notes);
     }
-    *force_n = last_n;
+    *force_n = held_n;
     return notes;
 }
 
-/* The `left` ticks without a sample before this one, a step each. */
-SP_COLD void sp_make_up(sp_state *state, float position, float step,
-                     uint32_t left)
+/* Advance the model through the missed ticks, on a path from the last good position to position_m.
+ * step_m: travel per tick. */
+SP_COLD void sp_catch_up(sp_state *state, float position_m, float step_m,
+                      uint32_t missed_ticks)
 {
-    for (; left > 0; left--) {
-        const float at = sp_guard_clamp(&sp_scene_guard, position - (float)left * step);
-        int ignored = 0;
-        (void)sp_tick(state, at, &ignored);
+    for (; missed_ticks > 0; missed_ticks--) {
+        const float remaining_m = (float)missed_ticks * step_m;
+        const float missed_m = sp_guard_clamp(&sp_scene_guard, position_m - remaining_m);
+        int ignored_notes = 0;
+        (void)sp_advance_model(state, missed_m, &ignored_notes);
     }
 }
 
@@ -158,36 +164,37 @@ int sp_step(sp_state *state, float position_m, float velocity_mps, float *force_
     if (state->begun != SP_STATE_MAGIC) {
         return SP_ERROR_STATE;
     }
-    uint32_t left = 0;
-    float ticks = 1.0f;
+    uint32_t missed_ticks = 0;
+    float ticks = 1.0f; /* since the last good sample, this one included */
     if (state->silence.silent_s > 0.0f) {
-        left = sp_silence_missed_ticks(&sp_scene_silence, &state->silence, sp_scene_silence.dt_s);
-        ticks = (float)(left + 1);
+        missed_ticks = sp_silence_missed_ticks(&sp_scene_silence, &state->silence,
+                                               sp_scene_silence.dt_s);
+        ticks = (float)(missed_ticks + 1);
     }
     (void)velocity_mps;
     int notes = 0;
-    const float before = state->guard.last_good_m;
-    const float position =
-        sp_guard_accept(&sp_scene_guard, &state->guard, ticks, position_m, &notes);
+    const float last_good_m = state->guard.last_good_m;
+    const float good_m = sp_guard_accept(&sp_scene_guard, &state->guard, ticks, position_m, &notes);
     if (notes & SP_NOTE_HELD) {
-        return sp_hold(state, sp_scene_silence.dt_s, sp_guard_held_fraction(&sp_scene_guard, &state->guard, position_m), force_n);
+        const float fraction = sp_guard_held_fraction(&sp_scene_guard, &state->guard, position_m);
+        return sp_hold_force(state, sp_scene_silence.dt_s, fraction, force_n);
     }
     sp_silence_good_sample(&state->silence, sp_scene_silence.dt_s);
-    float way = position - before;
+    float travel_m = good_m - last_good_m;
     if (notes & SP_NOTE_RESYNC) {
-        sp_restart(state, position);
-        left = 0;
+        sp_restart_at(state, good_m);
+        missed_ticks = 0;
         ticks = 1.0f;
-        way = 0.0f;
+        travel_m = 0.0f;
     }
-    if (left > 0) {
-        sp_make_up(state, position, way / ticks, left);
+    if (missed_ticks > 0) {
+        sp_catch_up(state, good_m, travel_m / ticks, missed_ticks);
     }
-    const float force = sp_tick(state, position, &notes);
+    const float model_force_n = sp_advance_model(state, good_m, &notes);
     if (state->silence.latched) {
         (void)sp_output_fall_latched(&sp_scene_output, &state->output, 1.0f, &notes);
     } else {
-        (void)sp_output_limit(&sp_scene_output, &state->output, 1.0f, force, &notes);
+        (void)sp_output_limit(&sp_scene_output, &state->output, 1.0f, model_force_n, &notes);
     }
     *force_n = state->output.last_n;
     return notes;
@@ -218,7 +225,7 @@ int sp_idle(sp_state *state, float dt_s, float *force_n)
     if (!sp_is_valid_dt(dt_s)) {
         return SP_ERROR_TIME_STEP;
     }
-    return sp_hold(state, dt_s, 1.0f, force_n);
+    return sp_hold_force(state, dt_s, 1.0f, force_n);
 }
 
 void sp_init(sp_state *state)
@@ -247,7 +254,7 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"86b16118cb54dfc4c8e67997fce67e0a33dbec4fecb42abb280fc9382212af05\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"4b299070f5c89b550a208499f84757875f5fea2c54aaaa8f922d0ebc3b03aae9\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

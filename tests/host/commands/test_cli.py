@@ -141,7 +141,7 @@ def test_a_log_is_compared_with_the_c_and_leaves_the_validation_alone(job: Path)
     validated = spring("validate", job / "c", "--recording", press_file)
     assert "mean error" in validated.stdout
     noted = " ".join(validated.stdout.split())
-    assert "ticks with notes resync 1 (history begins anew here)" in noted
+    assert "ticks with notes resync 1 (restarted without earlier samples, as at the start" in noted
     before = (job / "c" / "validation" / "result.json").read_text()
     device = f"replay://{press_file}"
     spring("run", "--scene", job / "c", "--device", device, "--log", log)

@@ -43,8 +43,8 @@ WITHOUT: dict[str, Callable[[Plan], Plan]] = {
         plan, silence=replace(plan.silence, watchdog_s=plan.dtype(NEVER))
     ),
     "resync": lambda plan: replace(plan, guard=replace(plan.guard, resync_ticks=2**31)),
-    "onset": lambda plan: replace(plan, per_onset=plan.dtype(NEVER)),
-    "fade": lambda plan: replace(plan, per_fade=None if plan.per_fade is None else
+    "onset": lambda plan: replace(plan, onset_per_m=plan.dtype(NEVER)),
+    "fade": lambda plan: replace(plan, fade_per_m=None if plan.fade_per_m is None else
                                  plan.dtype(NEVER)),
 }  # fmt: skip
 OUTSIDE_ZERO = replace(scene(), guard=Guard(outside="zero"))

@@ -69,7 +69,7 @@ static void latched_call(void)
     //@ split piece;
     const sp_real low_n = sp_scene_output.min_n + (sp_real)piece * piece_n;
     const sp_real high_n = low_n + piece_n;
-    const sp_real down_n = high_n - sp_scene_output.fall_n;
+    const sp_real down_n = high_n - sp_scene_output.latch_fall_n;
     if (state.silence.latched == 1u && state.output.last_n >= low_n &&
         state.output.last_n <= high_n && down_n > (sp_real)0) {
         (void)sp_step(&state, anything(), anything(), &force_n);

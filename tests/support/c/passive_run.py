@@ -52,7 +52,7 @@ class PassiveC:
             "flow_n": flow.force_n if flow else np.zeros(0),
             "damage": damage.curves if damage else np.zeros(0),
             "healed": damage.healed if damage else np.zeros(0),
-            "stiffest": surface.stiffest if surface else np.zeros(0),
+            "stiffest": surface.max_slope_n if surface else np.zeros(0),
         }  # fmt: skip
         function = flow.function if flow else np.zeros(0, dtype=np.uint8)
         return {
