@@ -51,6 +51,9 @@ def main() -> None:
     except errors.SpringpotError as error:
         print_line(f"springpot: {error}")
         sys.exit(exit_status(error))
+    except click.exceptions.NoArgsIsHelpError as error:
+        print_line(error.format_message())
+        sys.exit(2)
     except click.UsageError as error:
         command = error.ctx.command_path if error.ctx else "springpot"
         line = " ".join(error.format_message().split()).rstrip(".")

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 fbac791ee4f5fc803a81b8890ed3b5782a284001fde822055353720d265ce79e */
+/* springpot 0.1.0 2cd09ab001d17a02c682b70141a41a1450c1864cb87d19c5b789a1dae33b9d15 */
 /* pad: the whole scene with its self-test. soft_pad.h says how to call it.
  *
  * First the units, in the order of a tick: each is named by its file in springpot, without the
@@ -328,7 +328,8 @@ static inline float soft_pad_stops_play(float play, float u, float radius)
  * spring's curve. Within a tick the branches (sp_poles.h, sp_poles_by_depth.h) advance after their
  * curves are read at u, and before their forces are summed here. */
 
-enum { SOFT_PAD_HAMMERSTEIN_LANES = 4 /* on targets with vector units n_branches is a multiple of it */ };
+/* On targets with vector units n_branches is a multiple of it. */
+enum { SOFT_PAD_HAMMERSTEIN_LANES = 4 };
 
 typedef struct {
     float origin_m;
@@ -933,7 +934,7 @@ uint32_t soft_pad_state_size(void)
 
 const char *soft_pad_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"fbac791ee4f5fc803a81b8890ed3b5782a284001fde822055353720d265ce79e\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"2cd09ab001d17a02c682b70141a41a1450c1864cb87d19c5b789a1dae33b9d15\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

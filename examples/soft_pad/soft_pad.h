@@ -1,4 +1,4 @@
-/* springpot 0.1.0 fbac791ee4f5fc803a81b8890ed3b5782a284001fde822055353720d265ce79e */
+/* springpot 0.1.0 2cd09ab001d17a02c682b70141a41a1450c1864cb87d19c5b789a1dae33b9d15 */
 /* springpot: the force of a recorded soft object, tick by tick.
  *
  * The loop of a haptic device, at the rate SOFT_PAD_RATE_HZ:

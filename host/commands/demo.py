@@ -25,9 +25,8 @@ _TRAINING_SEED, _VALIDATION_SEED = 1, 2
 def demo(out: Path, object_name: str, as_json: bool) -> None:
     """Do the whole job on a simulated object: record, train, emit, build, validate, report."""
     from springpot import emit, read_scene, record, train, validate, write_model
-    from springpot.host.commands.emit import emission_rows
     from springpot.host.pages.reports import write_report
-    from springpot.host.validation.store import store_validation, validation_rows
+    from springpot.host.validation.store import store_validation
     from springpot.host.validation.validation import raise_on_mismatch
 
     _prepare(out)
@@ -59,10 +58,9 @@ def demo(out: Path, object_name: str, as_json: bool) -> None:
         "validate": validation.as_dict(),
     }
     rows = {
-        "object": f"{object_name}, simulated",
-        "training": f"{fit.rows} rows, fit {fit.fit_s:.2f} s",
-        **emission_rows(emission),
-        **validation_rows(validation),
+        "verdict": validation.verdict,
+        "C": f"{folder / emission.manifest['sources'][0]}: {emission.flash_bytes} bytes of flash, "
+        f"{emission.ram_bytes} of RAM",
         "report": page,
         "press it": pressed or "in a browser: springpot page, which needs clang and lld, or zig",
     }

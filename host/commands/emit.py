@@ -62,24 +62,21 @@ def _recordings(names: tuple[str, ...], model: Model) -> list[Recording]:
 
 
 def emission_rows(emission: Emission) -> dict[str, str]:
-    """A person's view of an emission."""
+    """Return what a command prints of an emission."""
     flash, stack = emission.flash_bytes, emission.stack_bytes
     left_out, dt_s = emission.manifest["left_out"], emission.manifest["dt_s"]
-    rows = {
+    return {
         "C source": str(emission.folder),
         "tick": f"{1.0 / dt_s:.6g} Hz: call the step every {1e3 * dt_s:.4g} ms",
-        "flash": "unknown" if flash is None else f"{flash} bytes",
-        "RAM": f"{emission.ram_bytes} bytes and {stack if stack is not None else '?'} of stack",
-        "units": ", ".join(emission.manifest["units"]),
+        "size": f"{'?' if flash is None else flash} bytes of flash, {emission.ram_bytes} of RAM, "
+        f"{'?' if stack is None else stack} of stack",
         "coupling": emission.manifest["coupling"]["why"],
         "stiffness felt": f"{1e-3 * emission.manifest['coupling']['felt_stiffness_npm']:.3g} N/mm",
         "outside": emission.manifest["outside"],
         "stability": _stability(emission),
-        "hash": emission.hash,
+        "left out": f"{', '.join(item['what'] for item in left_out) or 'nothing'} "
+        f"({sum(item['bytes'] for item in left_out)} bytes of RAM)",
     }
-    for item in left_out:
-        rows[f"left out: {item['what']}"] = f"{item['why']}, {item['bytes']} bytes"
-    return rows
 
 
 def _stability(emission: Emission) -> str:

@@ -43,16 +43,16 @@ def stability_rows(found: Stability) -> dict[str, str]:
         )
     first = next((item for item in judged if item.grade == Grade.GOOD), None)
     if first is not None:
-        rows[f"furthest: {_named(first.outcome)}"] = _figures(first.outcome)
+        rows["largest deviation"] = f"{_named(first.outcome)}: {_figures(first.outcome)}"
     rows |= {
-        "cases": f"{len(judged) - len(doubtful)} of {len(judged)} are good with three hands and "
-        "two delays; --json lists them",
+        "cases": f"{len(judged) - len(doubtful)} of {len(judged)} good in three hands, with the "
+        "device's delay and one sample more; --json lists them",
         "holds": f"the object {checked.margin.least:.3g} times as stiff, in the "
         f"{checked.margin.hand_text}; vibrates with "
         f"{1e3 * checked.loudest.hold_speed_mps:.2g} mm/s on a short hold in the "
         f"{checked.loudest.hand} hand",
         "device": checked.plan.loop_device.words(checked.plan.dt_s),
-        "active cells, model": f"{_cells(checked.model_map)}; scene {_cells(checked.scene_map)}",
+        "passive": f"model {_cells(checked.model_map)}; scene {_cells(checked.scene_map)}",
         "stiffness felt": f"{1e-3 * checked.plan.coupling.felt_npm:.3g} N/mm; ten times stiffer "
         f"object {1e-3 * found.stiff.coupling.felt_npm:.3g} N/mm",
     }
@@ -60,8 +60,11 @@ def stability_rows(found: Stability) -> dict[str, str]:
 
 
 def _cells(found: SmallSignalMap) -> str:
-    inside, outside = found.active(False), found.active(True)
-    return f"{inside[0]} of {inside[1]}, beyond the trained depth {outside[0]} of {outside[1]}"
+    (active, cells), (active_beyond, cells_beyond) = found.active(False), found.active(True)
+    return (
+        f"in {cells - active} of {cells} small motions ({cells_beyond - active_beyond} of "
+        f"{cells_beyond} beyond the trained depth)"
+    )
 
 
 def _named(outcome: Outcome) -> str:

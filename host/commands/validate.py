@@ -16,7 +16,7 @@ from springpot.host.output import json_option, print_result, progress_bar
 def validate_(folder: Path, recordings: tuple[str, ...], as_json: bool) -> None:
     """Replay recordings (files or folders) through the C of an emitted FOLDER."""
     from springpot.host.emission.emission import require_emission
-    from springpot.host.validation.store import store_validation, validation_rows
+    from springpot.host.validation.store import store_validation, summary_rows
     from springpot.host.validation.validation import raise_on_mismatch, validate
     from springpot.trainer.recordings.recording_file import read_recordings
 
@@ -26,5 +26,5 @@ def validate_(folder: Path, recordings: tuple[str, ...], as_json: bool) -> None:
         validation = validate(folder, found)
     if len(validation.felt) < len(found):  # a log says nothing of the object: the page needs that
         store_validation(folder, validation)
-    print_result(validation.as_dict(), as_json, validation_rows(validation))
+    print_result(validation.as_dict(), as_json, summary_rows(validation))
     raise_on_mismatch(folder, validation)

@@ -13,7 +13,6 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
 from springpot.codegen.arrays import Samples
-from springpot.codegen.coupling.loop_margin import LoopMargin
 from springpot.codegen.errors import DataError
 from springpot.codegen.files import write_file
 from springpot.codegen.types import JsonMapping, JsonObject
@@ -23,14 +22,12 @@ from springpot.host.native.scene_library import read_manifest
 from springpot.host.native.toolchain import measure_footprint
 from springpot.host.output import RESULT
 from springpot.host.pages.page import page_text
-from springpot.host.stability.linear import margin_sentence, plan_margin
 from springpot.host.validation.store import Validated, read_validation
 from springpot.host.validation.validation import draw_forces, median_error_recording
 from springpot.trainer.kinds import KINDS, Kind
 from springpot.trainer.recordings.recording import Recording
 
 _FILE = Kind("file", "", "", "D", "#6a4c93")  # of a model that was not fitted here
-GOOD_CONTACT = 0.95  # share of contact below the threshold of a hand
 MUTED = "#888888"
 STYLE: Any = {
     "font.size": 9.0,
@@ -122,7 +119,7 @@ def write_report(folder: Path) -> Path:
     median = _downsampled(*median_error_recording(pairs))
     context = {
         "manifest": manifest,
-        "verdict": _verdict(metadata["result"], plan_margin(emitted.plan)),
+        "verdict": metadata["result"]["verdict"],
         **{key: metadata[key] for key in ("result", "machine", "recordings", "rows")},
         "provenance": manifest["provenance"],
         "costs": _cost_rows(folder, manifest),
@@ -133,25 +130,6 @@ def write_report(folder: Path) -> Path:
     path = folder / "report.html"
     write_file(path, page_text("report.html", context).encode())
     return path
-
-
-def _verdict(result: JsonObject, margin: LoopMargin) -> str:
-    """Judge a validated scene in a sentence that begins with a word.
-
-    Good: stable, C and reference equal, and in 95 % of contact an error that no hand can tell.
-    """
-    below, mismatches = result.get("contact_below_jnd"), result["mismatches"]
-    if not margin.is_stable or mismatches:
-        word = "Do not hold"
-    else:
-        word = "Good" if below is not None and below >= GOOD_CONTACT else "Look"
-    parts = [f"error {result['rmse_percent_of_peak']:.2g} % of peak ({result['rmse_n']:.3g} N)"]
-    if below is not None:
-        parts.append(f"below a hand's threshold in {100 * below:.3g} % of contact")
-    if mismatches:
-        parts.append(f"{mismatches} ticks differ from the reference")
-    parts.append(f"{result['tick_ns']['hot_median'] / 1e3:.2g} us a tick")
-    return f"{word}: {', '.join(parts)}. {margin_sentence(margin)}"
 
 
 def _cost_rows(folder: Path, manifest: JsonObject) -> dict[str, str]:

@@ -26,6 +26,10 @@ from springpot.trainer.recordings.recording import Recording
 _FOLDER = "validation"
 _METADATA = "result.json"
 _SERIES = "series.npz"
+_SUMMARY = (
+    "compared", "training data", "signs", "edited C", "RMSE", "  by start", "below the JND",
+    "slope error", "by place", "C against reference", "ticks with notes", "tick, paced, cold",
+)  # fmt: skip
 _ARRAYS = ("position_m", "measured_n", "predicted_n")  # of a recording
 Validated = tuple[Recording, Samples]  # and the forces of the C along it, (n,), N
 
@@ -61,7 +65,7 @@ def read_validation(folder: Path) -> tuple[JsonObject, list[Validated]]:
     target = folder / _FOLDER
     try:
         metadata = json.loads((target / _METADATA).read_text(encoding="utf-8"))
-        metadata["rows"]  # which an older validation lacks
+        metadata["rows"], metadata["result"]["verdict"]  # which an older validation lacks
         with np.load(target / _SERIES, allow_pickle=False) as stored:
             pairs = []
             for i, rec in enumerate(metadata["recordings"]):
@@ -93,8 +97,18 @@ def _parts(validation: Validation) -> str:
     return words
 
 
+def summary_rows(validation: Validation) -> dict[str, str]:
+    """Return what a command prints: the verdict, and what a person looks at first."""
+    rows = validation_rows(validation)
+    if not any(n for note, n in validation.notes.items() if note not in ("resync", "ramped")):
+        rows.pop("ticks with notes", None)  # those with which every recording begins
+    judged = len(validation.felt) < len(validation.predicted_n)
+    verdict = {"verdict": validation.verdict} if judged else {}
+    return verdict | {name: rows[name] for name in _SUMMARY if name in rows}
+
+
 def validation_rows(validation: Validation) -> dict[str, str]:
-    """A person's view of a validation."""
+    """Return all rows of a validation, for its page."""
     found, ticks, felt = validation.accuracy, validation.ticks, validation.felt
     seen = training_overlap_sentence(validation.seen, len(validation.predicted_n))
     interval = found.interval_n
@@ -113,7 +127,8 @@ def validation_rows(validation: Validation) -> dict[str, str]:
     presses = presses.format(*validation.presses_n) if validation.presses_n else ""
     if len(felt) < len(validation.predicted_n):
         rows |= {
-            "RMSE": f"{found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak",
+            "RMSE": f"{found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak; at most "
+            f"{found.max_abs_error_n:.4g} N",
             "RMSE, the model alone": _parts(validation),
             "  by start": format_start_errors(validation.rmse_by_start_n),
             "RMSE, first presses": presses,
@@ -122,7 +137,7 @@ def validation_rows(validation: Validation) -> dict[str, str]:
             "by place": site_sentence(validation.places),
             "RMSE, mean of recordings": f"{found.mean_recording_rmse_n:.4g} N{spread}",
             "mean error": f"{found.mean_error_n:+.4g} N (the C less the measured force)",
-            "maximum error": f"{found.max_abs_error_n:.4g} N; 99 %: {found.p99_abs_error_n:.4g} N",
+            "99 % of errors": f"below {found.p99_abs_error_n:.4g} N",
         }
     else:
         felt_too = ", and so does what was felt"

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from springpot.codegen.arrays import Samples, rms
+from springpot.codegen.coupling.loop_margin import LoopMargin
 from springpot.codegen.errors import DataError, MismatchError
 from springpot.codegen.files import parse_path
 from springpot.codegen.messages import caution
@@ -28,6 +29,7 @@ from springpot.host.metrics import (
 from springpot.host.native.replay import Replay, TickTimes
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.output import shown_fields
+from springpot.host.stability.linear import margin_sentence, plan_margin
 from springpot.host.validation.compared import (
     Compared,
     PlaceError,
@@ -48,6 +50,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
 PACED_S = 3.0
+GOOD_CONTACT = 0.95  # of the contact, with an error below the threshold of a hand
 # Keys of `validate --json` that are attributes of the same name.
 _NAMED = (
     "model_rmse_n",
@@ -70,7 +73,7 @@ class Validation(Compared):
     None for logs alone, which neither counts. edited: files of the folder that are not as emitted.
     seen: how many recordings the model was trained on, None where it does not say. places: error of
     each, if recordings have any. min_n: the lower limit of the force, N, of `clamped_low`; other
-    clamped ticks are at the upper limit.
+    clamped ticks are at the upper limit. margin: gain margin of the scene's loop.
 
     >>> found = validate("c", recordings)
     >>> found.accuracy.rmse_n < 0.2
@@ -91,6 +94,7 @@ class Validation(Compared):
     seen: int | None
     places: tuple[PlaceError, ...]
     min_n: float
+    margin: LoopMargin
 
     def __repr__(self) -> str:
         found = self.accuracy
@@ -117,11 +121,32 @@ class Validation(Compared):
             item.name for item in self.recordings if is_session_log(item, self.manifest["hash"])
         ]
 
+    @property
+    def verdict(self) -> str:
+        """Judge the scene in a sentence that begins with a word.
+
+        Good: stable, C and reference equal, and in 95 % of contact an error that no hand can tell,
+        on recordings that the model was not trained on.
+        """
+        found, below = self.accuracy, self.accuracy.contact_below_jnd
+        good = below is not None and below >= GOOD_CONTACT and not self.seen
+        word = "Good" if good else "Look"
+        parts = [f"error {found.rmse_percent_of_peak:.2g} % of peak ({found.rmse_n:.3g} N)"]
+        if below is not None:
+            parts.append(f"below a hand's threshold in {100 * below:.3g} % of contact")
+        if self.mismatches:
+            parts.append(f"{self.mismatches} ticks differ from the reference")
+        if self.mismatches or not self.margin.is_stable:
+            word = "Do not hold"
+        parts.append(f"{self.ticks.hot_median / 1e3:.2g} us a tick")
+        return f"{word}: {', '.join(parts)}. {margin_sentence(self.margin)}"
+
     def as_dict(self) -> JsonObject:
         """Keys of `validate --json`."""
         errors = asdict(self.accuracy)
         first_n, later_n = self.presses_n or (None, None)
         return {
+            "verdict": self.verdict,
             "ramped_samples": errors.pop("ramped"),
             "mean_recording_rmse_interval_n": errors.pop("interval_n"),
             **errors,
@@ -187,6 +212,7 @@ def validate(folder: File, recordings: Recordings, paced_s: float = PACED_S) -> 
         seen=count_training_recordings(model, recordings),
         places=place_errors(*errors_of),
         min_n=float(plan.output.min_n),
+        margin=plan_margin(plan),
     )
 
 

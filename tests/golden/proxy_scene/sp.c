@@ -279,7 +279,7 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"fe315e5d2626b6b3956fc0c2d79ca6403aeef047834f601d35e59c9770ade31d\", \"scene\": \"proxy\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [2.3093100251531682e-07, 0.011998460459983215], \"speed_mps\": 0.18366538639667027, \"force_n\": [-7.121525591458066e-15, 9.129659751043853]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"92e97aa6426c500cff8c48e35e22cf000d6de5cfc238aa9378e2ba59f28e9959\", \"scene\": \"proxy\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [2.3093100251531682e-07, 0.011998460459983215], \"speed_mps\": 0.18366538639667027, \"force_n\": [-7.121525591458066e-15, 9.129659751043853]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

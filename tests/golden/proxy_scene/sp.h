@@ -1,4 +1,4 @@
-/* springpot 0.1.0 fe315e5d2626b6b3956fc0c2d79ca6403aeef047834f601d35e59c9770ade31d */
+/* springpot 0.1.0 92e97aa6426c500cff8c48e35e22cf000d6de5cfc238aa9378e2ba59f28e9959 */
 /* springpot: the force of a recorded soft object, tick by tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:

@@ -139,9 +139,7 @@ def test_no_command_takes_an_empty_word(tmp_path: Path, monkeypatch: pytest.Monk
 def test_a_log_is_compared_with_the_c_and_leaves_the_validation_alone(job: Path) -> None:
     press_file, log = job / "press.h5", job / "felt.h5"
     validated = spring("validate", job / "c", "--recording", press_file)
-    assert "mean error" in validated.stdout
-    noted = " ".join(validated.stdout.split())
-    assert "ticks with notes resync 1 (restarted without earlier samples, as at the start" in noted
+    assert validated.stdout.startswith("verdict") and "ticks with notes" not in validated.stdout
     before = (job / "c" / "validation" / "result.json").read_text()
     device = f"replay://{press_file}"
     spring("run", "--scene", job / "c", "--device", device, "--log", log)
