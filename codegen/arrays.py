@@ -38,7 +38,7 @@ def to_float64(values: Any, argument: str) -> Samples:
 
 
 def to_readonly_float64(values: Any, argument: str) -> Samples:
-    """As `to_float64`, in an array that cannot be written to: a copy if the argument can be."""
+    """Convert as `to_float64` does, to a read-only array: a copy if the argument is writable."""
     array = to_float64(values, argument)
     if array.flags.writeable or array.base is not None:
         array = array.copy()

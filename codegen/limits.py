@@ -120,7 +120,7 @@ def build_output_config(model: Model, scene: Scene, ticks: SceneTicks) -> Output
 
 
 def build_silence_config(watchdog_s: float, ticks: SceneTicks) -> SilenceConfig:
-    """When silence is latched: half a tick late, so that rounded sums of ticks agree on it."""
+    """Build the watchdog; half a tick late, so that rounded sums of ticks agree on it."""
     dt_s, real = ticks.dt_s, ticks.dtype
     return SilenceConfig(
         dt_s=real(dt_s), rate_hz=real(1.0 / dt_s), watchdog_s=real(watchdog_s + 0.5 * dt_s)

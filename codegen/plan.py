@@ -129,7 +129,7 @@ class Plan(Stages):
 
     @property
     def has_places(self) -> bool:
-        """Whether the object is not the same everywhere: there is sp_place then."""
+        """True if the object differs from site to site: the C has sp_place then."""
         return self.passive is not None and self.passive.placed is not None
 
     @property
@@ -139,7 +139,7 @@ class Plan(Stages):
 
     @property
     def contact(self) -> bool:
-        """Whether positions at or below 0 are free air."""
+        """True if positions at or below 0 are free air."""
         return self.onset_per_m is not None
 
 

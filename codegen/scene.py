@@ -103,7 +103,7 @@ class Guard:
 
 @dataclass(frozen=True)
 class Device:
-    """What loop checks assume and drivers need; None: not measured, or not stated.
+    """Figures that loop checks assume and drivers need; None: not measured, or not stated.
 
     >>> Device(delay_s=0.002, mass_kg=0.1)
     Device(delay_s=0.002, mass_kg=0.1)
@@ -150,7 +150,7 @@ class Device:
 
 @dataclass(frozen=True)
 class Budget:
-    """What the target has to spare; None is no limit.
+    """Memory and time that the target can spare; None is no limit.
 
     >>> Budget(flash_bytes=16_000, ram_bytes=512)
     Budget(flash_bytes=16000, ram_bytes=512)

@@ -24,7 +24,7 @@ _EXIT_STATUS: dict[type[Exception], int] = {
 
 
 def exit_status(error: errors.SpringpotError) -> int:
-    """What an error ends the command line with; 1 for a check that failed."""
+    """Return the exit status of an error; 1 for a check that failed."""
     return next((_EXIT_STATUS[kind] for kind in type(error).__mro__ if kind in _EXIT_STATUS), 1)
 
 

@@ -61,8 +61,8 @@ def ensemble_data(
     held = [replace_spikes(recording)[0] for recording in resolve_recordings(recordings)]
     data = build_training_set(held, smooth_s)
     rows = data.rows(fraction, seed)
-    found = _scaled(data, _features(features, data.dt_s), rows), data.force_n(rows)
-    return (*found, data.recording_index(rows)) if return_groups else found
+    columns = _scaled(data, _features(features, data.dt_s), rows), data.force_n(rows)
+    return (*columns, data.recording_index(rows)) if return_groups else columns
 
 
 def from_ensemble(
@@ -99,16 +99,16 @@ def from_ensemble(
     force_n = data.force_n(rows)
     if predicted_n.ndim != 1:
         raise UsageError(f"the regressor has {predicted_n.shape[1]} outputs: fit it on one force")
-    found = convert_linear(regressor, values, predicted_n) or convert_ensemble(regressor)
-    differs = np.abs(regressor_force(found, values) - predicted_n)
+    regressor_model = convert_linear(regressor, values, predicted_n) or convert_ensemble(regressor)
+    differs = np.abs(regressor_force(regressor_model, values) - predicted_n)
     if np.percentile(differs, 99) > _AGREES * np.abs(predicted_n).max():
         raise UsageError(
             f"{type(regressor).__name__} is no weighted sum of its trees: fit it with a squared or "
             "absolute error, without dart, linear_tree or an init of its own"
         )
-    if isinstance(found, Linear):
-        _require_single_precision(found, values, predicted_n)
-    elif not np.isfinite(found.threshold).all():
+    if isinstance(regressor_model, Linear):
+        _require_single_precision(regressor_model, values, predicted_n)
+    elif not np.isfinite(regressor_model.threshold).all():
         raise UsageError(
             f"{type(regressor).__name__} decides on thresholds that are not finite: fit it on rows "
             "without NaN or infinity, as ensemble_data returns them"
@@ -117,7 +117,7 @@ def from_ensemble(
     options = FitOptions(smooth_s=smooth_s)
     passive = fit_passive(data, options)
     metadata = {"regressor": type(regressor).__name__}
-    parts = (features, found.on_scaled(scale))  # a power of two: exact
+    parts = (features, regressor_model.on_scaled(scale))  # a power of two: exact
     return assemble(KIND, name, data, options, data.rows_total, parts, passive, False, metadata)
 
 

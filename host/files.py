@@ -111,9 +111,9 @@ def import_recordings(
         raise UsageError("no files: give at least one")
     mapping = parse_map(columns) if columns else None
     given = [parse_path(file) for file in files]
-    found, guesses, notes = import_set(given, mapping, zero, resample_hz, options, rest_s)
+    recordings, guesses, notes = import_set(given, mapping, zero, resample_hz, options, rest_s)
     notice("\n".join([*guesses.values(), *notes]))
-    return warn_of_quality(found).checked
+    return warn_of_quality(recordings).checked
 
 
 def read_model(path: File) -> Model:
@@ -172,9 +172,9 @@ def given_scene_and_model(
 
 def some_recordings(given: Recordings) -> list[Recording]:
     """Return the recordings themselves, or those of files. Raises UsageError for none."""
-    if not (found := resolve_recordings(given)):
+    if not (recordings := resolve_recordings(given)):
         raise UsageError("no recordings: give at least one")
-    return found
+    return recordings
 
 
 def _require_file(path: object, several: str) -> None:

@@ -36,7 +36,7 @@ def load(folder: File) -> "LoadedScene":
 
 
 class LoadedScene:
-    """What `load` returns. manifest: of the emission, as in manifest.json.
+    """Result of `load`. manifest: of the emission, as in manifest.json.
 
     edited: files of the folder that are not as emitted.
 

@@ -95,10 +95,10 @@ def accuracy(
             "the measured force is 0 everywhere, as in a session that a watchdog ended at once: "
             "there is nothing to compare with"
         )
-    each = np.array([rms(values) for values in errors])
+    rmse_each_n = np.array([rms(values) for values in errors])
     interval_n, ape_below_jnd = None, None
-    if len(each) > 1:
-        draws = np.random.default_rng(0).choice(each, size=(_BOOTSTRAPS, len(each)))
+    if len(rmse_each_n) > 1:
+        draws = np.random.default_rng(0).choice(rmse_each_n, size=(_BOOTSTRAPS, len(rmse_each_n)))
         low_n, high_n = np.percentile(draws.mean(axis=1), [2.5, 97.5]).tolist()
         interval_n = low_n, high_n
     if (scored := np.abs(measured) >= SCORED_ABOVE_N).any():
@@ -115,7 +115,7 @@ def accuracy(
         rmse_n=rmse_n,
         rmse_percent_of_peak=100.0 * rmse_n / float(np.abs(measured).max()),
         mean_error_n=float(error.mean()),
-        mean_recording_rmse_n=float(each.mean()),
+        mean_recording_rmse_n=float(rmse_each_n.mean()),
         interval_n=interval_n,
         max_abs_error_n=float(np.abs(error).max()),
         p99_abs_error_n=float(np.percentile(np.abs(error), 99)),
@@ -126,7 +126,7 @@ def accuracy(
 
 
 def find_contacts(recordings: Sequence[Recording], has_surface: bool) -> list[Flags]:
-    """Which samples of each recording are in contact: below the surface, all if there is none."""
+    """Mark the samples of each recording in contact: below the surface; all without a surface."""
     return [
         np.asarray(recording.position_m > 0.0)
         if has_surface
@@ -140,16 +140,16 @@ def contact_sentence(below: float | None) -> str:
     return "no contact" if below is None else f"{100 * below:.1f} % of contact ({JND_WORDS})"
 
 
-def error_ratio_keys(found: Accuracy, floor: NoiseFloor) -> JsonObject:
+def error_ratio_keys(error: Accuracy, floor: NoiseFloor) -> JsonObject:
     """JSON keys: the floor and what it is from, the RMSE over it, the error over the JND."""
-    per_floor = found.rmse_n / floor.rms_n if floor.rms_n else None
+    per_floor = error.rmse_n / floor.rms_n if floor.rms_n else None
     return {
         "noise_floor_n": floor.rms_n,
         "noise_floor_from": floor.source,
         "noise_floor": floor.words,
         "error_per_floor": per_floor,
-        "error_per_jnd": found.error_per_jnd,
-        "contact_below_jnd": found.contact_below_jnd,
+        "error_per_jnd": error.error_per_jnd,
+        "contact_below_jnd": error.contact_below_jnd,
     }
 
 
@@ -228,12 +228,12 @@ def slope_errors(
     )
 
 
-def slope_keys(found: SlopeErrors | None) -> JsonObject:
+def slope_keys(errors: SlopeErrors | None) -> JsonObject:
     """JSON keys: median and 95 % quantile of the error, its floor; null if no slope is known."""
     return {
-        "slope_error_median_percent": None if found is None else found.median_percent,
-        "slope_error_p95_percent": None if found is None else found.p95_percent,
-        "slope_floor_percent": None if found is None else found.floor_percent,
+        "slope_error_median_percent": None if errors is None else errors.median_percent,
+        "slope_error_p95_percent": None if errors is None else errors.p95_percent,
+        "slope_floor_percent": None if errors is None else errors.floor_percent,
     }
 
 
@@ -279,8 +279,8 @@ def _resolved_slopes(recording: Recording, predicted_n: Samples, way: slice) -> 
     """Slopes (k, 3), N/m: measured, its standard error, predicted."""
     depth_m, force_n = recording.position_m[way], recording.force_n[way]
     for windows in _WINDOWS_PER_STROKE:
-        found = list(_slopes(depth_m, force_n, predicted_n[way], windows))
-        slopes = np.array(found).reshape(-1, 3)
+        windows_found = list(_slopes(depth_m, force_n, predicted_n[way], windows))
+        slopes = np.array(windows_found).reshape(-1, 3)
         slopes = slopes[slopes[:, 0] > _FLAT * slopes[:, 0].max(initial=0.0)]
         shares = slopes[:, 1] / slopes[:, 0]
         if len(shares) and np.median(shares) <= _MAX_MEDIAN_SLOPE_SE:

@@ -31,7 +31,7 @@ class FiniteRange(click.FloatRange):
         return number
 
     def _describe_range(self) -> str:
-        """What help shows; nothing of any number."""
+        """Return the range that the help shows; nothing if any number is allowed."""
         return "any" if self.min is None and self.max is None else super()._describe_range()
 
 

@@ -31,7 +31,7 @@ def print_line(line: str) -> None:
 
 
 class _ProgressLine(logging.Handler):
-    """What long work logs, beside the bar: its records carry `done` of `total` steps."""
+    """Show the log of long work beside the bar: records carry `done` of `total` steps."""
 
     def __init__(self, progress: Progress, text: str) -> None:
         super().__init__()

@@ -24,7 +24,7 @@ def report_quality(
     """
     report = check_recordings(recordings)
     for kind in {finding.kind: None for finding in report.findings}:
-        first, *others = (found for found in report.findings if found.kind == kind)
+        first, *others = (finding for finding in report.findings if finding.kind == kind)
         if first.severity == "warning":
             also = f" (and {len(others)} more: springpot check)" if others else ""
             doubt(first.line + also)

@@ -107,7 +107,7 @@ def require_plausible_damping(coupling: Coupling) -> None:
 
 
 def is_unit_error(coupling: Coupling) -> bool:
-    """Whether `require_plausible_damping` refuses these gains; never of "auto" and "off"."""
+    """Return True if `require_plausible_damping` refuses these gains; never "auto" and "off"."""
     return coupling.mode in ("tool", "proxy") and not _is_plausible(coupling)
 
 

@@ -59,7 +59,7 @@ class LinearLoop:
         return radius
 
     def swing_radius(self, stiffness_npm: float | Samples) -> Samples:
-        """As `spectral_radius`, of the swings alone: without the positive eigenvalues below 1.
+        """Return `spectral_radius` of the swings alone: without the positive eigenvalues below 1.
 
         Those creep to their end, however slowly, and no hand feels them vibrate.
         """

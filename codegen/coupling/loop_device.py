@@ -31,7 +31,7 @@ class LoopDevice:
 
     @property
     def measured(self) -> bool:
-        """Whether the scene states what a linear loop needs: mass and viscous friction."""
+        """True if the scene states what a linear loop needs: mass and viscous friction."""
         return {"mass_kg", "viscous_nspm"} <= set(self.stated)
 
     def with_delay(self, ticks: int) -> "LoopDevice":

@@ -46,7 +46,7 @@ class LoopMargin:
 
     @property
     def is_stable(self) -> bool:
-        """Whether the loop holds the object as it is."""
+        """True if the loop holds the object as it is."""
         return self.least > 1.0
 
     @property

@@ -50,7 +50,7 @@ def render_block(stage: Stage | RegressorStage, block: str) -> str:
 
 
 def has_block(stage: Stage | RegressorStage, block: str) -> bool:
-    """Whether a stage's template has that block."""
+    """Return True if a stage's template has that block."""
     return block in _compile(stage.code).blocks
 
 
@@ -86,8 +86,10 @@ def scope_to_scene(blocks: Sequence[str]) -> list[str]:
     renamed: dict[str, str] = {}
     for code in map(strip_comments, blocks):
         for pattern, prefix in _FILE_SCOPE:
-            own = (name for name in pattern.findall(code) if not name.startswith(("sp_", "SP_")))
-            renamed |= {name: prefix + name for name in own}
+            unprefixed = (
+                name for name in pattern.findall(code) if not name.startswith(("sp_", "SP_"))
+            )
+            renamed |= {name: prefix + name for name in unprefixed}
     if not renamed:
         return list(blocks)
     used = re.compile(rf"(?<![\w.])(?<!->)({'|'.join(map(re.escape, renamed))})\b")
@@ -142,12 +144,12 @@ def _wrap_statement(lines: Sequence[str]) -> Iterator[str]:
     yield rest
 
 
-def drop_unused(found: Sequence[str]) -> list[str]:
+def drop_unused(blocks: Sequence[str]) -> list[str]:
     """Leave out the functions and macros of this file that no other block uses.
 
     One that stands among directives of the preprocessor stays.
     """
-    used = list(found)
+    used = list(blocks)
     while True:
         words = [set(re.findall(r"\w+", strip_comments(block))) for block in used]
         unused = [

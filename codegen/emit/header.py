@@ -81,16 +81,16 @@ def read_unit_blocks(header: str) -> tuple[str, ...]:
 def state_types(plan: Plan) -> dict[str, None]:
     """Blocks of the units that define what the state is made of, in order."""
     names = {member.declaration.split()[0] for member in list_state_members(plan)}
-    found = [block for header in list_headers(plan) for block in read_unit_blocks(header)]
+    blocks = [block for header in list_headers(plan) for block in read_unit_blocks(header)]
     return {
         block: None
-        for block in found
+        for block in blocks
         if (last := re.search(r"\} (\w+);$", strip_comments(block).rstrip())) and last[1] in names
     }
 
 
 def _render_state(plan: Plan) -> str:
-    """What a caller can hold against its own loop and device, and the members of the state."""
+    """Render the constants that a caller can check its loop against, and the state's members."""
     rate_hz = 1.0 / plan.dt_s
     whole = abs(rate_hz - round(rate_hz)) < _WHOLE_HZ
     numbers = {

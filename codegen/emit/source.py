@@ -55,7 +55,7 @@ def render_step(plan: Plan) -> str:
 
 
 def _force_terms(plan: Plan) -> list[str]:
-    """What the model's force is the sum of: variables that its parts declare."""
+    """List the terms of the model's force: variables that its parts declare."""
     terms = []
     if plan.passive is not None:
         terms.append(f"{plan.passive.follows}_passive_n")
@@ -67,7 +67,7 @@ def _force_terms(plan: Plan) -> list[str]:
 
 
 def _find_used_depths(plan: Plan, text: str, always: bool) -> dict[str, bool]:
-    """Which of the depths, and of the position, the C of the parts reads; always: the depth too."""
+    """Find which depths, and whether the position, the C of the parts reads; always: the depth."""
     clipped, penetration = _mentions("clipped_m", text), _mentions("penetration_m", text)
     used = clipped or penetration
     return {

@@ -41,7 +41,7 @@ class Features(ABC):
 
     @abstractmethod
     def memory_s(self, dt_s: float) -> float:
-        """How far back the features remember, s."""
+        """Length of the features' memory, s."""
 
     def settling_s(self, dt_s: float) -> float:
         """Time after which what came before is forgotten to 2 %, s."""

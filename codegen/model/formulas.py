@@ -99,7 +99,7 @@ def to_scalars(values: Reals) -> list[Scalar]:
 
 
 def scalar_type(dtype: RealType) -> Callable[[Scalar], Scalar]:
-    """What makes a number as `to_scalars` has them of an array of this type."""
+    """Return the constructor of numbers that `to_scalars` makes of an array of this type."""
     return float if dtype is np.float64 else dtype
 
 

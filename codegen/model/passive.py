@@ -62,7 +62,7 @@ class Flow:
 
 @dataclass(frozen=True, eq=False)
 class Damage:
-    """What was pressed deeper before is softer: g(v) (v/M)^power, M the largest v so far.
+    """Softening by the largest depth so far: g(v) (v/M)^power, M the largest v so far.
 
     v = u in the object, M heals towards v with the time heal_s, 0: never. power: 1 or 3. Both (D,).
     curve_n: slopes of g, (D, J), as in `Hammerstein`.
@@ -180,7 +180,7 @@ class Hammerstein:
 
     @property
     def by_depth(self) -> Flags:
-        """Whether each branch's rate depends on the depth, (P,)."""
+        """True for each branch, (P,), whose rate depends on the depth."""
         return np.arange(len(self.tau_s)) >= len(self.tau_s) - self.n_by_depth
 
     @property

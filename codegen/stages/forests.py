@@ -87,7 +87,7 @@ class CompactForestStage(ForestStage):
 
     @property
     def members(self) -> tuple[Member, ...]:
-        """Which vector unit there is; where each feature's bin was."""
+        """Vector unit of the processor, and the last bin of each feature."""
         simd = (Member("uint32_t simd", (U32,)),) if self.vectors else ()
         searched = len(self.compact.thresholds)
         bins = (Member(f"uint32_t bins[{searched}]", (U32,) * searched),) if searched else ()
@@ -134,7 +134,7 @@ class CompactForestStage(ForestStage):
 
 @dataclass(frozen=True, eq=False)
 class IfsStage(ForestStage):
-    """As nested ifs, by m2cgen, on features as doubles."""
+    """Forest as nested ifs by m2cgen, on features as doubles."""
 
     code = stage_code("ifs_forest")
 

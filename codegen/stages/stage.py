@@ -57,7 +57,7 @@ class Probe:
 
 @dataclass(frozen=True)
 class SceneTicks:
-    """What all parts of a scene share: its time step, s, and numpy's type of sp_real.
+    """Figures that all parts of a scene share: its time step, s, and numpy's type of sp_real.
 
     vector_width: branches that are stepped side by side. surface: the object has one, above which
     positions are free air. start_reach_m: see `Model`.

@@ -44,7 +44,7 @@ _HOLDOUT = 5  # one recording in so many is held out
 
 @dataclass(frozen=True, eq=False)
 class Bench:
-    """What to run. models: kinds and model files; every kind by default. dask: a scheduler."""
+    """Settings of a benchmark. models: kinds and model files, all by default. dask: a scheduler."""
 
     training: tuple[Recording, ...]
     validation: tuple[Recording, ...]
@@ -69,15 +69,15 @@ def run_bench(bench: Bench, folder: Path, command: str) -> JsonObject:
     data = BenchRecordings(key, bench.training, bench.validation)
     measured = memory.cache(measure_point, ignore=["data"])
     jobs = [(candidate, bench.target, key, data) for candidate in _candidates(bench)]
-    found = list(_in_parallel(measured, jobs, bench.dask))
+    measured_points = list(_in_parallel(measured, jobs, bench.dask))
     (folder / "models").mkdir(parents=True, exist_ok=True)
     points = []
-    for row, model in found:
+    for row, model in measured_points:
         if model is not None:
             name = f"models/{str(row['hash'])[:16]}.spm"
             write_file(folder / name, model)
             points.append(row | {"file": name})
-    refused = [row for row, model in found if model is None]
+    refused = [row for row, model in measured_points if model is None]
     if not points:
         raise DataError(f"no model can be made of these recordings: {refused[0]['error']}")
     alone = memory.cache(
@@ -90,14 +90,14 @@ def run_bench(bench: Bench, folder: Path, command: str) -> JsonObject:
         if on_front:
             progress_console.print(f"timing alone: model {sum(front[: number + 1])} "
                                    f"of {sum(front)} on the front")  # fmt: skip
-            its = cache_key(key, point["hash"])
+            point_key = cache_key(key, point["hash"])
             file = folder / str(point["file"])
             point.update(
                 alone(
                     file,
                     point["number"],
                     bench.target,
-                    its,
+                    point_key,
                     longest,
                     bench.validation,
                     bench.training,

@@ -95,16 +95,16 @@ def _closed_loop(model: Model, number: Number) -> Point:
     try:
         plan = make_plan(model, scene)
         require_stable(plan)
-        found = stability(plan)
+        verdict = stability(plan)
     except UnsafeError as error:
         return {"bounded": False, "spectral_radius": None, "held_times_as_stiff": None,
                 "verdict": str(error)}  # fmt: skip
-    whole = [outcome for outcome in found.outcomes if outcome.losses is None]
+    whole = [outcome for outcome in verdict.outcomes if outcome.losses is None]
     return {
-        "bounded": found.check.stable and all(outcome.bounded for outcome in whole),
+        "bounded": verdict.check.stable and all(outcome.bounded for outcome in whole),
         "spectral_radius": spectral_radius(plan),
-        "held_times_as_stiff": found.check.margin.least,
-        "verdict": found.as_dict()["recommendation"],
+        "held_times_as_stiff": verdict.check.margin.least,
+        "verdict": verdict.as_dict()["recommendation"],
     }
 
 

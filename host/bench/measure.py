@@ -53,10 +53,10 @@ def default_sweep(dt_s: float, options: FitOptions, kinds: Sequence[str] = ()) -
 
     The paper's three models are among them: rf-fd, rbf-fd and rbf-pv with nothing named.
     """
-    found = [*_forests(dt_s, options), *_others(options)]
-    swept = {candidate.kind for candidate in found}
-    found += [Candidate(kind, options) for kind in KINDS if kind not in swept]
-    return [candidate for candidate in found if not kinds or candidate.kind in kinds]
+    candidates = [*_forests(dt_s, options), *_others(options)]
+    swept = {candidate.kind for candidate in candidates}
+    candidates += [Candidate(kind, options) for kind in KINDS if kind not in swept]
+    return [candidate for candidate in candidates if not kinds or candidate.kind in kinds]
 
 
 def _forests(dt_s: float, options: FitOptions) -> Iterator[Candidate]:
@@ -114,7 +114,7 @@ def measure_point(
         model, fitted = _fitted(candidate, data)
         plan = make_plan(model, bench_scene(candidate.number), accept_unsafe=True)
         library = build_and_load(plan)
-        found = {
+        figures = {
             **prediction_errors(plan, library, data.validation, data.training),
             "tick_ns_hot": hot_ns(library, data.validation),
             **small_signal_map(plan, library, 0).as_dict(),
@@ -122,7 +122,7 @@ def measure_point(
         }
     except SpringpotError as error:
         return stated | {"error": str(error)}, None
-    return stated | fitted | found, model_bytes(model)
+    return stated | fitted | figures, model_bytes(model)
 
 
 def _fitted(candidate: Candidate, data: BenchRecordings) -> tuple[Model, Point]:
@@ -130,12 +130,12 @@ def _fitted(candidate: Candidate, data: BenchRecordings) -> tuple[Model, Point]:
 
     if candidate.file is not None:
         model = read_model(candidate.file)
-        found: Point = {"rows": None, "fit_s": None}
+        point: Point = {"rows": None, "fit_s": None}
     else:
         training = _prepared(data, candidate.options.smooth_s)
         fit = fit_kind(candidate.kind, "bench", training, candidate.options)
-        model, found = fit.model, {"rows": fit.rows, "fit_s": fit.fit_s}
-    return model, found | {
+        model, point = fit.model, {"rows": fit.rows, "fit_s": fit.fit_s}
+    return model, point | {
         "number": candidate.number,
         "engine": model.engine,
         "window_s": model.memory_s,
@@ -176,12 +176,12 @@ def prediction_errors(
     forces_n, ramps = replay_forces(plan, Replay(library), [*before, *recordings])
     forces_n, ramps = forces_n[len(before) :], ramps[len(before) :]
     contacts = find_contacts(recordings, plan.contact)
-    found = accuracy([recording.force_n for recording in recordings], forces_n, ramps, contacts)
+    errors = accuracy([recording.force_n for recording in recordings], forces_n, ramps, contacts)
     named = ("rmse_n", "rmse_percent_of_peak", "mean_recording_rmse_n", "max_abs_error_n",
              "ape_below_jnd", "error_per_jnd", "contact_below_jnd")  # fmt: skip
     return {
-        **{name: getattr(found, name) for name in named},
-        "mean_recording_rmse_interval_n": found.interval_n and list(found.interval_n),
+        **{name: getattr(errors, name) for name in named},
+        "mean_recording_rmse_interval_n": errors.interval_n and list(errors.interval_n),
         **slope_keys(slope_errors(recordings, forces_n, ramps)),
     }
 

@@ -55,10 +55,12 @@ def _recordings(names: tuple[str, ...], model: Model) -> list[Recording]:
     from springpot.host.validation.seen import count_training_recordings, training_overlap_sentence
     from springpot.trainer.recordings.recording_file import read_recordings
 
-    found = read_recordings(map(Path, names))
-    if seen := training_overlap_sentence(count_training_recordings(model, found), len(found)):
+    recordings = read_recordings(map(Path, names))
+    if seen := training_overlap_sentence(
+        count_training_recordings(model, recordings), len(recordings)
+    ):
         print_line(seen)
-    return found
+    return recordings
 
 
 def emission_rows(emission: Emission) -> dict[str, str]:

@@ -123,7 +123,7 @@ def _rows(result: JsonObject) -> dict[str, str]:
     warned: dict[str, list[int]] = {}
     for item in result["warnings"]:
         warned.setdefault(item["what"], []).append(item["count"])
-    warnings = [f"{what} ({len(its)} x, {sum(its)} ticks)" for what, its in warned.items()]
+    warnings = [f"{what} ({len(ticks)} x, {sum(ticks)} ticks)" for what, ticks in warned.items()]
     return {
         "stopped": result["stopped"],
         "ticks": ticks_in_words(result["ticks"], result["expected_ticks"])

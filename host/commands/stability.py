@@ -24,19 +24,19 @@ def stability_(scene_file: Path | None, model_file: Path | None, as_json: bool) 
     from springpot import stability
 
     with progress_bar("all cases, three hands, two delays"):
-        found = stability(scene=scene_file, model=model_file)
-    print_result(found.as_dict(), as_json, stability_rows(found))
-    found.require_bounded()
+        result = stability(scene=scene_file, model=model_file)
+    print_result(result.as_dict(), as_json, stability_rows(result))
+    result.require_bounded()
 
 
-def stability_rows(found: Stability) -> dict[str, str]:
+def stability_rows(result: Stability) -> dict[str, str]:
     """A person's view: the verdict, what is not good case by case, and the extremes of the rest."""
     from springpot.host.stability.verdict import Grade, worst_by_case
 
-    checked = found.check
-    judged = [item for item in worst_by_case(found.outcomes) if item.grade != Grade.ENDS]
+    checked = result.check
+    judged = [item for item in worst_by_case(result.outcomes) if item.grade != Grade.ENDS]
     doubtful = [item for item in judged if item.grade != Grade.GOOD]
-    rows = {"verdict": found.recommendation}
+    rows = {"verdict": result.recommendation}
     for item in doubtful:
         rows[f"{item.grade.word}: {_named(item.outcome)}"] = (
             f"{item.words}; {_figures(item.outcome)}"
@@ -54,13 +54,16 @@ def stability_rows(found: Stability) -> dict[str, str]:
         "device": checked.plan.loop_device.words(checked.plan.dt_s),
         "passive": f"model {_cells(checked.model_map)}; scene {_cells(checked.scene_map)}",
         "stiffness felt": f"{1e-3 * checked.plan.coupling.felt_npm:.3g} N/mm; ten times stiffer "
-        f"object {1e-3 * found.stiff.coupling.felt_npm:.3g} N/mm",
+        f"object {1e-3 * result.stiff.coupling.felt_npm:.3g} N/mm",
     }
     return rows
 
 
-def _cells(found: SmallSignalMap) -> str:
-    (active, cells), (active_beyond, cells_beyond) = found.active(False), found.active(True)
+def _cells(motion_map: SmallSignalMap) -> str:
+    (active, cells), (active_beyond, cells_beyond) = (
+        motion_map.active(False),
+        motion_map.active(True),
+    )
     return (
         f"in {cells - active} of {cells} small motions ({cells_beyond - active_beyond} of "
         f"{cells_beyond} beyond the trained depth)"
@@ -74,11 +77,11 @@ def _named(outcome: Outcome) -> str:
 def _figures(outcome: Outcome) -> str:
     """List what an outcome measured; of lost samples, what they did to the force."""
     if outcome.losses is not None:
-        found = outcome.losses
+        losses = outcome.losses
         return (
-            f"{found.error_n:.2f} N off 10 ms after samples are back, {found.above_n:.2f} N above "
-            f"after 5 ms; "
-            f"{1e3 * found.returned_j:.1f} mJ returned of {1e3 * found.stored_j:.1f} stored"
+            f"{losses.error_n:.2f} N off 10 ms after samples are back, "
+            f"{losses.above_n:.2f} N above after 5 ms; {1e3 * losses.returned_j:.1f} mJ back of "
+            f"{1e3 * losses.stored_j:.1f} stored"
         )
     slow_mps = outcome.vibration.lf_speed_mps
     below = "" if slow_mps is None else f"{1e3 * slow_mps:.2f} below, "

@@ -129,11 +129,11 @@ def train(
     out.parent.mkdir(parents=True, exist_ok=True)
     result = training_result(fit) | {"out": str(out), "hash": write_model(out, fit.model)}
     compared_s = fit.model.provenance["smooth_s"] if smooth_validation else 0.0
-    found, figures = errors(fit, training, testing, compared_s, start) if testing else (None, {})
+    error, figures = errors(fit, training, testing, compared_s, start) if testing else (None, {})
     result |= figures
     if figures.get("seen"):
         print_line(training_overlap_sentence(figures["seen"], len(testing)))
-    print_result(result, as_json, training_rows(fit, result, found, len(testing)))
+    print_result(result, as_json, training_rows(fit, result, error, len(testing)))
 
 
 def training_result(fit: Fit) -> JsonObject:
@@ -152,12 +152,12 @@ def training_result(fit: Fit) -> JsonObject:
 
 
 def training_rows(
-    fit: Fit, result: JsonObject, found: Accuracy | None, tested: int
+    fit: Fit, result: JsonObject, error: Accuracy | None, tested: int
 ) -> dict[str, str]:
     """A person's view of a fit, of the keys of `--json`; found: error on `tested` recordings."""
     sizes = [f"{result[key]} {key[2:]}" for key in ("n_nodes", "n_centers", "n_parameters")
              if key in result]  # fmt: skip
-    seen = training_overlap_sentence(result["seen"], tested) if found is not None else ""
+    seen = training_overlap_sentence(result["seen"], tested) if error is not None else ""
     rows = {
         **({"training data": seen} if seen else {}),
         "model": ", ".join([fit.model.kind, *sizes, result["out"]]),
@@ -185,9 +185,9 @@ def training_rows(
         rows[f"  {what}"] = f"{value:.5g} {doubt}{at_rest}"
     if "residual_percent" in result:
         rows["  missed"] = f"{result['residual_percent']:.3g} % of the force that varies, rms"
-    if found is not None:
+    if error is not None:
         rows["error"] = (
-            f"RMSE {found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak, on "
+            f"RMSE {error.rmse_n:.4g} N, {error.rmse_percent_of_peak:.3g} % of peak, on "
             f"{tested} validation recordings"
         )
         if by_start := format_start_errors(result["rmse_by_start_n"]):
@@ -219,7 +219,7 @@ def _score_rows(result: JsonObject) -> dict[str, str]:
 
 
 def _law(result: JsonObject) -> str:
-    """What the passive model does besides curves, branches and stops."""
+    """List what the passive model has beside curves, branches and stops."""
     surface = "; a surface that recovers while the tool is away" if result["recovers"] else ""
     remembers = ""
     if result["starts_conditioned"]:
@@ -258,7 +258,7 @@ def errors(
     predicted_n = predict_limited_n(model, [*known, *new])[len(known) :]
     measured_n = [recording.force_n for recording in new]
     contacts = find_contacts(new, fit.model.contact == "surface")
-    found = accuracy(measured_n, predicted_n, contacts=contacts)
+    error = accuracy(measured_n, predicted_n, contacts=contacts)
     rendered = measure_rendered(fit.model, new, known)
     for line in find_moving_starts(model, new):
         print_line(f"warning: {line}")
@@ -267,12 +267,12 @@ def errors(
         return accuracy(measured_n, predict_limited_n(started, new)).rmse_n
 
     shown = ("rmse_n", "rmse_percent_of_peak", "mean_recording_rmse_n")
-    return found, {
+    return error, {
         "seen": count_training_recordings(fit.model, testing),
         "start": start,
         "rmse_by_start_n": compute_start_errors_n(fit.model, rmse_n),
-        **{name: getattr(found, name) for name in shown},
-        **error_ratio_keys(found, find_noise_floor([*known, *new])),
+        **{name: getattr(error, name) for name in shown},
+        **error_ratio_keys(error, find_noise_floor([*known, *new])),
         **slope_keys(slope_errors(new, predicted_n)),
         **rendered_keys(rendered),
     }

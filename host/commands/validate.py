@@ -21,10 +21,10 @@ def validate_(folder: Path, recordings: tuple[str, ...], as_json: bool) -> None:
     from springpot.trainer.recordings.recording_file import read_recordings
 
     require_emission(folder)  # first: where both are given the wrong way round, it says so
-    found = read_recordings(map(Path, recordings))
-    with progress_bar(f"{counted_noun(len(found), 'recording')}"):
-        validation = validate(folder, found)
-    if len(validation.felt) < len(found):  # a log says nothing of the object: the page needs that
+    read = read_recordings(map(Path, recordings))
+    with progress_bar(f"{counted_noun(len(read), 'recording')}"):
+        validation = validate(folder, read)
+    if len(validation.felt) < len(read):  # a log says nothing of the object: the page needs that
         store_validation(folder, validation)
     print_result(validation.as_dict(), as_json, summary_rows(validation))
     raise_on_mismatch(folder, validation)

@@ -51,7 +51,7 @@ class CanBus:
 
     @property
     def failure(self) -> str:
-        """Why the bus is gone, if python-can says so."""
+        """Reason why the bus is gone, if python-can gives one."""
         if self._bridge is not None and self._bridge.returncode is None:
             with contextlib.suppress(subprocess.TimeoutExpired):
                 self._failure = self._bridge.communicate(timeout=_LAST_WORDS_S)[0].strip()
@@ -120,13 +120,13 @@ def _bridged(address: Address, bitrate: int) -> tuple[socket.socket, "subprocess
         bus |= {"hop_limit": 0, "port": address.whole("port", 43113, 1024, 65535)}
     else:
         bus["bitrate"] = bitrate
-    ours, its = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
+    ours, theirs = socket.socketpair(socket.AF_UNIX, socket.SOCK_SEQPACKET)
     ours.setsockopt(socket.SOL_SOCKET, socket.SO_SNDBUF, _WAITING_BYTES)
-    with its:
+    with theirs:
         program = [sys.executable, "-P", str(BRIDGE)]
         process = subprocess.Popen(
-            [*program, json.dumps(bus), str(its.fileno())],
-            pass_fds=[its.fileno()], stdout=subprocess.PIPE, text=True,
+            [*program, json.dumps(bus), str(theirs.fileno())],
+            pass_fds=[theirs.fileno()], stdout=subprocess.PIPE, text=True,
             start_new_session=True,  # Ctrl-C and a closed terminal are ours: we send zero force
         )  # fmt: skip
     return ours, process

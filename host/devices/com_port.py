@@ -28,7 +28,7 @@ def _require(succeeded: int) -> None:
 
 
 class ComPort:
-    """As much of pyserial's Serial as a link needs. fd: its handle. Raises OSError."""
+    """The part of pyserial's Serial that a link needs. fd: the handle. Raises OSError."""
 
     def __init__(self, place: str, baud: int) -> None:
         self.fd = _kernel.CreateFileW(

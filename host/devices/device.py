@@ -35,7 +35,7 @@ def round_down(value: float) -> str:
 
 @dataclass(frozen=True)
 class DeviceRequirements:
-    """What a session asks of a device.
+    """Requirements of a session on a device.
 
     presses: the loop drives the tool into an object, to record it. senses: it is read only.
     examined: nothing is rendered.
@@ -95,17 +95,17 @@ class OpenedDevice(Protocol):
     @property
     @abstractmethod
     def unreached(self) -> str:
-        """What its force does if this host cannot reach it any more: each driver has to say."""
+        """Say what the device's force does once this host cannot reach it; every driver has to."""
         ...
 
     @property
     def rate_advice(self) -> str:
-        """What to do where it sends fewer samples than the scene wants."""
+        """Advice if the device sends fewer samples than the scene wants."""
         return ""
 
     @property
     def failure(self) -> str:
-        """Why it is gone or off, where something below it says so; or empty."""
+        """Reason why the device is gone or off, if a lower layer gives one; else empty."""
         return ""
 
     @abstractmethod

@@ -155,5 +155,5 @@ _REMEDIES: Mapping[int, str] = {
 
 
 def force_off_words(cause: int) -> str:
-    """Why a device switched its forces off, by the SDK's number of the cause."""
+    """Say why a device switched its forces off, from the SDK's number of the cause."""
     return _FORCE_OFF[cause] if 0 <= cause < len(_FORCE_OFF) else f"for cause {cause}"

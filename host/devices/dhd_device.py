@@ -76,7 +76,7 @@ class DhdDevice(OpenedDevice):
 
     @property
     def failure(self) -> str:
-        """Why it is gone, or switched its forces off."""
+        """Reason why the device is gone or has switched its forces off."""
         error = 0 if self._link is None else int(self._link.device_error)
         c = self._owners[0].c if self._owners else None
         if not error or c is None:
@@ -128,7 +128,7 @@ class DhdDevice(OpenedDevice):
 
     @property
     def unreached(self) -> str:
-        """What its force does where this host cannot reach it any more."""
+        """Say what the device's force does once this host cannot reach it."""
         return FORCE_ZERO if self._watched else _STAYS
 
     def close(self) -> None:
@@ -227,7 +227,7 @@ class DhdDevice(OpenedDevice):
         self._enable_force()
 
     def _positions_until(self, until_s: float) -> int:
-        """How many new positions come; forces of zero keep its watchdog quiet."""
+        """Count new positions; forces of zero keep the device's watchdog quiet."""
         place, count = self._sdk.ffi.new("double[3]"), 0
         period_s = 0.5 / self._required.rate_hz
         while time.perf_counter() < until_s:

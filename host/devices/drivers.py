@@ -100,8 +100,8 @@ class Driver:
         """Return what `opens` names, loaded."""
         if not isinstance(self.opens, str):
             return self.opens
-        found: Callable[[Address, DeviceRequirements], OpenedDevice] = resolve_name(self.opens)
-        return found
+        opener: Callable[[Address, DeviceRequirements], OpenedDevice] = resolve_name(self.opens)
+        return opener
 
 
 @cache

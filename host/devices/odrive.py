@@ -21,7 +21,7 @@ _QUESTIONS, _ANSWER_S = 3, 0.1
 
 @dataclass(frozen=True)
 class Heartbeat:
-    """What a drive says of itself about ten times a second. failed: flags beside the error word."""
+    """State that a drive sends about ten times a second. failed: flags beside the error word."""
 
     error: int
     state: int
@@ -45,7 +45,7 @@ def identifier(node: int, command: int) -> int:
 
 @dataclass(frozen=True)
 class DriveLimits:
-    """Of the motor: beyond them the drive gives less torque than was asked for, or none."""
+    """Limits of the motor: beyond them the drive gives less torque than asked for, or none."""
 
     turns_per_s: float
     current_a: float
@@ -73,16 +73,16 @@ class Drive:
     def arm(self) -> None:
         """Clear errors, limits, torque control, closed loop; zero torque is sent meanwhile."""
         self.ask_for_torque_control()
-        until, found = time.perf_counter() + _ARMED_S, ""
+        until, state = time.perf_counter() + _ARMED_S, ""
         while time.perf_counter() < until:
             self.torque(0.0)
             beat = self._heartbeat(time.perf_counter() + _FEED_S)
             if beat is not None and beat.state == CLOSED_LOOP and not (beat.error or beat.failed):
                 return
             if beat is not None:
-                found = f"state {beat.state}, error 0x{beat.error:x}"
+                state = f"state {beat.state}, error 0x{beat.error:x}"
         raise DeviceError(
-            f"{self.url}: node {self.node} does not go to closed loop ({found or 'it is silent'}): "
+            f"{self.url}: node {self.node} does not go to closed loop ({state or 'it is silent'}): "
             "calibrate it and clear its errors with odrivetool (`dump_errors(odrv0)`)"
         )
 
@@ -141,9 +141,9 @@ class Drive:
         if found_s <= ZERO_S:
             return
         self.rest()
-        found = "never" if math.isinf(found_s) else f"{found_s:.2f} s"
+        reaction = "never" if math.isinf(found_s) else f"{found_s:.2f} s"
         raise DeviceError(
-            f"{self.url}: node {self.node} keeps its torque without commands ({found}, at most "
+            f"{self.url}: node {self.node} keeps its torque without commands ({reaction}, at most "
             f"{ZERO_S:g} s are accepted): switch its watchdog on, and short "
             "(`odrv0.axis0.config.watchdog_timeout = 0.05`, `enable_watchdog = True`, a heartbeat "
             "every 100 ms or sooner, save)"

@@ -118,7 +118,7 @@ class OdriveDevice(OpenedDevice):
         return library.c.sp_link_odrive_init(self._memory, self.bus.fd, settings)
 
     def _estimates_until(self, until_s: float) -> int:
-        """How many come; those that waited until now are no measure."""
+        """Count the estimates that come; those that waited until now are not counted."""
         while self.bus.receive(time.perf_counter()) is not None:
             pass
         estimates = 0
@@ -158,14 +158,14 @@ def _transmission(address: Address, requirements: DeviceRequirements) -> Transmi
     sign = address.number("sign", requirements.sign, -1, 1)
     if sign not in (-1, 1):
         raise UsageError(f"{address.url}: sign={sign:g}: give 1 or -1")
-    found = Transmission(
+    transmission = Transmission(
         **stated,
         sign=sign,
         zero_turns=address.number("zero_turns", requirements.zero_turns, -1e6, 1e6),
         surface_m=address.number("surface_mm", 1e3 * requirements.surface_m, -1e5, 1e5) / 1e3,
     )
-    if found.max_n < requirements.max_n * (1 - 1e-6):
-        gives = f"{found.max_torque_nm:g} Nm give {round_down(found.max_n)} N"
+    if transmission.max_n < requirements.max_n * (1 - 1e-6):
+        gives = f"{transmission.max_torque_nm:g} Nm give {round_down(transmission.max_n)} N"
         other = ", or device.max_torque_nm"
-        raise weakness_sentence(address.url, gives, requirements, found.max_n, other)
-    return found
+        raise weakness_sentence(address.url, gives, requirements, transmission.max_n, other)
+    return transmission

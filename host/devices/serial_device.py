@@ -172,9 +172,9 @@ class SerialDevice(OpenedDevice):
         if found_s <= ZERO_S:
             return
         self.command("STOP")
-        found = "never" if math.isinf(found_s) else f"after {found_s:.2f} s"
+        reaction = "never" if math.isinf(found_s) else f"after {found_s:.2f} s"
         raise DeviceError(
-            f"{self.address.url}: without forces from here the device trips {found}, at most "
+            f"{self.address.url}: without forces from here the device trips {reaction}, at most "
             f"{ZERO_S:g} s are accepted: its firmware must keep COMMAND's watchdog_s, and set "
             "TRIPPED in its samples"
         )

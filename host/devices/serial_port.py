@@ -40,8 +40,8 @@ def open_port(place: str, baud: int) -> serial.Serial:
         port = serial.Serial(place, baud, timeout=0, write_timeout=1, exclusive=True)
     except (OSError, serial.SerialException, ValueError) as error:
         user = used_by(place)
-        found = f"in use by {user}: end that program first" if user else str(error)
-        raise DeviceError(f"{place}: cannot be opened: {found}") from None
+        reason = f"in use by {user}: end that program first" if user else str(error)
+        raise DeviceError(f"{place}: cannot be opened: {reason}") from None
     import termios
 
     settings = termios.tcgetattr(port.fd)
@@ -73,9 +73,9 @@ def latency_timer(place: str) -> tuple[Path, int] | None:
 
 def require_fast_adapter(place: str, rate_hz: float) -> None:
     """Raise DeviceError where the adapter gathers bytes for longer than a period."""
-    found = latency_timer(place)
-    if found is not None and found[1] * 1e-3 > 1 / rate_hz and found[1] > 1:
-        file, ms = found
+    timer = latency_timer(place)
+    if timer is not None and timer[1] * 1e-3 > 1 / rate_hz and timer[1] > 1:
+        file, ms = timer
         raise DeviceError(
             f"{place}: the adapter's latency timer is {ms} ms, {1000 // ms} exchanges a second: "
             f"`echo 1 | sudo tee {file}`"

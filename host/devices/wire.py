@@ -46,12 +46,12 @@ def messages() -> dict[str, Message]:
     """Return all messages by name, as the C header has them."""
     text = (PORT_WIRE / "sp_wire_messages.h").read_text(encoding="utf-8")
     text = text[text.index("#define SP_WIRE_TABLE") :]
-    found = {}
+    table = {}
     for number, upper, name in re.findall(r"MESSAGE\((\d+), (\w+), (\w+)\)", text):
         part = text.split(f"#define SP_WIRE_{upper}(FIELD)")[1].split("\n\n")[0]
         fields = re.findall(r"FIELD\((\w+), (\w+)\)", part)
-        found[name] = Message(name, int(number), tuple((field, kind) for kind, field in fields))
-    return found
+        table[name] = Message(name, int(number), tuple((field, kind) for kind, field in fields))
+    return table
 
 
 @cache

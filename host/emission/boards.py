@@ -96,15 +96,15 @@ def find_board_compiler(board: Board) -> Toolchain:
 
 def find_emulator(board: Board) -> str:
     """Return the path of the board's emulator. Raises UsageError with what to install."""
-    found = shutil.which(board.emulator)
-    if found is None:
+    program = shutil.which(board.emulator)
+    if program is None:
         package, _ = PROGRAMS[board.emulator]
         raise UsageError(f"no {board.emulator}: `apt-get install {package}`")
-    return found
+    return program
 
 
 def missing(board: Board) -> str:
-    """What is missing to build for the board and to emulate it; nothing where all is there."""
+    """List what is missing to build for the board and to emulate it."""
     for find in (find_board_compiler, find_emulator):
         try:
             find(board)

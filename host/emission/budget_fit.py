@@ -62,9 +62,9 @@ def emit_fitting(
         except SpringpotError:
             continue
         replay = Replay(SceneLibrary(emission.folder))
-        found = replay_accuracy(emission.plan, replay, recordings)
+        accuracy = replay_accuracy(emission.plan, replay, recordings)
         print_line(
-            f"fitted: {', '.join(smaller.provenance['left_out'])}: RMSE {found.rmse_n:.4g} N"
+            f"fitted: {', '.join(smaller.provenance['left_out'])}: RMSE {accuracy.rmse_n:.4g} N"
         )
         return emission
     raise BudgetError(f"{refused}; no smaller version of this model fits: use another kind")
@@ -139,7 +139,7 @@ def _evaluation(model: Model, recordings: Sequence[Recording]) -> tuple[Samples,
 
 
 def _exceeds_lower_bound(model: Model, scene: Scene) -> bool:
-    """Whether what is known without a compiler is too much already."""
+    """Return True if the sizes that are known without a compiler exceed the budget already."""
     plan = make_plan(model, replace(scene, budget=Budget()), accept_unsafe=True)
     tables_bytes = 0 if plan.regressor is None else plan.regressor.table_bytes
     known = ((tables_bytes, scene.budget.flash_bytes), (state_bytes(plan), scene.budget.ram_bytes))

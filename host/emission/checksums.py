@@ -68,7 +68,7 @@ def edited_files(folder: Path) -> tuple[str, ...]:
 
 
 def is_edited(folder: Path, name: str) -> bool:
-    """Whether a file is there, and not as springpot wrote it."""
+    """Return True if a file exists and is not as springpot wrote it."""
     return (folder / name).exists() and _read_checksums(folder).get(name) != _digest(folder / name)
 
 

@@ -202,6 +202,6 @@ def emitted_folder(scene: Path) -> Iterator[Path]:
     described = read_scene(scene)
     with tempfile.TemporaryDirectory(prefix="springpot-run-") as scratch:
         folder = Path(scratch) / "c"
-        for found in emit(described, model_path(described, scene), folder).notices:
-            print_line(found)
+        for line in emit(described, model_path(described, scene), folder).notices:
+            print_line(line)
         yield folder

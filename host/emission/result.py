@@ -21,7 +21,7 @@ _OF_MANIFEST = ("units", "left_out", "orders", "coupling", "outside", "accept_un
 
 @dataclass(frozen=True)
 class Emission:
-    """What was emitted. footprint, compile_s, check: None without a compiler; notices say why.
+    """Result of `emit`. footprint, compile_s, check: None without a compiler; notices say why.
 
     unmeasured: why there is no footprint, and what to install; empty where there is one.
 
@@ -150,12 +150,14 @@ def _remedy(plan: Plan) -> str:
         )
     faster = list(plans_at_higher_rates(plan))
     enough = [
-        each for each in faster if each.coupling.felt_npm >= MIN_FELT_FRACTION * plan.stiffness_npm
+        candidate
+        for candidate in faster
+        if candidate.coupling.felt_npm >= MIN_FELT_FRACTION * plan.stiffness_npm
     ]
-    found = next(iter(enough or faster), plan)
-    if found.coupling.felt_npm <= plan.coupling.felt_npm:
+    remedy = next(iter(enough or faster), plan)
+    if remedy.coupling.felt_npm <= plan.coupling.felt_npm:
         return "a device of less delay and more damping is needed, or [device] states yours"
     return (
-        f"{plan.model.kind} holds at any rate: [runtime] rate_hz = {1.0 / found.dt_s:g} gives "
-        f"{1e-3 * found.coupling.felt_npm:.3g} N/mm, if the device is served at it"
+        f"{plan.model.kind} holds at any rate: [runtime] rate_hz = {1.0 / remedy.dt_s:g} gives "
+        f"{1e-3 * remedy.coupling.felt_npm:.3g} N/mm, if the device is served at it"
     )

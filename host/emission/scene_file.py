@@ -59,18 +59,18 @@ def checked_keys(
         first = error.errors()[0]
         place = first["loc"]
         if first["type"] == "missing":
-            found = "missing: add this key"
+            fault = "missing: add this key"
         elif first["type"] in _NO_SUCH_KEY:
             here = known(place[:-1])
             of = [f"[{name}]" for name in known(()) if place[-1] in known((name,))]
             elsewhere = f"it is one of {' and of '.join(of)}; " if of else ""
-            found = f"no such key: {elsewhere}known here are {', '.join(here)}"
+            fault = f"no such key: {elsewhere}known here are {', '.join(here)}"
         elif first["type"] == "value_error":  # of a whole section: no one value is wrong
-            found = first["msg"].removeprefix("Value error, ")
+            fault = first["msg"].removeprefix("Value error, ")
         else:
-            found = f"{first['msg']} (found {first['input']!r})"
+            fault = f"{first['msg']} (found {first['input']!r})"
         key = f"{'.'.join(map(str, place))}: " if place else ""
-        raise UsageError(f"{where}: {key}{found}") from None
+        raise UsageError(f"{where}: {key}{fault}") from None
 
 
 def read_scene(path: File) -> Scene:

@@ -97,7 +97,7 @@ def load_c(
 
 
 class Stop(IntEnum):
-    """Why a loop ended: SP_STOP_ of sp_loop.h."""
+    """Reason why a loop ended: SP_STOP_ of sp_loop.h."""
 
     NONE = 0
     ASKED = 1

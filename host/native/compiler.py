@@ -63,15 +63,15 @@ def find_compiler() -> tuple[str, ...]:
             words = [asked] if shutil.which(asked) else shlex.split(asked)
         except ValueError as error:
             raise NoCompilerError(f"CC={asked}: cannot be read ({error}): unset CC") from None
-        found = shutil.which(words[0])
-        if found is None:
+        program = shutil.which(words[0])
+        if program is None:
             raise NoCompilerError(
                 f"CC={asked}: no {words[0]} on PATH: unset CC, or install what it names"
             )
-        return (found, *words[1:])
+        return (program, *words[1:])
     for name in ("gcc", "clang", "cc"):
-        if found := shutil.which(name):
-            return (found,)
+        if program := shutil.which(name):
+            return (program,)
     if packaged := packaged_compiler():
         return (*packaged, "cc")
     raise NoCompilerError(
@@ -101,8 +101,8 @@ def run_compiler(
         # The linker says "error" only of its own end.
         marks = ("error", "multiple definition", "overflowed by")
         lines = [line for line in result.stderr.splitlines() if any(word in line for word in marks)]
-        found = lines[0] if lines else result.stderr.strip()[-300:]
-        raise CompilerError(f"{' '.join(compiler)} refused {what}: {found}")
+        complaint = lines[0] if lines else result.stderr.strip()[-300:]
+        raise CompilerError(f"{' '.join(compiler)} refused {what}: {complaint}")
 
 
 def shared_library(

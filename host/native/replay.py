@@ -137,11 +137,11 @@ def load_port(real: str) -> CLibrary:
 
 
 def replay_motions(plan: Plan, recordings: Sequence[Recording]) -> list[DepthMotion]:
-    """What the C is given: each recording from a fresh state, or those of one session in a row."""
+    """Yield the C's inputs: each recording from a fresh state, those of one session in a row."""
     positions = [recording.position_m for recording in recordings]
     return [
-        pauses_to_ticks(each, plan.dt_s)
-        for each in join_motions(recordings, positions, plan.contact)
+        pauses_to_ticks(motion, plan.dt_s)
+        for motion in join_motions(recordings, positions, plan.contact)
     ]
 
 
@@ -156,8 +156,8 @@ def replay_forces(
         force_n, notes = replay.run(motion.depth_m, place_m=place_m)
         ramps[motion.recordings[0]] = start_up_ramp(notes[motion.starts[0] :])
         for number, start in zip(motion.recordings, motion.starts, strict=True):
-            its = slice(start, start + len(recordings[number].force_n))
-            forces[number] = force_n[its].astype(np.float64)
+            rows = slice(start, start + len(recordings[number].force_n))
+            forces[number] = force_n[rows].astype(np.float64)
     return forces, ramps
 
 

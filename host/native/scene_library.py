@@ -75,10 +75,10 @@ class SceneLibrary:
         self.path = build_scene(folder)
         self._prefix = scene_prefix(folder)
         self.loaded = CLibrary(self.path, declarations([folder / f"{self._prefix}.h"]))
-        found = self.function("abi_version")()
-        if found != ABI_VERSION:
+        abi_version = self.function("abi_version")()
+        if abi_version != ABI_VERSION:
             raise DataError(
-                f"{folder}: C API version {found}, this springpot has {ABI_VERSION}: emit again"
+                f"{folder}: C API version {abi_version}, springpot has {ABI_VERSION}: emit again"
             )
         manifest = self.loaded.ffi.string(self.function("manifest")())
         self.manifest = read_manifest(folder) | json.loads(manifest)

@@ -73,7 +73,7 @@ def toolchain(target: str) -> Toolchain | None:
 
 
 def missing_tools(target: str) -> str:
-    """What is missing to compile for the target and how to get it; nothing where all is there."""
+    """List what is missing to compile for the target, and how to get it."""
     if toolchain(target) is not None:
         return ""
     if target == "host":

@@ -100,8 +100,8 @@ def _recording(folder: Path) -> list[str] | None:
         return None
     step = -(-len(recording.force_n) // _MAX_RECORDED)
     both = (recording.position_m, recording.force_n)
-    thinned = [its[::step].astype(np.float32) for its in both]
-    return [_packed(its.tobytes()) for its in thinned]
+    thinned = [values[::step].astype(np.float32) for values in both]
+    return [_packed(values.tobytes()) for values in thinned]
 
 
 def _packed(content: bytes) -> str:

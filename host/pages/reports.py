@@ -136,9 +136,9 @@ def _cost_rows(folder: Path, manifest: JsonObject) -> dict[str, str]:
     """Return bytes of memory in words."""
     target = manifest["target"]
     try:
-        found = measure_footprint(folder, target)
-        stack = "" if found.stack_bytes is None else f", stack {found.stack_bytes} bytes"
-        flash = f"{found.flash_bytes} bytes ({target}){stack}"
+        footprint = measure_footprint(folder, target)
+        stack = "" if footprint.stack_bytes is None else f", stack {footprint.stack_bytes} bytes"
+        flash = f"{footprint.flash_bytes} bytes ({target}){stack}"
     except CompilerError as error:
         flash = f"not measured: {error}"
     return {"flash": flash, "RAM": f"{manifest['state_bytes']} bytes of state"}

@@ -37,7 +37,7 @@ def page_module(folder: Path, plan: Plan) -> bytes:
             r"\b(sp_page_\w+)[(\[]", (place / "sp_page.h").read_text(encoding="utf-8")
         )
         exports = [f"--export={name}" for name in (*names, "__heap_base")]
-        include = [f"-I{each}" for each in (place, folder, SIM)]
+        include = [f"-I{path}" for path in (place, folder, SIM)]
         options = [*flags("SP_CFLAGS"), *_COMPILE, *include, "-c"]
         objects = []
         for source in (folder / f"{prefix}.c", place / "sp_page.c"):
@@ -67,13 +67,13 @@ def node_force_hash(folder: Path, plan: Plan, module: bytes) -> str | None:
         done = subprocess.run(command, input=given, capture_output=True, check=False)
     if done.returncode != 0:
         raise SpringpotError(f"node could not run the page's module: {done.stderr[-300:].decode()}")
-    selftest, found = int.from_bytes(done.stdout[:4], "little"), done.stdout[4:]
-    if selftest or found != Replay(SceneLibrary(folder)).run(position, velocity)[0].tobytes():
+    selftest, force_hash = int.from_bytes(done.stdout[:4], "little"), done.stdout[4:]
+    if selftest or force_hash != Replay(SceneLibrary(folder)).run(position, velocity)[0].tobytes():
         raise MismatchError(
             f"{folder}: the page's C gives other forces in node than this machine's (self-test "
             f"{selftest}): report clang, or the compiler of springpot[cc], and node"
         )
-    return hashlib.sha256(found).hexdigest()
+    return hashlib.sha256(force_hash).hexdigest()
 
 
 def _tools() -> tuple[list[str], list[str]]:

@@ -152,7 +152,7 @@ class PressedDevice:
 
     @property
     def gains(self) -> Mapping[str, float]:
-        """Of the force control."""
+        """Gains of the force control."""
         # A drive's torque is its own command: fed back, it would only chase itself.
         return OPEN_LOOP if find_driver(self.url).echoes else _GAINS
 

@@ -56,7 +56,7 @@ _SILENT, _TAIL_S = 50, 0.1  # rows before the sensor must measure; it is no late
 
 @dataclass(frozen=True)
 class Delay:
-    """How late force and motor are behind the position, s; what moves between them, kg."""
+    """Delays of force and motor behind the position, s; the mass between them, kg."""
 
     value_s: float
     motor_s: float
@@ -97,24 +97,24 @@ def find_delay(
     def fitted(late_s: float) -> tuple[float, Samples]:
         """Share of the variance that is not explained, and the coefficients."""
         force_n = smooth(np.interp(even_s + late_s, *sensor))[rows]
-        found = np.linalg.lstsq(terms, force_n)[0]
-        return float(np.var(force_n - terms @ found) / np.var(force_n)), found
+        weights = np.linalg.lstsq(terms, force_n)[0]
+        return float(np.var(force_n - terms @ weights) / np.var(force_n)), weights
 
     near_s = min(np.arange(_FIRST_S, _LAST_S, _STEP_S), key=lambda late_s: fitted(late_s)[0])
     around = (near_s - _STEP_S, near_s + _STEP_S)
     late_s = float(minimize_scalar(lambda late_s: fitted(late_s)[0], bounds=around).x)
-    missed, found = fitted(late_s)
+    missed, weights = fitted(late_s)
     if missed > _MAX_UNEXPLAINED**2:
         raise DeviceError(
             f"{url}: {100 * math.sqrt(missed):.0f} % of its force does not fit the tool's motion: "
             "is it between tool and object, firmly fixed, and along the device's axis?"
         )
-    if found[0] <= 0:
+    if weights[0] <= 0:
         raise DeviceError(
             f"{url}: its force falls where the motor pushes harder: turn its sign, &n_per_unit=-1"
         )
-    motor_s = max(0.0, float(-found[1] / found[0]) - step_s / 2)  # a force is held for a step
-    return Delay(late_s, motor_s, max(_MIN_MASS_KG, float(-found[3] / found[0])))
+    motor_s = max(0.0, float(-weights[1] / weights[0]) - step_s / 2)  # a force is held for a step
+    return Delay(late_s, motor_s, max(_MIN_MASS_KG, float(-weights[3] / weights[0])))
 
 
 def late_gains(delay: Delay) -> Mapping[str, float]:

@@ -41,7 +41,7 @@ _NO_FORCE_N = 1e-3
 
 @dataclass(frozen=True)
 class PressQuality:
-    """How well one press followed its command."""
+    """Errors of one press against its command."""
 
     name: str
     file: Path
@@ -164,9 +164,9 @@ def find_surface(url: str, touched: Callable[[int], None]) -> float:
     if error is not None or len(places_m) < TOUCHES:
         raise error or SpringpotError(f"{url}: {line}")
     if max(places_m) - min(places_m) > _SAME_M:
-        found = ", ".join(f"{1e3 * place_m:.2f}" for place_m in places_m)
+        surfaces = ", ".join(f"{1e3 * place_m:.2f}" for place_m in places_m)
         raise SpringpotError(
-            f"{url}: the touches are at {found} mm, more than {1e3 * _SAME_M:g} mm from each "
+            f"{url}: the touches are at {surfaces} mm, more than {1e3 * _SAME_M:g} mm from each "
             "other: touch the same place, lightly"
         )
     return round(1e3 * float(np.median(places_m)), 3)

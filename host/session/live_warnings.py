@@ -50,7 +50,7 @@ class LiveWarnings:
         """All of them, after the end: time_s of the first tick, what, count of ticks."""
         if len(self._waiting):
             self._look(self._waiting)
-        events = [event for each in self._events.values() for event in each]
+        events = [event for kind in self._events.values() for event in kind]
         return sorted(events, key=lambda event: float(event["time_s"]))
 
     def _look(self, rows: LoopRows) -> None:

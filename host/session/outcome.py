@@ -45,7 +45,7 @@ class LoopSettings:
 
 @dataclass(frozen=True)
 class LoopState:
-    """What sp_loop_get_status returns; counts since the start, flags, link counters."""
+    """Result of sp_loop_get_status: counts since the start, flags, link counters."""
 
     ticks: int = 0
     late: int = 0
@@ -70,7 +70,7 @@ class LoopState:
 
 @dataclass(frozen=True)
 class LinkCounts:
-    """What came over all links of a session."""
+    """Counts over all links of a session."""
 
     samples: int = 0
     crc_errors: int = 0
@@ -81,7 +81,7 @@ class LinkCounts:
 
 
 def expected_ticks(state: LoopState, settings: LoopSettings) -> int:
-    """How many ticks began in the session's time, by the computer's clock: one at its start."""
+    """Count the ticks that should have begun, by the computer's clock: one at the start."""
     if state.reason == Stop.TIME:
         return round(settings.seconds / settings.period_s)
     return int(state.elapsed_s / settings.period_s) + (state.elapsed_s > 0.0)
@@ -106,19 +106,19 @@ def percentiles_us(seconds: Any) -> dict[str, float]:
 def clamped_at_lower_limit(
     notes: NDArray[np.integer[Any]], force_n: NDArray[np.floating[Any]], min_n: float
 ) -> Flags:
-    """Whether each tick was clamped at the lower limit of a scene, not at the upper one, (n,).
+    """Mark the ticks, (n,), that were clamped at the scene's lower limit, not at the upper one.
 
     force_n: that left, N. min_n: the lower limit, N. A force that is on its way to a limit, for it
     may change by so much a tick, is between them: it falls to the lower one.
     """
     falls = np.diff(force_n, prepend=force_n[:1]) < 0.0
     low = (force_n <= min_n) | (falls & ((notes & notes_of.LIMITED) != 0))
-    found: Flags = low & ((notes & notes_of.CLAMPED) != 0)
-    return found
+    clamped: Flags = low & ((notes & notes_of.CLAMPED) != 0)
+    return clamped
 
 
 def note_sentence(counts: Mapping[str, int], low: int = 0, min_n: float = 0.0) -> str:
-    """What the C noted; counts: of the ticks with each note, by its name.
+    """Say what the C noted. counts: ticks with each note, by its name.
 
     low: of those clamped, how many at the lower limit, min_n, N.
     """

@@ -33,7 +33,7 @@ TakeRows = Callable[[LoopRows], None]
 
 @dataclass(frozen=True)
 class Progress:
-    """What a person watches: rate_hz over the last moment, the newest row, counters."""
+    """Live state of a session: rate_hz over the last moment, the newest row, counters."""
 
     elapsed_s: float
     rate_hz: float
@@ -150,7 +150,7 @@ class SessionRunner:
 
     @property
     def device_failure(self) -> str:
-        """Why the device is gone or off, where something says so; or empty."""
+        """Reason why the device is gone or off, if one is known; else empty."""
         return self._supervisor.device.failure
 
     @property
@@ -219,7 +219,7 @@ class SessionRunner:
         return "; ".join(filter(None, (ends.get(Stop(state.reason), asked_by), fault))), None
 
     def fault(self) -> str:
-        """Why it ended without its device, and what to do; empty where the device was there."""
+        """Say why the session ended without the device and what to do; empty if it was there."""
         state = self.state
         if not self.counts.samples and state.elapsed_s > _FIRST_SAMPLE_S:
             return "no sample ever came, the force was zero: check cable and power"

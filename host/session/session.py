@@ -194,7 +194,7 @@ class Session(SessionRunner):
 
 
 def _left_by(error: BaseException | None, state: LoopState) -> str:
-    """Why the session was left, where the loop itself had not ended."""
+    """Say why the session was left although the loop had not ended."""
     if error is None:
         return BY_USER
     if isinstance(error, KeyboardInterrupt):

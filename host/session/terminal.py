@@ -125,10 +125,10 @@ def wait_for_enter(line: str) -> None:
 
 
 def _pressed() -> str:
-    found = b""
+    pressed = b""
     with contextlib.suppress(OSError):  # a terminal that was closed gives none
         while select.select([sys.stdin], [], [], 0)[0] and (
             keys := os.read(sys.stdin.fileno(), 64)
         ):
-            found += keys
-    return found.decode(errors="replace")
+            pressed += keys
+    return pressed.decode(errors="replace")

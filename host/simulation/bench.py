@@ -125,7 +125,7 @@ def bench_library() -> CLibrary:
 
 
 def object_arguments(simulated: SimulatedObject) -> tuple[int, int, float]:
-    """Which object and variant, and how much stiffer, as the C takes them."""
+    """Return object, variant and stiffness factor as the C takes them."""
     names = ALL_OBJECTS.index(simulated.name), VARIANTS.index(simulated.variant)
     return *names, simulated.stiffer
 

@@ -48,11 +48,11 @@ JITTER, DROPPED = 0.3, 0.1
 
 def sample_loss_cases(plan: Plan, force: Force, hand: Hand) -> list[tuple[Case, Case]]:
     """Each case, and the same without a loss. force: the scene's on a motion."""
-    found: list[tuple[Case, Case]] = []
+    pairs: list[tuple[Case, Case]] = []
     for suffix, speed in SPEEDS.items():
         clean, *losing = _loss_cases_at_speed(plan, force, hand, suffix, speed)
-        found += [(lossy, clean) for lossy in losing]
-    return found
+        pairs += [(lossy, clean) for lossy in losing]
+    return pairs
 
 
 def _loss_cases_at_speed(
@@ -72,11 +72,11 @@ def _loss_cases_at_speed(
 
     seconds = max(_SECONDS, _CYCLES * cycle_ticks * plan.dt_s)
     beyond = suffix != "" or cycle_ticks < trained_ticks
-    found: list[Case] = []
+    loss_cases: list[Case] = []
 
     def case(name: str, ends: bool = False) -> Scenario:
         scenario = press_scenario(space, motion, force, hand, seconds)
-        found.append(Case(name + suffix, scenario, ends=ends, beyond=beyond))
+        loss_cases.append(Case(name + suffix, scenario, ends=ends, beyond=beyond))
         return scenario
 
     n = len(case("clean").dt_s)
@@ -86,7 +86,7 @@ def _loss_cases_at_speed(
     case("nan-5").error_m[loss_ticks(n, cycle_ticks, min(5, longest), plan.dt_s)] = np.nan
     for name, (lost, of, ends) in _RATES.items():
         case(name, ends).dropped[np.arange(n) % of < lost] = LOST
-    return found
+    return loss_cases
 
 
 def loss_ticks(n: int, cycle_ticks: float, ticks: int, dt_s: float) -> NDArray[np.int64]:

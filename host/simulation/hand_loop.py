@@ -23,7 +23,7 @@ HAND_SUBSTEPS = 4  # of the hand in a tick: it swings at 5 Hz
 
 @dataclass(frozen=True, eq=False)
 class Scenario:
-    """What happens at each tick; arrays of shape (n,).
+    """Inputs of every tick; arrays of shape (n,).
 
     dt_s: real time. intended_m: where the hand intends to be at the tick's end. push_n: its force
     in place of its spring, NaN for the spring. error_m: added to what the scene sees, may be NaN.
@@ -40,7 +40,7 @@ class Scenario:
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """What came of it; arrays of shape (n,), true position and velocity at each tick's start.
+    """Outputs of every tick, shape (n,); true position and velocity at the tick's start.
 
     seen_m, seen_mps: what the scene was given. force_n: what it returned then. felt_n: what acted
     on the tool during the tick.

@@ -18,7 +18,7 @@ BENCH_RATE_HZ = 1000
 
 @dataclass(frozen=True)
 class PressSettings:
-    """How a simulated object is recorded; in a session, where no object is pressed, without use.
+    """Settings of recordings of a simulated object; a session does not use them.
 
     rest_s: the same object is pressed again after so long; None: every press meets a fresh one.
     rate_hz: of the samples that are kept. drift_npmin: of the load cell's zero.
@@ -33,7 +33,7 @@ class PressSettings:
 
 @dataclass(frozen=True)
 class SimulatedObject:
-    """What a `sim://` URL says: the object, how it is changed, who presses it.
+    """Contents of a `sim://` URL: the object, changes to it, who presses it.
 
     variant: "a" quasi-linear, "b" relaxation depends on stress: of the five silicones alone.
     stiffer: factor on the force.

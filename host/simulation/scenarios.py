@@ -43,7 +43,7 @@ class Case:
 
 @dataclass(frozen=True)
 class Workspace:
-    """Where a case plays: surface and trained depth of the scene, clock, clamp, and the device."""
+    """Space of a case: surface and trained depth of the scene, clock, clamp, and the device."""
 
     free_m: float
     base_m: float

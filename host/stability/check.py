@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Check:
-    """What `emit` decides by. scene_map: coupling, smoothing and delay too.
+    """Results that `emit` decides by. scene_map: with coupling, smoothing and delay.
 
     holds: of the emitted C in the closed loop with each hand.
     """
@@ -54,7 +54,7 @@ class Check:
 
     @property
     def margin(self) -> LoopMargin:
-        """Of every hand at the device's own delay."""
+        """Gain margin over all hands at the device's own delay."""
         return plan_margin(self.plan)
 
     @property
@@ -64,7 +64,7 @@ class Check:
 
     @property
     def stable(self) -> bool:
-        """Whether `emit` takes the scene: by its gain margin, and by what the C does on a hold."""
+        """True if `emit` accepts the scene: by its gain margin, and by holds of the emitted C."""
         return is_stable(self.plan) and self.loudest.hold_speed_mps <= MAX_STABLE_SPEED_MPS
 
     @property

@@ -49,18 +49,18 @@ class Vibration:
 
     @property
     def grows(self) -> bool:
-        """Whether some hold vibrates more and more."""
+        """True if a hold vibrates more and more."""
         return self.growth_ratio is not None and self.growth_ratio > MAX_GROWTH_RATIO
 
 
 def measure_vibration(holds: Sequence[Samples], dt_s: float) -> Vibration:
     """holds: the tool's speed in each, (n,), m/s."""
-    found = [
+    long_holds = [
         _hold(speed_mps, dt_s) for speed_mps in holds if len(speed_mps) * dt_s >= MIN_LONG_HOLD_S
     ]
-    if not found:
+    if not long_holds:
         return Vibration()
-    return Vibration(max(low for low, _ in found), max(growth for _, growth in found))
+    return Vibration(max(low for low, _ in long_holds), max(growth for _, growth in long_holds))
 
 
 def _hold(speed_mps: Samples, dt_s: float) -> tuple[float, float]:
@@ -130,8 +130,8 @@ class Outcome:
             "hf_speed_mps", "fidelity_percent", "energy_out_j", "latched_s", "ended",
         )  # fmt: skip
         lost = {} if self.losses is None else asdict(self.losses)
-        own = {name: getattr(self, name) for name in names}
-        return {**own, **asdict(self.vibration), "grows": self.vibration.grows, **lost}
+        measured = {name: getattr(self, name) for name in names}
+        return {**measured, **asdict(self.vibration), "grows": self.vibration.grows, **lost}
 
 
 @dataclass(frozen=True, eq=False)
@@ -187,14 +187,14 @@ def closed_loop_outcomes(scene: BuiltScene, stiff: BuiltScene) -> Iterator[Outco
 
 def sample_loss_outcomes(scene: BuiltScene, hand: Hand, more_delay: int) -> Iterator[Outcome]:
     """The cases that lose samples, beside the same without a loss."""
-    found: dict[str, Outcome] = {}
+    clean_outcomes: dict[str, Outcome] = {}
     for case, clean in sample_loss_cases(scene.plan, scene.felt, hand):
-        if clean.name not in found:
-            found[clean.name] = case_outcome(scene, clean, hand, more_delay)
+        if clean.name not in clean_outcomes:
+            clean_outcomes[clean.name] = case_outcome(scene, clean, hand, more_delay)
         # A stroke may be deep without any loss: then the losses are not to blame.
-        clean_m = found[clean.name].max_depth_m
+        clean_m = clean_outcomes[clean.name].max_depth_m
         outcome = case_outcome(scene, case, hand, more_delay, clean_m)
-        without = found[clean.name].trace
+        without = clean_outcomes[clean.name].trace
         losses = compare_with_lossless(
             scene.plan, scene.library, case.scenario, outcome.trace, without
         )
@@ -209,7 +209,7 @@ def stiff_plan(plan: Plan) -> Plan:
 
 
 def _deepest_m(rendered: BuiltScene, space: Workspace, case: Case) -> float:
-    """How deep a tool may come, m: of a push, also where the object itself bears it.
+    """Return the maximum plausible depth, m; of a push, as deep as the object itself bears it.
 
     An object that relaxes, or is not stiffer when deep, bears a push only far below the trained
     depth, without any vibration. The depth rises as the push does: an object that begins at a depth

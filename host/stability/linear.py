@@ -45,7 +45,7 @@ def plan_margin(plan: Plan, hands: Sequence[tuple[Hand, int]] = OWN_DELAY) -> Lo
 
 
 def is_stable(plan: Plan) -> bool:
-    """Whether a scene may be held: in every hand, at every depth, and on all softer objects."""
+    """Return True if every hand can hold the scene, at every depth and on all softer objects."""
     return plan_margin(plan).is_stable and not is_unit_error(plan.coupling.coupling)
 
 
@@ -69,7 +69,7 @@ def plans_at_higher_rates(plan: Plan) -> Iterator[Plan]:
 
 
 def stiffness_limits(plan: Plan) -> JsonObject:
-    """What would be allowed: the object's stiffness by hand and delay; damping of Algorithm 1."""
+    """Return the limits: the object's stiffness by hand and delay; damping of Algorithm 1."""
     coupling = plan.coupling.coupling
     return {
         "object_stiffness_npm": plan.stiffness_npm,
@@ -85,7 +85,7 @@ def stiffness_limits(plan: Plan) -> JsonObject:
 
 
 def spectral_radius(plan: Plan) -> float:
-    """Of the loop with the design hand, the object a spring of its greatest secant."""
+    """Return the loop's spectral radius with the design hand and a spring of the largest secant."""
     return float(scene_loop(plan, DESIGN_HAND).spectral_radius(plan.stiffness_npm)[0])
 
 

@@ -48,13 +48,13 @@ class SampleLossEffects:
     def faults(self) -> tuple[str, ...]:
         """Properties that do not hold, in words."""
         returned_j = self.returned_j - max(self.clean_returned_j, 0.0)
-        found = {
+        conditions = {
             "lost samples are felt as a kick": self.growth_n > _ROUNDING_N,
             "the force stays wrong after lost samples": self.error_n > self.allowed_n
             or self.above_n > self.allowed_n,
             "lost samples give the hand energy": returned_j > RETURNED_OF_STORED * self.stored_j,
         }
-        return tuple(words for words, holds in found.items() if holds)
+        return tuple(words for words, holds in conditions.items() if holds)
 
 
 def compare_with_lossless(
@@ -87,13 +87,13 @@ def compare_with_lossless(
 
 
 def latched_s(plan: Plan, trace: Trace) -> float | None:
-    """When the scene latched; None if it did not."""
+    """Return the time at which the scene latched, s; None if it did not."""
     latched = np.flatnonzero(trace.notes & notes.LATCHED)
     return float(latched[0]) * plan.dt_s if len(latched) else None
 
 
 def ended(plan: Plan, trace: Trace) -> bool:
-    """Whether the scene latched in good time, and its force fell to zero and stayed there."""
+    """Return True if the scene latched in time, and the force fell to zero and stayed there."""
     begin_s = latched_s(plan, trace)
     if begin_s is None or begin_s > MAX_WATCHDOG_TIMEOUTS * plan.watchdog_s:
         return False
@@ -112,7 +112,7 @@ def longest_silence_ticks(scenario: Scenario) -> int:
 
 
 def _growth_n(plan: Plan, scenario: Scenario, trace: Trace) -> float:
-    """How far |force| grew beyond what it may: a slew for each sample that came, 0 without one."""
+    """Return how far the force grew beyond its limit: a slew for each sample, 0 without one."""
     dropped = scenario.dropped
     came = _accepted(scenario).astype(np.int64)
     came[1:] += (dropped[:-1] == LATE) & (dropped[1:] == TAKEN)
@@ -127,7 +127,7 @@ def _within_a_tick(force_n: Samples) -> tuple[Samples, Samples]:
 
 
 def _presses_j(plan: Plan, trace: Trace) -> Iterator[tuple[float, float]]:
-    """Of each press what it took in all, and the most at any time, J.
+    """Return the energy that each press took in all, and the most at any time, J.
 
     A press lasts from the surface to the surface; where there is none, from turn to turn outside.
     """

@@ -72,11 +72,11 @@ def small_signal_map(plan: Plan, library: SceneLibrary, delay_samples: int) -> S
     span_m = float(trained.max_m) - base_m
     frequencies_hz = scale_frequencies_hz(dt_s)
     shares = np.array(DEPTH_FRACTIONS + OUTSIDE_SHARES)
-    found = np.empty((len(shares), len(frequencies_hz)))
+    energies = np.empty((len(shares), len(frequencies_hz)))
     for j, frequency_hz in enumerate(with_progress(frequencies_hz.tolist(), "small motions")):
         small = SmallMotion(frequency_hz, dt_s, delay_samples)
         for i, share in enumerate(shares):
-            found[i, j] = small.min_sin_delta(
+            energies[i, j] = small.min_sin_delta(
                 lambda *motion: library.new_state().run(*motion)[0], base_m + share * span_m, span_m
             )
-    return SmallSignalMap(shares, frequencies_hz, found)
+    return SmallSignalMap(shares, frequencies_hz, energies)

@@ -30,7 +30,7 @@ class StudyMaterial(_Closed):
 
 
 class Condition(NamedTuple):
-    """What a trial compares. first: a real object; second: another one, or RENDERED."""
+    """Pair that a trial compares. first: a real object; second: another one, or RENDERED."""
 
     method: str
     material: str
@@ -75,15 +75,15 @@ class Study(_Closed):
 
     def conditions(self) -> list[Condition]:
         """Return each condition once: all methods of each material, then the lower bound."""
-        found = []
+        pairs = []
         for name in self.materials:
             real = f"real {name}"
-            found += [Condition(method, name, real, real if method == UPPER_BOUND else RENDERED)
+            pairs += [Condition(method, name, real, real if method == UPPER_BOUND else RENDERED)
                       for method in self.methods]  # fmt: skip
         if self.lower_bound is not None:
             both = [f"real {name}" for name in self.lower_bound]
-            found.append(Condition(LOWER_BOUND, " | ".join(self.lower_bound), *both))
-        return found
+            pairs.append(Condition(LOWER_BOUND, " | ".join(self.lower_bound), *both))
+        return pairs
 
     def session_trials(self) -> list[Condition]:
         """Return the conditions of a session, not yet in order."""
@@ -107,18 +107,20 @@ def _problem(study: Study) -> str:
     names = study.materials
     if not names or not study.material[0].scenes:
         return "material: no scene: add a [[material]] with scenes for every object"
-    methods, most, found = study.methods[:-1], len(study.session_trials()), list[str]()
+    methods, most, problems = study.methods[:-1], len(study.session_trials()), list[str]()
     for one in study.material:
         if names.count(one.name) > 1 or not one.name.strip() or not one.name.isprintable():
-            found.append(f"material {one.name!r}: give every material a printable name of its own")
+            problems.append(
+                f"material {one.name!r}: give every material a printable name of its own"
+            )
         if list(one.scenes) != methods:
-            found.append(f"material {one.name!r}: give it scenes of {', '.join(methods)}")
+            problems.append(f"material {one.name!r}: give it scenes of {', '.join(methods)}")
     for method in methods:
         if not method.replace("-", "").isalnum() or method == UPPER_BOUND:
-            found.append(f"method {method!r}: give letters, digits and hyphens, and not REAL")
+            problems.append(f"method {method!r}: give letters, digits and hyphens, and not REAL")
     for name in study.lower_bound or ():
         if name not in names:
-            found.append(f"lower_bound: no material {name!r}: known here are {', '.join(names)}")
+            problems.append(f"lower_bound: no material {name!r}: known here are {', '.join(names)}")
     if study.practice > most:
-        found.append(f"practice: {study.practice} trials: a session has {most}, give no more")
-    return found[0] if found else ""
+        problems.append(f"practice: {study.practice} trials: a session has {most}, give no more")
+    return problems[0] if problems else ""

@@ -175,8 +175,8 @@ def read_plan(path: Path) -> StudyPlan:
     except (OSError, ValueError, KeyError, TypeError):
         raise DataError(f"{path}: no planned study: `springpot study plan` makes one") from None
     study = read_study(path / _DEFINITION)
-    for name, found in _hashes(path, study).items():
-        if hashes.get(name) != found:
+    for name, digest in _hashes(path, study).items():
+        if hashes.get(name) != digest:
             raise DataError(f"{path / name}: changed since the plan: restore it, or plan anew")
     trials = (Trial(**row) for row in read_table(path / _ORDERS, Trial._fields))
     return StudyPlan(path, study, participants, tuple(trials))
@@ -191,7 +191,7 @@ def _scenes(study: Study) -> dict[tuple[str, str], tuple[str, str]]:
 
 def _hashes(folder: Path, study: Study) -> dict[str, str]:
     """Hash all that people will be shown: definition, orders, emitted scenes."""
-    found = {name: hashlib.sha256((folder / name).read_bytes()).hexdigest()
+    hashes = {name: hashlib.sha256((folder / name).read_bytes()).hexdigest()
              for name in (_DEFINITION, _ORDERS)}  # fmt: skip
-    return found | {place: read_emission(folder / place).hash
+    return hashes | {place: read_emission(folder / place).hash
                     for _, place in _scenes(study).values()}  # fmt: skip

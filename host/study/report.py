@@ -36,17 +36,19 @@ def study_report(plan: StudyPlan) -> JsonObject:
         of_each[person] = [row for row in rated if row["session"] != "0"]
         answers += read_table(plan.folder(person) / ANSWERS, ANSWER_COLUMNS)
     whole = study.sessions * len(study.session_trials())
-    finished = {person: own for person, own in of_each.items() if len(own) == whole}
-    judged = {person: consistency(study, own) for person, own in finished.items()}
-    valid = [_ratings(own) for person, own in finished.items() if not judged[person]["broken"]]
+    finished = {person: answers for person, answers in of_each.items() if len(answers) == whole}
+    judged = {person: consistency(study, answers) for person, answers in finished.items()}
+    valid = [
+        _ratings(answers) for person, answers in finished.items() if not judged[person]["broken"]
+    ]
     keys = [(one.method, one.material) for one in study.conditions()]
-    scores = np.array([[np.mean(own[key]) for key in keys] for own in valid])
+    scores = np.array([[np.mean(answers[key]) for key in keys] for answers in valid])
     return {
         "trials": sum(map(len, of_each.values())),
         "people": len(valid),
         "unfinished": [person for person in of_each if person not in finished],
-        "excluded": [{"participant": person, **found} for person, found in judged.items()
-                     if found["broken"]],
+        "excluded": [{"participant": person, **figures} for person, figures in judged.items()
+                     if figures["broken"]],
         "conditions": [
             {"method": key[0], "material": key[1], "mean": float(np.mean(column)),
              "se": float(np.std(column, ddof=1) / len(valid) ** 0.5) if len(valid) > 1 else None}
@@ -61,15 +63,15 @@ def study_report(plan: StudyPlan) -> JsonObject:
     }  # fmt: skip
 
 
-def consistency(study: Study, own: Sequence[Row]) -> JsonObject:
+def consistency(study: Study, answers: Sequence[Row]) -> JsonObject:
     """Return a person's figures for the rules of exclusion, and the names of those broken.
 
     repeat_sd: standard deviation of the ratings of one condition, mean over conditions;
     side_difference: mean rating with the rendered object left less that with it right. None where
     there is nothing to compare.
     """
-    spreads = [np.std(some, ddof=1) for some in _ratings(own).values() if len(some) > 1]
-    left, right = ([float(row["rating"]) for row in own if row[side] == RENDERED]
+    spreads = [np.std(some, ddof=1) for some in _ratings(answers).values() if len(some) > 1]
+    left, right = ([float(row["rating"]) for row in answers if row[side] == RENDERED]
                    for side in ("left", "right"))  # fmt: skip
     figures = {
         "repeat_sd": float(np.mean(spreads)) if spreads else None,
@@ -106,8 +108,8 @@ def tukey(scores: Samples, conditions: Sequence[str]) -> list[JsonObject]:
     """
     people, k = scores.shape
     df = np.full(k, (people - 1) * (k - 1) / k)  # which it sums over the conditions
-    found = tukeyhsd(scores.mean(axis=0), people, _error(scores), df=df)
-    (first, second), differences, intervals, p_values = found[0], found[2], found[4], found[8]
+    pairs = tukeyhsd(scores.mean(axis=0), people, _error(scores), df=df)
+    (first, second), differences, intervals, p_values = pairs[0], pairs[2], pairs[4], pairs[8]
     return [
         {"first": conditions[i], "second": conditions[j], "difference": -float(difference),
          "low": -float(high), "high": -float(low), "p_tukey": float(p)}
@@ -144,9 +146,9 @@ def _comparisons(study: Study, scores: Samples) -> JsonObject:
     return result
 
 
-def _ratings(own: Sequence[Row]) -> dict[tuple[str, str], list[float]]:
+def _ratings(answers: Sequence[Row]) -> dict[tuple[str, str], list[float]]:
     """Return ratings by method and material."""
-    found: dict[tuple[str, str], list[float]] = {}
-    for row in own:
-        found.setdefault((row["method"], row["material"]), []).append(float(row["rating"]))
-    return found
+    ratings: dict[tuple[str, str], list[float]] = {}
+    for row in answers:
+        ratings.setdefault((row["method"], row["material"]), []).append(float(row["rating"]))
+    return ratings

@@ -45,13 +45,13 @@ def resample_to_samples(force_n: Samples, recording: Recording, dt_s: float) -> 
 
 
 def samples_at_ticks(ticks: int, recording: Recording, dt_s: float) -> int:
-    """How many of the recording's samples lie in its first `ticks` ticks."""
+    """Count the recording's samples within its first `ticks` ticks."""
     return -(-ticks * round(1e6 * dt_s) // round(1e6 * recording.dt_s))
 
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """What the C returned along recordings, in their order.
+    """Forces and notes of the C along recordings, in their order.
 
     predicted_n: forces along the depth, (n,), N. ramped: samples of each in the start-up ramp,
     which no error counts. notes: ticks with each. clamped_low: ticks that were clamped at the lower
@@ -101,9 +101,9 @@ def compare_all(
         for bit, name in NOTE_NAMES.items():
             counts[name] += int(np.sum(notes & bit != 0))
         for k, start in zip(motion.recordings, motion.starts, strict=True):
-            its = slice(start - begin, start - begin + len(ticked[k].force_n))
+            rows = slice(start - begin, start - begin + len(ticked[k].force_n))
             predicted[k] = resample_to_samples(
-                force[its].astype(np.float64), recordings[k], plan.dt_s
+                force[rows].astype(np.float64), recordings[k], plan.dt_s
             )
     forces_n = tuple(predicted[k] for k in range(len(recordings)))
     return Compared(forces_n, tuple(ramps), counts, low, mismatches)
@@ -153,11 +153,11 @@ def proxy_positions(
         return None
     offset = member_offset(plan, "couple")
     state = library.new_state(place_m)
-    found = np.zeros_like(position)
+    proxy = np.zeros_like(position)
     for i in range(len(position) - 1):
         state.step(float(position[i]), float(velocity[i]))
-        found[i + 1] = state.real_at(offset)
-    return found
+        proxy[i + 1] = state.real_at(offset)
+    return proxy
 
 
 def count_different_bits(one: Reals, other: Reals) -> Flags:
@@ -184,15 +184,15 @@ def place_errors(
 
     predicted_n: forces of the C along each, (n,), N; ramped: samples of each in the start-up ramp.
     """
-    found = []
+    errors = []
     for place_m, numbers in group_by_site(recordings).items():
-        its = accuracy(
+        error = accuracy(
             [recordings[k].force_n for k in numbers],
             [predicted_n[k] for k in numbers],
             [ramped[k] for k in numbers],
         )
-        found.append(PlaceError(place_m, len(numbers), its.rmse_n, its.rmse_percent_of_peak))
-    return tuple(found)
+        errors.append(PlaceError(place_m, len(numbers), error.rmse_n, error.rmse_percent_of_peak))
+    return tuple(errors)
 
 
 def site_sentence(errors: Sequence[PlaceError]) -> str:

@@ -12,7 +12,7 @@ from springpot.trainer.recordings.recording import Recording
 
 
 def count_training_recordings(model: Model, recordings: Sequence[Recording]) -> int | None:
-    """How many of them the model was trained on; None where it does not say on which."""
+    """Count the recordings that the model was trained on; None if the model does not name any."""
     hashes = model.provenance.get("recordings")
     if not isinstance(hashes, Mapping) or not hashes:
         return None
@@ -22,7 +22,7 @@ def count_training_recordings(model: Model, recordings: Sequence[Recording]) -> 
 def known_among(
     hashes: Collection[str], recordings: Sequence[Recording], smooth_s: float = 0.0
 ) -> int:
-    """How many recordings have one of these hashes, as they are or as a fit prepares them."""
+    """Count recordings that have one of these hashes, as they are or as a fit prepares them."""
     from springpot.trainer.recordings.quality.spikes import replace_spikes
     from springpot.trainer.recordings.signals import smooth
 

@@ -50,8 +50,8 @@ def store_validation(folder: Path, validation: Validation) -> None:
     arrays: dict[str, Samples] = {}
     pairs = zip(validation.recordings, validation.predicted_n, strict=True)
     for i, (recording, force_n) in enumerate(pairs):
-        its = (recording.position_m, recording.force_n, force_n)
-        arrays |= {f"{name}_{i}": values for name, values in zip(_ARRAYS, its, strict=True)}
+        series = (recording.position_m, recording.force_n, force_n)
+        arrays |= {f"{name}_{i}": values for name, values in zip(_ARRAYS, series, strict=True)}
     with atomic_write(target / _SERIES) as aside, aside.open("wb") as file:
         np.savez_compressed(file, allow_pickle=False, **arrays)
     write_file(target / _METADATA, (json.dumps(metadata, indent=2) + "\n").encode())
@@ -109,9 +109,9 @@ def summary_rows(validation: Validation) -> dict[str, str]:
 
 def validation_rows(validation: Validation) -> dict[str, str]:
     """Return all rows of a validation, for its page."""
-    found, ticks, felt = validation.accuracy, validation.ticks, validation.felt
+    error, ticks, felt = validation.accuracy, validation.ticks, validation.felt
     seen = training_overlap_sentence(validation.seen, len(validation.predicted_n))
-    interval = found.interval_n
+    interval = error.interval_n
     spread = f", 95 % in {interval[0]:.4g} .. {interval[1]:.4g}" if interval else ""
     again = "the calls of the session made again; the force sent is compared with that of the C, "
     rows = {
@@ -119,33 +119,33 @@ def validation_rows(validation: Validation) -> dict[str, str]:
         "training data": seen,
         "signs": accepted_signs_sentence(validation.manifest),
         "edited C": ", ".join(validation.edited),
-        "samples": str(found.samples)
-        + (f", {found.ramped} of them in the start-up ramp: not counted" if found.ramped else ""),
+        "samples": str(error.samples)
+        + (f", {error.ramped} of them in the start-up ramp: not counted" if error.ramped else ""),
     }
     differ = f"{validation.mismatches} ticks differ"
     presses = "{:.4g} N; later ones {:.4g} N"
     presses = presses.format(*validation.presses_n) if validation.presses_n else ""
     if len(felt) < len(validation.predicted_n):
         rows |= {
-            "RMSE": f"{found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak; at most "
-            f"{found.max_abs_error_n:.4g} N",
+            "RMSE": f"{error.rmse_n:.4g} N, {error.rmse_percent_of_peak:.3g} % of peak; at most "
+            f"{error.max_abs_error_n:.4g} N",
             "RMSE, the model alone": _parts(validation),
             "  by start": format_start_errors(validation.rmse_by_start_n),
             "RMSE, first presses": presses,
-            **ratio_rows(error_ratio_keys(found, validation.floor)),
+            **ratio_rows(error_ratio_keys(error, validation.floor)),
             "slope error": slope_sentence(slope_keys(validation.slopes)),
             "by place": site_sentence(validation.places),
-            "RMSE, mean of recordings": f"{found.mean_recording_rmse_n:.4g} N{spread}",
-            "mean error": f"{found.mean_error_n:+.4g} N (the C less the measured force)",
-            "99 % of errors": f"below {found.p99_abs_error_n:.4g} N",
+            "RMSE, mean of recordings": f"{error.mean_recording_rmse_n:.4g} N{spread}",
+            "mean error": f"{error.mean_error_n:+.4g} N (the C less the measured force)",
+            "99 % of errors": f"below {error.p99_abs_error_n:.4g} N",
         }
     else:
         felt_too = ", and so does what was felt"
         means = felt_too if validation.mismatches else ": what was felt is what the model says"
-        differ = f"{validation.mismatches} of {found.samples} ticks differ{means}"
+        differ = f"{validation.mismatches} of {error.samples} ticks differ{means}"
         if silent := validation.notes.get("latched", 0):
             differ += (
-                f"; {100.0 * silent / found.samples:.0f} % of the ticks, latched, had no force"
+                f"; {100.0 * silent / error.samples:.0f} % of the ticks, latched, had no force"
             )
     note_words = note_sentence(validation.notes, validation.clamped_low, validation.min_n)
     rows |= {

@@ -97,9 +97,9 @@ class Validation(Compared):
     margin: LoopMargin
 
     def __repr__(self) -> str:
-        found = self.accuracy
+        error = self.accuracy
         return (
-            f"Validation(RMSE {found.rmse_n:.4g} N, {found.rmse_percent_of_peak:.3g} % of peak, "
+            f"Validation(RMSE {error.rmse_n:.4g} N, {error.rmse_percent_of_peak:.3g} % of peak, "
             f"{len(self.predicted_n)} recordings, {self.mismatches} ticks differ)"
         )
 
@@ -128,10 +128,10 @@ class Validation(Compared):
         Good: stable, C and reference equal, and in 95 % of contact an error that no hand can tell,
         on recordings that the model was not trained on.
         """
-        found, below = self.accuracy, self.accuracy.contact_below_jnd
+        error, below = self.accuracy, self.accuracy.contact_below_jnd
         good = below is not None and below >= GOOD_CONTACT and not self.seen
         word = "Good" if good else "Look"
-        parts = [f"error {found.rmse_percent_of_peak:.2g} % of peak ({found.rmse_n:.3g} N)"]
+        parts = [f"error {error.rmse_percent_of_peak:.2g} % of peak ({error.rmse_n:.3g} N)"]
         if below is not None:
             parts.append(f"below a hand's threshold in {100 * below:.3g} % of contact")
         if self.mismatches:
@@ -189,15 +189,18 @@ def validate(folder: File, recordings: Recordings, paced_s: float = PACED_S) -> 
     library = SceneLibrary(folder)
     library.manifest["hash"] = emitted.hash  # of the C that was built, edits and all
     ticked = [resample_to_ticks(recording, plan.dt_s) for recording in recordings]
-    found = compare_all(plan, library, recordings, ticked)
+    compared = compare_all(plan, library, recordings, ticked)
     measured_n = [recording.force_n for recording in recordings]
     longest = max(ticked, key=lambda recording: len(recording.position_m))
-    model_rmse_n, rendering_n, by_start_n = _parts(found, emitted, recordings, ticked)
-    errors_of = (recordings, found.predicted_n, found.ramped)
+    model_rmse_n, rendering_n, by_start_n = _parts(compared, emitted, recordings, ticked)
+    errors_of = (recordings, compared.predicted_n, compared.ramped)
     return Validation(
-        **vars(found),
+        **vars(compared),
         accuracy=accuracy(
-            measured_n, found.predicted_n, found.ramped, find_contacts(recordings, plan.contact)
+            measured_n,
+            compared.predicted_n,
+            compared.ramped,
+            find_contacts(recordings, plan.contact),
         ),
         ticks=Replay(library).tick_times(longest.position_m, paced_s),
         manifest=library.manifest,
@@ -225,12 +228,15 @@ def _start_as_emitted(emitted: Emitted) -> Model:
 
 
 def _parts(
-    found: Compared, emitted: Emitted, recordings: Sequence[Recording], ticked: Sequence[Recording]
+    compared: Compared,
+    emitted: Emitted,
+    recordings: Sequence[Recording],
+    ticked: Sequence[Recording],
 ) -> tuple[float | None, float | None, dict[str, float | None]]:
     """RMS of the model's own error, of the rendering's, and of its own by start, N; None: logs."""
     objects = [k for k, item in enumerate(recordings) if not is_session_log(item, emitted.hash)]
     dt_s = emitted.plan.dt_s
-    if not any(len(recordings[k].force_n) > found.ramped[k] for k in objects):
+    if not any(len(recordings[k].force_n) > compared.ramped[k] for k in objects):
         return None, None, {}
     # Of a scene with a rate of its own, as exact.
     model = replace(_start_as_emitted(emitted), dt_s=dt_s)
@@ -242,15 +248,14 @@ def _parts(
             for k, ticks_n in zip(objects, alone_n, strict=True)
         ]
         counted = zip(objects, differences_n, strict=True)
-        return rms(np.concatenate([part_n[found.ramped[k] :] for k, part_n in counted]))
+        return rms(np.concatenate([part_n[compared.ramped[k] :] for k, part_n in counted]))
 
     measured_n = [recording.force_n for recording in recordings]
     by_start_n = predict.compute_start_errors_n(
         model, lambda started: rms_difference_n(started, measured_n)
     )
-    return (
-        rms_difference_n(model, measured_n), rms_difference_n(model, found.predicted_n), by_start_n
-    )  # fmt: skip
+    rendering_n = rms_difference_n(model, compared.predicted_n)
+    return rms_difference_n(model, measured_n), rendering_n, by_start_n
 
 
 def raise_on_mismatch(folder: Path, validation: Validation) -> None:

@@ -64,7 +64,7 @@ class StartMemory:
     surface: bool
 
     def position(self, tool_u: Scalar) -> Scalar | None:
-        """Where the model stands for a tool at tool_u; None: at rest there, too far from u.
+        """Return the u at which the model starts for a tool at tool_u; None: rests, too far from u.
 
         The next tick moves it to the tool. At a surface a tool above is let go in it, and one far
         below has come there slowly; without one the object would pull or push at either.
@@ -118,7 +118,7 @@ class HammersteinStage(Stage):
 
     @property
     def _extra_parts(self) -> list[FlowBranches | DamageCurves]:
-        """What adds a force of its own to spring, branches and stops."""
+        """List the parts that add a force to spring, branches and stops."""
         return [part for part in (self.flow, self.damage) if part is not None]
 
     @property

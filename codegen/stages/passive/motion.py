@@ -57,11 +57,11 @@ class PassiveMotion:
 
     @property
     def u(self) -> Scalar:
-        """Where the model is."""
+        """Normalised depth of the model."""
         return self._u
 
     def memory(self, model: Hammerstein) -> Memory:
-        """What the model of the stage holds; ticks in float64, vectors of one branch."""
+        """Return the memory of the stage's model; ticks in float64, vectors of one branch."""
         flow, deepest = self._flow.copy(), self._deepest.copy()
         if model.flow is not None:
             flow[sort_by_power(model.flow)] = self._flow
