@@ -51,13 +51,8 @@ def main() -> None:
     except errors.SpringpotError as error:
         print_line(f"springpot: {error}")
         sys.exit(exit_status(error))
-    except click.exceptions.NoArgsIsHelpError as error:
-        print_line(error.format_message())
-        sys.exit(2)
     except click.UsageError as error:
-        command = error.ctx.command_path if error.ctx else "springpot"
-        line = " ".join(error.format_message().split()).rstrip(".")
-        print_line(f"springpot: {line}: see `{command} --help`")
+        print_line(_usage_text(error))
         sys.exit(2)
     except click.ClickException as error:
         print_line(f"springpot: {error.format_message()}")
@@ -73,6 +68,9 @@ def main() -> None:
         sys.exit(130)
     except click.exceptions.Exit as stop:
         sys.exit(stop.exit_code)
+    except MemoryError:
+        print_line("springpot: not enough memory: give fewer or shorter recordings at a time")
+        sys.exit(2)
     except ModuleNotFoundError as error:
         print_line(f"springpot: {_what_is_missing(error)}")
         sys.exit(2)
@@ -82,6 +80,15 @@ def main() -> None:
         # A compiled module that is being imported makes another error of Ctrl-C.
         print_line("springpot: interrupted")
         sys.exit(130)
+
+
+def _usage_text(error: click.UsageError) -> str:
+    """Return one line; the whole help of a group that was called without a command."""
+    if isinstance(error, click.exceptions.NoArgsIsHelpError):
+        return error.format_message()
+    command = error.ctx.command_path if error.ctx else "springpot"
+    line = " ".join(error.format_message().split()).rstrip(".")
+    return f"springpot: {line}: see `{command} --help`"
 
 
 def _counted_interrupts() -> list[int]:

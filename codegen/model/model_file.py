@@ -131,6 +131,9 @@ def read_model(path: Path) -> Model:
     if magic[2] != hashlib.sha256(body).hexdigest().encode():
         raise DataError(f"{path}: damaged (checksum differs): copy it again or train again")
     try:
+        with zipfile.ZipFile(io.BytesIO(body)) as archive:
+            if sum(member.file_size for member in archive.infolist()) > _MAX_BYTES:
+                raise DataError(f"unpacks to more than {_MAX_BYTES >> 20} MiB")
         with np.load(io.BytesIO(body), allow_pickle=False) as stored:
             arrays = {name: stored[name] for name in stored.files}
         header = json.loads(arrays.pop("header").tobytes())
@@ -144,7 +147,10 @@ def read_model(path: Path) -> Model:
     except DataError as error:
         raise DataError(f"{path}: {error}: train again") from None
     # What another program wrote under a right checksum: numpy, zipfile and json raise these.
-    except (ValueError, TypeError, AttributeError, KeyError, OSError, zipfile.BadZipFile) as error:
+    except (
+        ValueError, TypeError, AttributeError, KeyError, OSError, zipfile.BadZipFile, MemoryError,
+        RecursionError,
+    ) as error:  # fmt: skip
         reason = " ".join(str(error).split())[:200]
         raise DataError(f"{path}: holds no springpot model ({reason}): train again") from None
     return model

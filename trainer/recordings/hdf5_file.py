@@ -25,6 +25,9 @@ _UNITS = {"position_m": "m", "force_n": "N"}
 _EXTRA_CHANNELS = "channels/"  # group of the channels beside these two
 _CHUNK_SAMPLES = 1 << 17
 _USER_BLOCK = 512  # bytes
+# Memory that a file may claim: this much, and so many times its own size. A log of an hour at 1 kHz
+# compresses to a twentieth; twice and more of that is left.
+_MAX_CLAIMED_BYTES, _MAX_COMPRESSION = 1 << 26, 48
 _MAGIC = b"springpot recording, SHA-256 of what follows: "
 _REMEDY = "make one with `springpot import`"
 GIVE_RECORDING = "give a recording; `springpot import` makes them"
@@ -95,6 +98,7 @@ def read_hdf5(path: Path) -> Recording:
     try:
         with h5py.File(path, "r") as file:
             metadata = dict(file.attrs)
+            require_stored_here(path, file)
             names = [
                 *_UNITS,
                 *(f"{_EXTRA_CHANNELS}{name}" for name in file.get(_EXTRA_CHANNELS, ())),
@@ -104,11 +108,38 @@ def read_hdf5(path: Path) -> Recording:
                 for n in names
             }
     # The library raises whatever it meets in a file that others have made.
-    except (OSError, KeyError, TypeError, ValueError, RuntimeError, AttributeError) as error:
+    except DataError:
+        raise
+    except (
+        OSError, KeyError, TypeError, ValueError, RuntimeError, AttributeError, MemoryError,
+    ) as error:  # fmt: skip
         reason = " ".join(str(error).split())
         raise DataError(f"{path}: not a springpot recording ({reason}): {_REMEDY}") from None
     metadata["details"] = parse_metadata(path, metadata.get("details", ""))
     return build_recording(path, metadata, samples)
+
+
+def require_stored_here(path: Path, file: h5py.File) -> None:
+    """Raise DataError if reading the file would read others, or take far more memory than it has.
+
+    A dataset without stored chunks takes no room in the file: 7 kB can claim gigabytes.
+    """
+    claimed_bytes = 0
+
+    def visit(name: str, node: object) -> None:
+        nonlocal claimed_bytes
+        if isinstance(node, h5py.Dataset):
+            if node.external or node.is_virtual:
+                raise DataError(f"{path}: {name} is stored in another file: export one file")
+            claimed_bytes += node.nbytes
+
+    file.visititems(visit)
+    stored_bytes = path.stat().st_size
+    if claimed_bytes > _MAX_CLAIMED_BYTES + _MAX_COMPRESSION * stored_bytes:
+        raise DataError(
+            f"{path}: claims {claimed_bytes >> 20} MiB of values in {stored_bytes >> 10} KiB of "
+            "file: damaged, or not a recording"
+        )
 
 
 def _digest(path: Path) -> bytes:

@@ -3,6 +3,7 @@
 import hashlib
 import io
 import json
+import zipfile
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -177,3 +178,18 @@ def test_the_emitted_force_of_the_stiffened_model_is_the_models_at_factor_x(vari
     assert soft.max() > 1.0
     np.testing.assert_allclose(stiff, soft, rtol=1e-5, atol=2e-6 * soft.max())
     assert np.abs(wrong - soft).max() > 0.2 * soft.max()
+
+
+def test_a_file_that_unpacks_to_more_memory_than_a_model_takes_is_refused(tmp_path: Path) -> None:
+    body = io.BytesIO()
+    with (
+        zipfile.ZipFile(body, "w", zipfile.ZIP_DEFLATED) as archive,
+        archive.open("header.npy", "w") as member,
+    ):
+        for _ in range(600):
+            member.write(bytes(1 << 20))
+    digest = hashlib.sha256(body.getvalue()).hexdigest()
+    path = tmp_path / "bomb.spm"
+    path.write_bytes(f"springpot-model {MODEL_SCHEMA} {digest}\n".encode() + body.getvalue())
+    with pytest.raises(DataError, match="unpacks to more than 512 MiB"):
+        read_model(path)

@@ -24,6 +24,7 @@ from springpot.trainer.recordings.formats.column_map import (
 )
 from springpot.trainer.recordings.formats.sampling import RawChannels, to_si
 from springpot.trainer.recordings.formats.units import QUANTITIES, Quantity, Unit, choose_unit
+from springpot.trainer.recordings.hdf5_file import require_stored_here
 from springpot.trainer.recordings.recording import FRAME_SOURCE
 
 _MAX_SHOWN = 12  # arrays in a message
@@ -200,6 +201,7 @@ def _read_hdf5(path: Path) -> list[_Stored]:
         stored.extend((f"{name}@{key}", "", "", value) for key, value in node.attrs.items())
 
     with h5py.File(path, "r") as file:
+        require_stored_here(path, file)
         file.visititems(visit)
         visit_attributes("", file)
         file.visititems(visit_attributes)

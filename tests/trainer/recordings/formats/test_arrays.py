@@ -217,3 +217,24 @@ def test_a_minus_of_typesetters_is_one(tmp_path: Path) -> None:
     (tmp_path / "b.csv").write_text(text.replace("-", "\u2212"), encoding="utf-8")
     one, other = (springpot.import_recordings(tmp_path / f"{name}.csv")[0] for name in "ab")
     assert one.force_n.min() < 0.0 and one.force_n.tobytes() == other.force_n.tobytes()
+
+
+def test_a_file_that_claims_more_than_it_stores_is_refused(tmp_path: Path) -> None:
+    """Chunks that were never written take no room, and read as gigabytes."""
+    path = tmp_path / "claims.h5"
+    with h5py.File(path, "w") as file:
+        for name in ("time_s", "position_m", "force_n"):
+            file.create_dataset(name, shape=(1 << 28,), dtype="f8", chunks=(1 << 16,))
+    assert path.stat().st_size < 100_000
+    with pytest.raises(DataError, match=r"claims 6144 MiB of values in \d+ KiB"):
+        import_file(path)
+
+
+def test_values_in_another_file_are_not_read(tmp_path: Path) -> None:
+    path = tmp_path / "elsewhere.h5"
+    with h5py.File(path, "w") as file:
+        file["time_s"], file["force_n"] = np.arange(64.0), np.arange(64.0)
+        other = [("/etc/passwd", 0, 64 * 8)]
+        file.create_dataset("position_m", shape=(64,), dtype="f8", external=other)
+    with pytest.raises(DataError, match="position_m is stored in another file"):
+        import_file(path)
