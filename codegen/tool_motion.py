@@ -68,7 +68,8 @@ def run_guard(plan: Plan, raw: Reals) -> Guarded:
             agreeing = 0
             resync[i] = not started
             ticks[i], last_good_m, started = 1 if not started else since, x, True
-        if not ticks[i] and plan.contact and plausible[i]:
+        # A lone outlier is a read error, such as a 0 at depth: it does not lower the force.
+        if not ticks[i] and plan.contact and plausible[i] and silent_s > 0:
             remaining = x / last_good_m if x < last_good_m else real(1)
             share[i] = min(remaining, real(1)) if x > 0 else real(0)
         if ticks[i]:

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 2cd09ab001d17a02c682b70141a41a1450c1864cb87d19c5b789a1dae33b9d15 */
+/* springpot 0.1.0 ae559a7e4e006be95618e97ed68e1165a2ab75d1f5931c231c9724bdcbcb2cf8 */
 /* pad: the whole scene with its self-test. soft_pad.h says how to call it.
  *
  * First the units, in the order of a tick: each is named by its file in springpot, without the
@@ -855,8 +855,11 @@ int soft_pad_step(soft_pad_state *state, float position_m, float velocity_mps, f
     const float good_m = soft_pad_guard_accept(&soft_pad_scene_guard, &state->guard, ticks,
                                                position_m, &notes);
     if (notes & SP_NOTE_HELD) {
-        const float fraction = soft_pad_guard_held_fraction(&soft_pad_scene_guard, &state->guard,
-                                                            position_m);
+        /* A lone outlier is a read error, such as a 0 at depth: it does not lower the force. */
+        const float fraction = state->silence.silent_s > 0.0f
+                                     ? soft_pad_guard_held_fraction(&soft_pad_scene_guard,
+                                                                    &state->guard, position_m)
+                                     : 1.0f;
         return soft_pad_hold_force(state, soft_pad_scene_silence.dt_s, fraction, force_n);
     }
     soft_pad_silence_good_sample(&state->silence, soft_pad_scene_silence.dt_s);
@@ -934,7 +937,7 @@ uint32_t soft_pad_state_size(void)
 
 const char *soft_pad_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"2cd09ab001d17a02c682b70141a41a1450c1864cb87d19c5b789a1dae33b9d15\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"ae559a7e4e006be95618e97ed68e1165a2ab75d1f5931c231c9724bdcbcb2cf8\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

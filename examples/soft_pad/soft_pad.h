@@ -1,4 +1,4 @@
-/* springpot 0.1.0 2cd09ab001d17a02c682b70141a41a1450c1864cb87d19c5b789a1dae33b9d15 */
+/* springpot 0.1.0 ae559a7e4e006be95618e97ed68e1165a2ab75d1f5931c231c9724bdcbcb2cf8 */
 /* springpot: the force of a recorded soft object, tick by tick.
  *
  * The loop of a haptic device, at the rate SOFT_PAD_RATE_HZ:

@@ -22,7 +22,7 @@ typedef struct {
     uint64_t not_allowed;   /* not finite, or outside [min_n, max_n] */
     uint64_t grown;         /* by more than slew_n above what was given before */
     uint64_t risen;         /* in a call without a good sample */
-    uint64_t in_air;        /* a force although the sample, taken or not, lies above the surface */
+    uint64_t in_air;        /* a force in air, but for a lone sample that is rejected */
     uint64_t still_latched; /* a force 10 ms after the watchdog fell, or one that grew since */
     uint64_t silent_on;     /* calls beyond the watchdog's time without a good sample, unlatched */
     uint64_t latches, calls_held, pressed;
@@ -116,8 +116,9 @@ static void judge(const hostile_scene *scene, hostile_found *found, watched *las
     found->not_allowed += !((double)force_n >= scene->min_n && (double)force_n <= scene->max_n);
     found->grown += !(size_n <= before_n + slew_n);
     found->risen += !taken && !(size_n <= before_n);
-    found->in_air += scene->surface && plausible && x <= (sp_real)0 && !(notes & SP_NOTE_LATCHED) &&
-                     force_n != (sp_real)0;
+    const int lone = !taken && last->silent_s == 0.0;
+    found->in_air += scene->surface && plausible && x <= (sp_real)0 && !lone &&
+                     !(notes & SP_NOTE_LATCHED) && force_n != (sp_real)0;
     found->calls_held += !taken;
     found->pressed += size_n > (sp_real)0;
     last->silent_s = taken ? 0.0 : last->silent_s + dt_s;

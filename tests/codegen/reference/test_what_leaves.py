@@ -99,3 +99,14 @@ def test_a_source_that_misses_every_third_sample_ends_within_half_a_second(mode:
     assert 300 < ended <= 800
     rises_n = np.diff(force_n[300:])
     assert rises_n.max() <= plan.output.slew_n and not force_n[ended + 10 :].any()
+
+
+@pytest.mark.parametrize("mode", ["off", "proxy"])
+def test_a_lone_zero_at_depth_is_held(mode: str) -> None:
+    """As a bus gives it that failed to read."""
+    plan = make_plan(golden_forces.model("hammerstein"), scene(mode=mode))
+    state, depth_m = build_and_load(plan).new_state(), 0.8 * plan.model.trained.max_m
+    for position_m in np.linspace(0.0, depth_m, 400):
+        held_n = state.step(float(position_m))[0]
+    assert state.step(0.0)[0] == held_n > 0.0
+    assert state.step(0.0)[0] == 0.0  # two in a row: the tool may be there

@@ -202,7 +202,11 @@ int sp_step(sp_state *state, float position_m, float velocity_mps, float *force_
     const float last_good_m = state->guard.last_good_m;
     const float good_m = sp_guard_accept(&sp_scene_guard, &state->guard, ticks, position_m, &notes);
     if (notes & SP_NOTE_HELD) {
-        const float fraction = sp_guard_held_fraction(&sp_scene_guard, &state->guard, position_m);
+        /* A lone outlier is a read error, such as a 0 at depth: it does not lower the force. */
+        const float fraction = state->silence.silent_s > 0.0f
+                                     ? sp_guard_held_fraction(&sp_scene_guard, &state->guard,
+                                                              position_m)
+                                     : 1.0f;
         return sp_hold_force(state, sp_scene_silence.dt_s, fraction, force_n);
     }
     sp_silence_good_sample(&state->silence, sp_scene_silence.dt_s);
@@ -279,7 +283,7 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"92e97aa6426c500cff8c48e35e22cf000d6de5cfc238aa9378e2ba59f28e9959\", \"scene\": \"proxy\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [2.3093100251531682e-07, 0.011998460459983215], \"speed_mps\": 0.18366538639667027, \"force_n\": [-7.121525591458066e-15, 9.129659751043853]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"afe096191a962b045509a5d2f66c27a128bbbdd4a0f803b39bb584e01e13047b\", \"scene\": \"proxy\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [2.3093100251531682e-07, 0.011998460459983215], \"speed_mps\": 0.18366538639667027, \"force_n\": [-7.121525591458066e-15, 9.129659751043853]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

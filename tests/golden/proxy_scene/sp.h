@@ -1,4 +1,4 @@
-/* springpot 0.1.0 92e97aa6426c500cff8c48e35e22cf000d6de5cfc238aa9378e2ba59f28e9959 */
+/* springpot 0.1.0 afe096191a962b045509a5d2f66c27a128bbbdd4a0f803b39bb584e01e13047b */
 /* springpot: the force of a recorded soft object, tick by tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:

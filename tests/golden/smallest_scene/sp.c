@@ -176,7 +176,11 @@ int sp_step(sp_state *state, float position_m, float velocity_mps, float *force_
     const float last_good_m = state->guard.last_good_m;
     const float good_m = sp_guard_accept(&sp_scene_guard, &state->guard, ticks, position_m, &notes);
     if (notes & SP_NOTE_HELD) {
-        const float fraction = sp_guard_held_fraction(&sp_scene_guard, &state->guard, position_m);
+        /* A lone outlier is a read error, such as a 0 at depth: it does not lower the force. */
+        const float fraction = state->silence.silent_s > 0.0f
+                                     ? sp_guard_held_fraction(&sp_scene_guard, &state->guard,
+                                                              position_m)
+                                     : 1.0f;
         return sp_hold_force(state, sp_scene_silence.dt_s, fraction, force_n);
     }
     sp_silence_good_sample(&state->silence, sp_scene_silence.dt_s);
@@ -254,7 +258,7 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"4b299070f5c89b550a208499f84757875f5fea2c54aaaa8f922d0ebc3b03aae9\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"569c0af7f510823513d69669ea84ff5c4c0c2896b2ee5de9ed7c1e5eac2fdb13\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

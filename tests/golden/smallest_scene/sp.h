@@ -1,4 +1,4 @@
-/* springpot 0.1.0 4b299070f5c89b550a208499f84757875f5fea2c54aaaa8f922d0ebc3b03aae9 */
+/* springpot 0.1.0 569c0af7f510823513d69669ea84ff5c4c0c2896b2ee5de9ed7c1e5eac2fdb13 */
 /* springpot: the force of a recorded soft object, tick by tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:
