@@ -1,4 +1,4 @@
-"""README's figures: docs/figures.json, that tests/bench/judges.py writes, in sentences."""
+"""README's figures: docs/figures.json, that tests/bench/judges.py writes, as a table."""
 
 import json
 import re
@@ -40,27 +40,38 @@ def errors_percent(cells: list[Cell]) -> dict[str, float]:
     }
 
 
-def sentences(figures: dict[str, Any]) -> str:
-    """What README says of the figures."""
+def table(figures: dict[str, Any]) -> str:
+    """Return README's table of the figures, and how they were measured."""
     real, foreign = (errors_percent(cells) for cells in groups(figures["cells"]).values())
     models = next(c for c in figures["cells"] if (c["object"], c["structure"]) == AGAIN)["models"]
     ours, paper = models[PASSIVE], models[PAPER]
+
+    def error_row(where: str, errors: dict[str, float]) -> str:
+        times = errors[PAPER] / errors["springpot"]
+        return (
+            f"| error {where} | {errors['springpot']:.3g} % | {errors[PAPER]:.3g} % "
+            f"| {times:.1f} times |\n"
+        )
+
     return (
-        f"Error of the emitted C in % of the peak force: {foreign['springpot']:.3g} on simulated "
-        "objects of laws that our models do not have, "
-        f"{foreign[PAPER] / foreign['springpot']:.1f} times less than that of the paper's random "
-        f"forest, and {real['springpot']:.3g} on a real machine, "
-        f"{real[PAPER] / real['springpot']:.1f} times less (geometric means over recordings of "
-        "other depths, speeds or frequencies than the trained ones, of repeats and of minutes of "
-        f"memory; `{COMMAND}`). A step takes {ours['tick_ns'] / 1e3:.2f} µs of a PC instead of "
-        f"{paper['tick_ns'] / 1e3:.2g} µs, {ours['flash_bytes']} bytes of a Cortex-M4 instead of "
-        f"{paper['flash_bytes'] / 1e3:.0f} kB, and {ours['ram_bytes']} bytes of its RAM.\n"
+        f"| | springpot | {PAPER} | less by |\n| --- | --- | --- | --- |\n"
+        + error_row("on a real testing machine", real)
+        + error_row("on simulated objects of laws that no model here has", foreign)
+        + f"| a step on a PC | {ours['tick_ns'] / 1e3:.2f} µs | {paper['tick_ns'] / 1e3:.2g} µs "
+        f"| {paper['tick_ns'] / ours['tick_ns']:.0f} times |\n"
+        f"| flash of a Cortex-M4 | {ours['flash_bytes']} bytes "
+        f"| {paper['flash_bytes'] / 1e3:.0f} kB "
+        f"| {paper['flash_bytes'] / ours['flash_bytes']:.0f} times |\n\n"
+        f"RAM: {ours['ram_bytes']} bytes. Error: RMS of the emitted C in % of the peak force, "
+        "geometric mean over recordings of other depths, speeds or frequencies than the trained "
+        f"ones, of repeats and of minutes of memory (`{COMMAND}`). `springpot bench` measures the "
+        "same on yours.\n"
     )
 
 
 def written(page: str, figures: dict[str, Any]) -> str:
-    """The page with the sentences of these figures."""
-    return _MARKED.sub(lambda marked: marked[1] + sentences(figures) + marked[2], page)
+    """The page with the table of these figures."""
+    return _MARKED.sub(lambda marked: marked[1] + table(figures) + marked[2], page)
 
 
 def stored() -> dict[str, Any]:
