@@ -102,6 +102,7 @@ soak: $(STAMP) test-c
 
 # The documentation, build/docs/html/index.html: a broken link or anchor is an error.
 docs: $(STAMP) ns
+	PYTHONPATH=build/ns:docs/_ext $(BIN)/python -m reference_pages
 	PYTHONPATH=build/ns $(BIN)/sphinx-build -W -n --keep-going -q -E -d build/docs/doctrees docs build/docs/html
 	@echo build/docs/html/index.html
 

@@ -64,9 +64,11 @@ def test_files_of_the_product() -> None:
 
 
 def test_documents() -> None:
+    """Lists that are written from the code are not counted."""
     pages = tracked("docs/*.md")
     assert len(pages) <= 26
-    assert sum(len(text.split()) for text in [*pages, *tracked("README.md")]) <= 21500
+    by_hand = [re.sub(r"<!-- generated.*?<!-- end -->", "", text, flags=re.S) for text in pages]
+    assert sum(len(text.split()) for text in [*by_hand, *tracked("README.md")]) <= 21500
 
 
 def test_names_commands_and_kinds() -> None:

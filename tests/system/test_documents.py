@@ -1,5 +1,6 @@
 """The documents are of the program: what they name exists, and their commands give what is said."""
 
+import importlib
 import json
 import os
 import re
@@ -197,3 +198,12 @@ def lab_command(words: list[str], folder: Path) -> str:
         )  # fmt: skip
     assert done.returncode == 0, f"{words}\n{done.stdout}\n{done.stderr}"
     return done.stdout + ("" if "--json" in words else done.stderr)
+
+
+def test_lists_in_the_pages_are_those_of_the_code(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(ROOT / "docs/_ext")
+    in_clone = importlib.import_module("reference_pages.in_clone")
+    for path in ROOT.glob("docs/**/*.md"):
+        page = path.read_text(encoding="utf-8")
+        assert in_clone.written(page) == page, f"{path}: make docs"
+        assert page.count("<!-- generated: ") == len(in_clone.MARK.findall(page))

@@ -1,11 +1,9 @@
 """Sphinx extension: pages of the reference are completed from the code while they are read.
 
-A line `<!-- generated: NAME -->` of a page becomes the Markdown that the generator of that name
-makes; nothing of it is kept in the repository. A line in asterisks below it is for those who read
-the page there: where else to find it.
+What stands between `<!-- generated: NAME -->` and `<!-- end -->` in a page is for those who read
+it in a clone (in_clone.py); the site has what the generator of that name makes in its place.
 """
 
-import re
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -13,6 +11,7 @@ from reference_pages.c_header import c_functions, c_notes
 from reference_pages.commands import command_pages
 from reference_pages.docstrings import as_rst
 from reference_pages.exit_statuses import exit_status_table
+from reference_pages.in_clone import MARK
 from reference_pages.mathml import visit_block, visit_inline
 from reference_pages.opened_pages import open_pages
 from reference_pages.python_names import python_name_list
@@ -32,12 +31,11 @@ GENERATORS: dict[str, Callable[[], str]] = {
     "python names": python_name_list,
     "wire": wire_messages,
 }
-_MARK = re.compile(r"^<!-- generated: (.*) -->$(?:\n\*.*\*$)?", re.M)
 
 
 def completed(text: str) -> str:
     """A page with what its marks stand for. Raises KeyError for a mark without a generator."""
-    return _MARK.sub(lambda found: GENERATORS[found[1]](), text)
+    return MARK.sub(lambda mark: GENERATORS[mark[1]](), text)
 
 
 def setup(app: "Sphinx") -> dict[str, Any]:

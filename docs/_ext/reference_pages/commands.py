@@ -35,8 +35,8 @@ def _section(name: str, command: click.Command) -> Iterator[str]:
     yield from ("```", "", *_paragraphs(cleandoc(command.help or "")))
     for parameter in command.params:
         if isinstance(parameter, click.Option):
-            yield from ("", f":::{{option}} {_names(parameter, context)}")
-            yield from (_what(parameter, context), ":::")
+            yield from ("", f":::{{option}} {option_names(parameter, context)}")
+            yield from (option_facts(parameter, context), ":::")
     yield from _paragraphs(command.epilog or "")
 
 
@@ -56,13 +56,14 @@ def _paragraphs(text: str) -> Iterator[str]:
             yield from ("", *lines)
 
 
-def _names(option: click.Option, context: click.Context) -> str:
+def option_names(option: click.Option, context: click.Context) -> str:
+    """Return the names of an option and what follows them."""
     value = "" if option.is_flag or option.count else f" {option.make_metavar(context)}"
     names = [*option.opts, *option.secondary_opts]
     return ", ".join(f"{name}{value}" for name in names)
 
 
-def _what(option: click.Option, context: click.Context) -> str:
+def option_facts(option: click.Option, context: click.Context) -> str:
     """Its help, then what click puts into brackets: whether it is required, its range, default."""
     extra = option.get_help_extra(context)
     facts = ["Required."] if "required" in extra else []

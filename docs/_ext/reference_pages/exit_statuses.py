@@ -15,7 +15,10 @@ def statuses() -> dict[int, tuple[str, str]]:
         kind for _, kind in inspect.getmembers(errors, inspect.isclass)
         if issubclass(kind, errors.SpringpotError) and kind is not errors.SpringpotError
     ]  # fmt: skip
-    found = {exit_status(kind()): (kind.__name__, inspect.getdoc(kind) or "") for kind in kinds}
+    found = {
+        exit_status(kind()): (kind.__name__, (inspect.getdoc(kind) or "").split("\n\n")[0])
+        for kind in kinds
+    }
     assert len(found) == len(kinds)
     return dict(sorted({**_OTHERS, **found}.items()))
 
