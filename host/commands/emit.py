@@ -69,8 +69,10 @@ def emission_rows(emission: Emission) -> dict[str, str]:
     left_out, dt_s = emission.manifest["left_out"], emission.manifest["dt_s"]
     return {
         "C source": str(emission.folder),
-        "tick": f"{1.0 / dt_s:.6g} Hz: call the step every {1e3 * dt_s:.4g} ms",
-        "size": f"{'?' if flash is None else flash} bytes of flash, {emission.ram_bytes} of RAM, "
+        "tick": f"{1.0 / dt_s:.6g} Hz: call the step every {1e3 * dt_s:.4g} ms; after a "
+        f"silence one call does up to {round(emission.plan.watchdog_s / dt_s)} ticks' work",
+        "size": f"{'?' if flash is None else flash} bytes of flash "
+        f"({emission.selftest_bytes or '?'} more with the self-test), {emission.ram_bytes} of RAM, "
         f"{'?' if stack is None else stack} of stack",
         "coupling": emission.manifest["coupling"]["why"],
         "stiffness felt": f"{1e-3 * emission.manifest['coupling']['felt_stiffness_npm']:.3g} N/mm",

@@ -52,6 +52,11 @@ class Emission:
         return self.footprint.flash_bytes if self.footprint else None
 
     @property
+    def selftest_bytes(self) -> int | None:
+        """Flash that the self-test adds; None without a compiler."""
+        return self.footprint.selftest_bytes if self.footprint else None
+
+    @property
     def stack_bytes(self) -> int | None:
         """Deepest stack of a call; None without a compiler that reports it."""
         return self.footprint.stack_bytes if self.footprint else None
@@ -62,6 +67,7 @@ class Emission:
             "out": str(self.folder),
             "hash": self.hash,
             "flash_bytes": self.flash_bytes,
+            "selftest_bytes": self.selftest_bytes,
             "ram_bytes": self.ram_bytes,
             "stack_bytes": self.stack_bytes,
             **{key: self.manifest.get(key) for key in _OF_MANIFEST},

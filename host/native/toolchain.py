@@ -86,11 +86,12 @@ def missing_tools(target: str) -> str:
 class Footprint:
     """Bytes of the scene's translation unit; stack_bytes is None where unreported.
 
-    flash_bytes: code, constants and initialised data.
+    flash_bytes: code, constants and initialised data. selftest_bytes: what the self-test adds.
     """
 
     flash_bytes: int
     stack_bytes: int | None
+    selftest_bytes: int
 
 
 def measure_footprint(folder: Path, target: str) -> Footprint:
@@ -103,20 +104,29 @@ def measure_footprint(folder: Path, target: str) -> Footprint:
         raise NoCompilerError(missing_tools(target))
     with tempfile.TemporaryDirectory() as scratch:
         built = Path(scratch) / "scene.o"
-        arguments = [*flags("SP_CFLAGS"), *tools.flags, _NO_SELFTEST, "-c", str(folder / source),
+        arguments = [*flags("SP_CFLAGS"), *tools.flags, "-c", str(folder / source),
                      "-o", str(built)]  # fmt: skip
+        run_compiler(arguments, source, tools.compiler)
+        whole_bytes = _measure_flash(built, tools)
         try:
-            run_compiler([*arguments, "-fcallgraph-info=su"], source, tools.compiler)
+            bare = [*arguments, _NO_SELFTEST]
+            run_compiler([*bare, "-fcallgraph-info=su"], source, tools.compiler)
         except CompilerError:  # clang has no call graph
-            run_compiler(arguments, source, tools.compiler)
-        sizes = subprocess.run(
-            [tools.size, "-A", "-d", str(built)], capture_output=True, text=True, check=True
-        ).stdout
+            run_compiler(bare, source, tools.compiler)
+        flash_bytes = _measure_flash(built, tools)
         info = next(Path(scratch).glob("*.ci"), None)
         return Footprint(
-            flash_bytes=sum(map(int, _FLASH_SIZES.findall(sizes))),
+            flash_bytes=flash_bytes,
             stack_bytes=deepest_stack(info.read_text(encoding="utf-8")) if info else None,
+            selftest_bytes=whole_bytes - flash_bytes,
         )
+
+
+def _measure_flash(built: Path, tools: Toolchain) -> int:
+    sizes = subprocess.run(
+        [tools.size, "-A", "-d", str(built)], capture_output=True, text=True, check=True
+    ).stdout
+    return sum(map(int, _FLASH_SIZES.findall(sizes)))
 
 
 def deepest_stack(call_graph: str) -> int | None:
