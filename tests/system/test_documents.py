@@ -155,6 +155,7 @@ _LAB = {"record": ("--pressing", "--cell-ms", 3, "--surface-mm", 12), "run": ("-
 
 
 @pytest.mark.realtime
+@pytest.mark.realtime
 def test_the_lab_s_first_session(tmp_path: Path) -> None:
     """Every command of the page on the stand-in: to a log that repeats, bit for bit.
 
