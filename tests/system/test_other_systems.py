@@ -1,6 +1,7 @@
 """Commands without what Windows and macOS lack, and without extras: what is required is enough."""
 
 import os
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -10,6 +11,10 @@ import numpy as np
 import pytest
 from support.pages.job import small_job
 from support.paths import TESTS
+
+from springpot.runtime_c.paths import INCLUDE, PORT_POSIX, PORT_TESTBENCH, PORT_WIRE, SIM, flags
+
+MINGW = "x86_64-w64-mingw32-gcc"
 
 # Without the modules of the first argument; with those of Unix, their attributes go.
 WITHOUT = """
@@ -80,3 +85,19 @@ def test_no_module_of_the_folder_is_run(tmp_path: Path) -> None:
                           capture_output=True, text=True, check=False)  # fmt: skip
     assert done.returncode == 0, done.stderr
     assert not (tmp_path / "ran").exists()
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(shutil.which(MINGW) is None, reason="no mingw: gcc-mingw-w64-x86-64-win32")
+@pytest.mark.parametrize("real", ["float", "double"])
+def test_the_c_of_a_pc_compiles_for_windows(tmp_path: Path, real: str) -> None:
+    """Loop, links, simulated bench and checks: what a Windows springpot builds on first use."""
+    folders = [PORT_POSIX, PORT_WIRE, PORT_TESTBENCH, SIM, INCLUDE, INCLUDE / real]
+    # Not SP_STRICT: mingw's own isfinite converts.
+    options = [*flags("SP_CFLAGS"), "-Wall", "-Wextra", "-Werror", *(f"-I{at}" for at in folders)]
+    sources = [file for folder in folders[:4] for file in sorted(folder.glob("*.c"))]
+    for source in sources:
+        built = tmp_path / f"{source.stem}.o"
+        done = subprocess.run([MINGW, *options, "-c", source, "-o", built],
+                              capture_output=True, text=True, check=False)  # fmt: skip
+        assert done.returncode == 0, done.stderr
