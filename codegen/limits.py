@@ -100,7 +100,7 @@ def compute_max_mps(model: Model) -> float:
 
 
 def build_output_config(model: Model, scene: Scene, ticks: SceneTicks) -> OutputConfig:
-    """Forces that leave. Raises DataError where the model never pushes out."""
+    """Return forces that leave. Raises DataError where the model never pushes out."""
     dt_s, contact, real, trained = ticks.dt_s, ticks.surface, ticks.dtype, model.trained
     peak_n = trained.max_n if contact else max(abs(trained.min_n), abs(trained.max_n))
     max_n = scene.guard.max_force_n or FORCE_MARGIN * peak_n

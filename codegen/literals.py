@@ -32,7 +32,7 @@ def array_text(name: str, c_type: str, values: Reals) -> str:
 
 
 def wrap_items(items: Iterable[str]) -> list[str]:
-    """Lines of comma-separated items, each at most 100 columns."""
+    """Return lines of comma-separated items, each at most 100 columns."""
     lines: list[str] = []
     line = ""
     for item in items:
@@ -60,7 +60,7 @@ def constant_text(name: str, value: Scalar) -> str:
 
 
 def members_text(name: str, c_type: str, members: Mapping[str, str]) -> str:
-    """The same from the text of each member, in the order of the C struct.
+    """Return the same from the text of each member, in the order of the C struct.
 
     Without designators: C++ has none before 2020.
     """

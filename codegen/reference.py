@@ -167,7 +167,7 @@ class OutputLimiter:
         self._ramp = self._real(1)
 
     def hold(self, latched: Scalar, fall: Scalar, share: Scalar) -> tuple[Scalar, int]:
-        """A tick without a good sample; fall: how much of it was latched.
+        """Return a tick without a good sample; fall: how much of it was latched.
 
         Force, N, and notes.
         """

@@ -132,7 +132,7 @@ def fill_missed_ticks(plan: Plan, samples: Guarded) -> ToolMotion:
 
 
 def select_rows(of_ticks: Reals, row: NDArray[np.int64], missed: Flags) -> Reals:
-    """Values of ticks, (n,), at the rows of their samples and of the ticks missed before."""
+    """Return values of ticks, (n,), at the rows of their samples and of the ticks missed before."""
     accepted = np.flatnonzero(row >= 0)
     return of_ticks[accepted[np.cumsum(~missed) - ~missed]]
 

@@ -141,7 +141,7 @@ def contact_sentence(below: float | None) -> str:
 
 
 def error_ratio_keys(error: Accuracy, floor: NoiseFloor) -> JsonObject:
-    """JSON keys: the floor and what it is from, the RMSE over it, the error over the JND."""
+    """Return JSON keys: the floor and what it is from, the RMSE over it, the error over the JND."""
     per_floor = error.rmse_n / floor.rms_n if floor.rms_n else None
     return {
         "noise_floor_n": floor.rms_n,
@@ -238,7 +238,7 @@ def slope_keys(errors: SlopeErrors | None) -> JsonObject:
 
 
 def slope_sentence(keys: JsonObject) -> str:
-    """The same in a person's words; keys: of `slope_keys`."""
+    """Return the same in a person's words; keys: of `slope_keys`."""
     if keys["slope_error_median_percent"] is None:
         return "not known: no way in on which the measured slope stands out from noise"
     return (
@@ -268,7 +268,7 @@ def press_errors_n(
 
 
 def _loading_strokes(position_m: Samples) -> Iterator[slice]:
-    """Samples of each way from a turn to a deeper one."""
+    """Yield samples of each way from a turn to a deeper one."""
     turns = turning_points(position_m, _MIN_REVERSAL * float(np.ptp(position_m)))
     for begin, end in pairwise(turns):
         if position_m[end] > position_m[begin]:

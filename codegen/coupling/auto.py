@@ -167,7 +167,7 @@ class _ProxySearch:
         return min(plausible, key=lambda proxy: max(self._radii(proxy)))
 
     def _find_stiffest_for(self, softest: Coupling, than_npm: float) -> Coupling | None:
-        """The stiffest of one mass and damping; None if it is not stiffer than that."""
+        """Return the stiffest of one mass and damping; None if it is not stiffer than that."""
         step = cache(lambda k: replace(softest, stiffness_npm=float(_STIFFNESSES_NPM[k])))
         top = last = len(_STIFFNESSES_NPM) - 1
         lowest = np.searchsorted(_STIFFNESSES_NPM[1:], _SEARCH_TOLERANCE * than_npm, "right")

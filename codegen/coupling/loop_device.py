@@ -35,11 +35,11 @@ class LoopDevice:
         return {"mass_kg", "viscous_nspm"} <= set(self.stated)
 
     def with_delay(self, ticks: int) -> "LoopDevice":
-        """The same with so many more ticks of delay."""
+        """Return the same with so many more ticks of delay."""
         return replace(self, delay_samples=self.delay_samples + ticks)
 
     def as_dict(self, dt_s: float) -> JsonObject:
-        """Keys of `stability --json`; delay_s: of the whole ticks that are used."""
+        """Return keys of `stability --json`; delay_s: of the whole ticks that are used."""
         return {
             "mass_kg": self.mass_kg,
             "viscous_nspm": self.viscous_nspm,
@@ -74,7 +74,7 @@ ASSUMED_DEVICE = LoopDevice()
 
 
 def build_loop_device(device: Device, dt_s: float) -> LoopDevice:
-    """The device of a scene, with what is assumed where the scene does not state it."""
+    """Return the device of a scene, with what is assumed where the scene does not state it."""
     stated = {name: getattr(device, name) for name in ("mass_kg", "viscous_nspm", "coulomb_n")
               if getattr(device, name) is not None}  # fmt: skip
     late = device.delay_samples

@@ -74,7 +74,7 @@ def split_blocks(text: str) -> list[str]:
 
 
 def strip_comments(text: str) -> str:
-    """The text without comments and strings, line by line."""
+    """Return the text without comments and strings, line by line."""
     return _NOT_CODE.sub(lambda found: "\n" * found[0].count("\n"), text)
 
 
@@ -164,7 +164,7 @@ def drop_unused(blocks: Sequence[str]) -> list[str]:
 
 
 def _private_names(block: str) -> set[str]:
-    """Names of the static function or of the macros that a block defines; of others none."""
+    """Return names of the static function or of the macros that a block defines; of others none."""
     code = strip_comments(block).strip()
     macros = [_MACRO.match(line) for line in code.splitlines()]
     if all(macros):

@@ -41,7 +41,7 @@ def emit_files(plan: Plan, selftest: bool = True) -> dict[str, str]:
 
 
 def _manifest(plan: Plan) -> JsonObject:
-    """All metadata of the emission, for people and tools."""
+    """Return all metadata of the emission, for people and tools."""
     return {
         **_short_manifest(plan),
         "sources": [f"{plan.scene.runtime.prefix}.c"],

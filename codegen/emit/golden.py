@@ -37,7 +37,7 @@ def golden_positions(plan: Plan) -> NDArray[np.float32 | np.float64]:
 
 
 def golden_places(plan: Plan) -> list[tuple[int, tuple[float, float]]]:
-    """The place that is chosen before a tick of the first press; none without a map."""
+    """Return the place that is chosen before a tick of the first press; none without a map."""
     if not plan.has_places or (law := plan.model.hammerstein) is None or law.places is None:
         return []
     first_m, last_m = law.places.first_m, law.places.last_m

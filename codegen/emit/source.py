@@ -29,7 +29,7 @@ LATCHED_S = 0.05  # after which a latched force is 0
 
 
 def render_step(plan: Plan) -> str:
-    """The functions of a scene: its step, and what the header declares."""
+    """Return the functions of a scene: its step, and what the header declares."""
     in_order = list_stages(plan)
     model = [stage for stage in in_order if stage is not plan.velocity]
     restarting = "\n".join(render_block(stage, "restart") for stage in in_order)

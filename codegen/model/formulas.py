@@ -17,7 +17,7 @@ CurveLocation = tuple[Indices, Reals]  # piece of a curve and share of the way t
 
 
 def integrate_slopes(slopes_n: Reals) -> Samples:
-    """Values and slopes a piece at the nodes: (J + 1, 2, curves); the last slope goes on.
+    """Return values and slopes a piece at the nodes: (J + 1, 2, curves); the last slope goes on.
 
     slopes_n: (curves, J), for u from 0 to 1, straight between the nodes.
     """
@@ -58,7 +58,7 @@ def evaluate_curves(nodes: Reals, location: CurveLocation) -> Reals:
 
 
 def interpolate_linear(nodes: Reals, location: CurveLocation) -> Reals:
-    """Values (n, columns) of functions that are straight between nodes (J + 1, columns)."""
+    """Return values (n, columns) of functions that are straight between nodes (J + 1, columns)."""
     interval, fraction = location
     begin = nodes[interval]
     values: Reals = begin + fraction[:, None] * (nodes[interval + 1] - begin)

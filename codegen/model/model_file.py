@@ -76,7 +76,7 @@ def write_model(path: Path, model: Model) -> str:
 
 
 def model_bytes(model: Model) -> bytes:
-    """Bytes of a model file: the line with the checksum, then the npz.
+    """Return bytes of a model file: the line with the checksum, then the npz.
 
     Raises DataError for a model that `read_model` would refuse.
     """
@@ -165,7 +165,7 @@ def _drop_old_memory(header: Any) -> None:
 
 
 def _pack(value: Any, path: str, arrays: _Arrays) -> object:
-    """JSON of a part; its arrays go into `arrays` under their path."""
+    """Return JSON of a part; its arrays go into `arrays` under their path."""
     if is_dataclass(value):
         name = type(value).__name__
         if name not in _PARTS:
@@ -192,7 +192,7 @@ def _is_default(part: Any, item: Field[Any]) -> bool:
 
 
 def _unpack(value: Any, arrays: _Arrays, path: str) -> Any:
-    """The value of a field out of its JSON."""
+    """Return the value of a field out of its JSON."""
     if not isinstance(value, dict) or path == "model.provenance":
         return value
     if "tuple" in value:

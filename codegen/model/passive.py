@@ -81,7 +81,7 @@ class Damage:
 
 
 def sort_by_power(part: Flow | Damage) -> Indices:
-    """Numbers of the branches, or curves, lower powers first: as the C has them."""
+    """Return numbers of the branches, or curves, lower powers first: as the C has them."""
     return np.argsort(part.power, kind="stable")
 
 
@@ -214,7 +214,7 @@ class Hammerstein:
         return np.concatenate([part.ravel() for part in parts])
 
     def with_slopes(self, slopes_n: Samples) -> "Hammerstein":
-        """The same of one place with other `slopes_n`, (slopes,)."""
+        """Return the same of one place with other `slopes_n`, (slopes,)."""
         damage, flow = self.damage, self.flow
         shaped = [self.elastic_n, self.branch_n, self.stop_n]
         shaped += [np.zeros(0) if damage is None else damage.curve_n]
@@ -234,7 +234,7 @@ class Hammerstein:
         )
 
     def stiffened(self, factor: float) -> "Hammerstein":
-        """The passive model with the force at x that this one has at factor x."""
+        """Return the passive model with the force at x that this one has at factor x."""
         return replace(
             self,
             origin_m=self.origin_m / factor,

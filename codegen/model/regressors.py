@@ -24,7 +24,7 @@ class Regressor(ABC):
 
     @abstractmethod
     def on_scaled(self, scale: float) -> Self:
-        """The regressor r' with r'(z) = r(scale z)."""
+        """Return the regressor r' with r'(z) = r(scale z)."""
 
     def require_valid(self, n_features: int) -> None:  # noqa: B027 (no rules)
         """Raise DataError, with field and reason, for what its types cannot tell."""
@@ -46,7 +46,7 @@ class Quantisation:
     __repr__ = short_repr
 
     def on_scaled(self, scale: float) -> "Quantisation":
-        """The same bins for features that are smaller by a factor."""
+        """Return the same bins for features that are smaller by a factor."""
         return Quantisation(self.feature_min / scale, self.bins_per_unit * scale)
 
     def require_valid(self, n_features: int) -> None:

@@ -64,7 +64,7 @@ class WeightedSumStage(FeatureStage):
 
 
 def pad_columns(weights: Reals, used: Indices, dtype: type) -> Reals:
-    """The columns `used`, padded with zeros to whole vectors: (terms, capacity)."""
+    """Return the columns `used`, padded with zeros to whole vectors: (terms, capacity)."""
     padded_weights: Reals = np.zeros((len(weights), round_up(max(len(used), 1))), dtype=dtype)
     padded_weights[:, : len(used)] = weights[:, used]
     return padded_weights

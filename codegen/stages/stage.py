@@ -114,7 +114,7 @@ class FeatureStage(Stage):
 
     @abstractmethod
     def reference(self, depth: Reals, starts: Starts) -> Reals:
-        """The features of every tick, shape (n, n_features)."""
+        """Return the features of every tick, shape (n, n_features)."""
 
 
 class RegressorStage(ABC):
@@ -156,7 +156,7 @@ class RegressorStage(ABC):
 
 @singledispatch
 def feature_stage(features: Features, used: Columns, dt_s: float, dtype: RealType) -> FeatureStage:
-    """The C of the columns `used` of some features; each kind registers its own."""
+    """Return the C of the columns `used` of some features; each kind registers its own."""
     raise TypeError(f"{type(features).__name__} has no stage: register one with feature_stage")
 
 
@@ -164,7 +164,7 @@ def feature_stage(features: Features, used: Columns, dt_s: float, dtype: RealTyp
 def regressor_stage(
     regressor: Regressor, used: Columns, runtime: Runtime, dtype: RealType
 ) -> RegressorStage:
-    """The C of a regressor on the columns `used`; each kind registers its own."""
+    """Return the C of a regressor on the columns `used`; each kind registers its own."""
     raise TypeError(f"{type(regressor).__name__} has no stage: register one with regressor_stage")
 
 
@@ -202,7 +202,7 @@ def segments(length: int, starts: Starts) -> list[tuple[int, int, bool]]:
 
 
 def pad_history(depth: Reals, starts: Starts, length: int) -> list[tuple[slice, Reals]]:
-    """Rows of each stretch, and its samples, (length + rows,), m, with the past in front.
+    """Return rows of each stretch, and its samples, (length + rows,), m, with the past in front.
 
     Before a stretch the object has rested at its first sample, before the first one at 0.
     """

@@ -98,7 +98,7 @@ def record(
 
 
 def _sensor(url: str | None) -> AbstractContextManager[Callable[..., PressedDevice] | None]:
-    """A force sensor beside the device, opened; nothing without its URL."""
+    """Return a force sensor beside the device, opened; nothing without its URL."""
     if url is None:
         return nullcontext()  # on systems without fcntl too
     from springpot.host.recording.sensed_press import opened_sensor

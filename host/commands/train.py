@@ -137,7 +137,7 @@ def train(
 
 
 def training_result(fit: Fit) -> JsonObject:
-    """Keys of `train --json` that the fit knows."""
+    """Return keys of `train --json` that the fit knows."""
     model = fit.model
     return {
         "model": model.kind,
@@ -236,7 +236,7 @@ def errors(
     compared_s: float,
     start: Start = "auto",
 ) -> tuple[Accuracy, JsonObject]:
-    """The error on `testing`, smoothed over compared_s, and the keys of `--json` on it.
+    """Return the error on `testing`, smoothed over compared_s, and the keys of `--json` on it.
 
     Of the model itself, without a pull at a surface, as its C has none.
 
@@ -279,7 +279,7 @@ def errors(
 
 
 def rendered_keys(rendered: Rendered | None) -> JsonObject:
-    """Keys of `--json` on what `emit` would render; null without a compiler."""
+    """Return keys of `--json` on what `emit` would render; null without a compiler."""
     return {
         "rendered_rmse_n": rendered and rendered.accuracy.rmse_n,
         "rendered_rmse_percent_of_peak": rendered and rendered.accuracy.rmse_percent_of_peak,

@@ -104,12 +104,12 @@ class DhdLibrary:
         return True
 
     def words(self, error: int | None = None) -> str:
-        """The SDK's own words for an error; of the calling thread's last one by default."""
+        """Return the SDK's own words for an error; of the calling thread's last one by default."""
         number = self.c.dhdErrorGetLast() if error is None else error
         return str(self.ffi.string(self.c.dhdErrorGetStr(number)).decode(errors="replace"))
 
     def status(self, device: int) -> list[int]:
-        """The status vector. Raises DeviceError where the device does not give it."""
+        """Return the status vector. Raises DeviceError where the device does not give it."""
         status = self.ffi.new("int[]", _STATUS)
         if self.c.dhdGetStatus(status, device) < 0:
             raise self.error("gives no status", "check cable and power")
@@ -137,7 +137,7 @@ class DhdLibrary:
         return device if number is not None else self.c.dhdGetDeviceID()
 
     def error(self, what: str, remedy: str) -> DeviceError:
-        """An error with the SDK's words for the last one."""
+        """Return an error with the SDK's words for the last one."""
         return DeviceError(f"{self._url}: {what} ({self.words()}): {remedy}")
 
 

@@ -52,7 +52,7 @@ def open_port(place: str, baud: int) -> serial.Serial:
 
 
 def used_by(place: str) -> str:
-    """Name and number of another process that has the port open, or nothing."""
+    """Return name and number of another process that has the port open, or nothing."""
     port = os.path.realpath(place)
     for process in Path("/proc").glob("[0-9]*"):
         if process.name == str(os.getpid()):

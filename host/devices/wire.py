@@ -90,7 +90,7 @@ class Sender:
         self.sequence = 0
 
     def encode(self, name: str, **values: Any) -> bytes:
-        """Bytes of the next frame, the 0 bytes around it included."""
+        """Return bytes of the next frame, the 0 bytes around it included."""
         ffi, c = _library().ffi, _library().c
         sequence = ffi.new("uint32_t *", self.sequence)
         room = ffi.new("uint8_t[]", constant("MAX_BYTES"))

@@ -75,7 +75,7 @@ BOARDS = {
 
 
 def default_board(target: Target) -> Board | None:
-    """The first board of a target; None for a PC."""
+    """Return the first board of a target; None for a PC."""
     return next((board for board in BOARDS.values() if board.target == target), None)
 
 

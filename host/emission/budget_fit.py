@@ -92,7 +92,7 @@ def _order_by_error(
 
 
 def _candidates(model: Model) -> Iterator[Model]:
-    """Every smaller version of a model on trees; provenance: what was `left_out` of it."""
+    """Yield every smaller version of a model on trees; provenance: what was `left_out` of it."""
     from springpot.trainer.features import fit_fast_fir_bank
     from springpot.trainer.models.rf_fd import MAX_TAPS
 

@@ -73,7 +73,7 @@ def is_edited(folder: Path, name: str) -> bool:
 
 
 def edited_hash(emitted: str, folder: Path, edited: Sequence[str]) -> str:
-    """The hash of an emission, of its edits too: boards and logs tell one from the other."""
+    """Return the hash of an emission, of its edits too: boards and logs tell one from the other."""
     if not edited:
         return emitted
     digest = hashlib.sha256(emitted.encode())
@@ -93,7 +93,7 @@ def write_checksums(folder: Path) -> None:
 
 
 def _read_checksums(folder: Path) -> dict[str, str]:
-    """Name -> digest; nothing where the list is missing or no list."""
+    """Return name -> digest; nothing where the list is missing or no list."""
     try:
         known = json.loads(read_bounded(folder / CHECKSUMS, _MAX_BYTES, "list of checksums"))
     except (OSError, ValueError, DataError):

@@ -165,7 +165,7 @@ def _built(plan: Plan, aside: Path, folder: Path, write_s: float) -> Emission:
 
 
 def _activity(checked: Check) -> list[str]:
-    """A warning where the model is not passive; never a refusal."""
+    """Return a warning where the model is not passive; never a refusal."""
     cells = []
     for outside, where in ((False, ""), (True, " beyond the trained depth")):
         active, tried = checked.model_map.active(outside)

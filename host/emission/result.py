@@ -62,7 +62,7 @@ class Emission:
         return self.footprint.stack_bytes if self.footprint else None
 
     def as_dict(self) -> JsonObject:
-        """Keys of `emit --json`."""
+        """Return keys of `emit --json`."""
         return {
             "out": str(self.folder),
             "hash": self.hash,
@@ -78,7 +78,7 @@ class Emission:
 
 
 def over_budget(emission: Emission, budget: Budget) -> str:
-    """All sizes that are over the budget, with the budget's; nothing if all fit.
+    """Return all sizes that are over the budget, with the budget's; nothing if all fit.
 
     Raises BudgetError if a size that has a budget is not known: which, why, what to do.
     """

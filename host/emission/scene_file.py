@@ -34,7 +34,7 @@ _IDENTIFIER = re.compile(r"[a-z][a-z0-9_]{0,30}")
 
 
 def toml_as_json(path: Path, max_bytes: int, what: str) -> str:
-    """The file's content as JSON. Raises UsageError for what is none; what: "scene file"."""
+    """Return the file's content as JSON. Raises UsageError for what is none; what: "scene file"."""
     try:
         return json.dumps(tomllib.loads(read_bounded(path, max_bytes, what).decode()))
     except OSError as error:
@@ -83,7 +83,7 @@ def read_scene(path: File) -> Scene:
 
 
 def scene_to_json(scene: Scene) -> str:
-    """All keys of the scene, defaults included."""
+    """Return all keys of the scene, defaults included."""
     return json.dumps(dataclasses.asdict(scene), indent=2, default=np.generic.item) + "\n"
 
 
@@ -123,7 +123,7 @@ def write_scene(path: File, scene: Scene) -> None:
 
 
 def model_path(scene: Scene, scene_file: Path) -> Path:
-    """The scene's model file; a relative path starts at the scene file.
+    """Return the scene's model file; a relative path starts at the scene file.
 
     Raises DataError where it is not there.
     """

@@ -53,7 +53,7 @@ class CLibrary:
         return self.ffi.from_buffer(f"{kind} *", values, require_writable=True)
 
     def array(self, values: Reals) -> CData:
-        """A pointer to the numbers of a contiguous array, in its own type."""
+        """Return a pointer to the numbers of a contiguous array, in its own type."""
         return self.ffi.from_buffer(_ARRAYS[values.dtype.str[1:]], values)
 
     def address(self, pointer: CData) -> int:
@@ -61,7 +61,7 @@ class CLibrary:
         return int(self.ffi.cast("uintptr_t", pointer))
 
     def pointer(self, address: int) -> CData:
-        """A void pointer to what another library has at that address."""
+        """Return a void pointer to what another library has at that address."""
         return self.ffi.cast("void *", address)
 
 

@@ -48,7 +48,7 @@ class Replay:
         *,
         place_m: tuple[float, float] | None = None,
     ) -> tuple[Reals, Reals]:
-        """Forces (N) and notes of each tick from a fresh state; shapes (n,).
+        """Return forces (N) and notes of each tick from a fresh state; shapes (n,).
 
         velocity_mps: by default backward differences of the positions. place_m: x and y, if the
         scene has a map.

@@ -98,7 +98,7 @@ class SceneLibrary:
         return int(self.function("selftest")())
 
     def new_state(self, place_m: tuple[float, float] | None = None) -> "SceneState":
-        """A fresh state; place_m: x and y where it is pressed, m, if the scene has a map."""
+        """Return a fresh state; place_m: x and y where it is pressed, m, if the scene has a map."""
         state = SceneState(self)
         if place_m is not None:
             state.place(place_m)
@@ -170,7 +170,7 @@ class SceneState:
 
 
 def build_and_load(plan: Plan) -> SceneLibrary:
-    """The plan's C without its self-test, built and loaded."""
+    """Return the plan's C without its self-test, built and loaded."""
     with emitted_folder_of(plan) as folder:
         return SceneLibrary(folder)
 
@@ -185,7 +185,7 @@ def emitted_folder_of(plan: Plan) -> Iterator[Path]:
 
 
 def without_coupling(plan: Plan) -> Plan:
-    """The model by itself: coupling and smoothing off, all else as in the scene."""
+    """Return the model by itself: coupling and smoothing off, all else as in the scene."""
     if plan.couple is None and plan.smooth_alpha is None:
         return plan
     scene = plan.scene

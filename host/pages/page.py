@@ -24,7 +24,7 @@ def page_text(template: str, context: JsonMapping, **filters: Callable[..., str]
 
 
 def plain(value: float, digits: int = 3) -> str:
-    """A number for people: significant digits, no exponent."""
+    """Return a number for people: significant digits, no exponent."""
     return np.format_float_positional(value, digits, fractional=False, trim="-")
 
 

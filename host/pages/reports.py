@@ -42,7 +42,7 @@ _CURVE_POINTS, _TOTAL_POINTS = 4000, 20_000  # of a recording; of all in one fig
 
 
 def svg_text(figure: Figure) -> str:
-    """The figure as an SVG element: the same figure, the same text."""
+    """Return the figure as an SVG element: the same figure, the same text."""
     text = io.StringIO()
     figure.savefig(text, format="svg", metadata=SVG_METADATA)
     svg = text.getvalue()
@@ -92,7 +92,7 @@ def error_figure(pairs: Sequence[Validated]) -> str:
 
 
 def _downsampled(recording: Recording, predicted_n: Samples) -> Validated:
-    """Samples enough for a curve."""
+    """Return samples enough for a curve."""
     every = _stride(len(predicted_n), _CURVE_POINTS)
     position_m, force_n = recording.position_m[::every], recording.force_n[::every]
     dt_s = every * recording.dt_s
@@ -101,7 +101,7 @@ def _downsampled(recording: Recording, predicted_n: Samples) -> Validated:
 
 
 def _stride(samples: int, points: int) -> int:
-    """Every how many samples one is drawn."""
+    """Return every how many samples one is drawn."""
     return max(1, -(-samples // points))
 
 

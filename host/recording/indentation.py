@@ -71,7 +71,7 @@ class PressRows:
         return len(self.table) == self._n
 
     def column(self, name: str) -> Samples:
-        """A column of the loop's rows, (rows,)."""
+        """Return a column of the loop's rows, (rows,)."""
         return np.asarray(self.table[:, COLUMN[name]])
 
     def append(self, rows: LoopRows) -> None:
@@ -217,7 +217,7 @@ class PressedDevice:
             raise DeviceError(f"{self.url}: {fault}; what came before is kept")
 
     def unmeasured(self) -> SpringpotError:
-        """The error of a press that measures no force."""
+        """Return the error of a press that measures no force."""
         return DeviceError(
             f"{self.url}: measures no force: recording needs a load cell, an ODrive of firmware "
             "0.6 that sends its torques (0x1C), or a sensor beside it, --force URL"
@@ -235,7 +235,7 @@ def rest(seconds: float) -> None:
 
 
 def trip_error(url: str, state: LoopState, why: str = "") -> DeviceError:
-    """The error of a watchdog that ended a press: the loop's own, or the device's.
+    """Return the error of a watchdog that ended a press: the loop's own, or the device's.
 
     why: what the device says of it.
     """

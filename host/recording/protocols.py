@@ -91,7 +91,7 @@ def validation(seed: int) -> list[Profile]:
 
 
 def extended(seed: int) -> list[Profile]:
-    """The training protocol, a 15 s multisine (0.1 to 10 Hz) and a 20 s hold.
+    """Return the training protocol, a 15 s multisine (0.1 to 10 Hz) and a 20 s hold.
 
     Models with a long memory need recordings as long as it.
     """

@@ -41,7 +41,7 @@ class StepFunctions:
 
 
 def scene_step_functions(scene: SceneLibrary, place_m: tuple[float, float] | None) -> StepFunctions:
-    """A fresh state of a scene, at a place if it has a map."""
+    """Return a fresh state of a scene, at a place if it has a map."""
     state = scene.new_state(place_m)
     step, idle, reset = (scene.address(name) for name in ("step", "idle", "reset"))
     owners = (scene, state)
@@ -130,7 +130,7 @@ class CLoop:
         )
 
     def drain(self) -> LoopRows:
-        """Rows since the last call."""
+        """Return rows since the last call."""
         if not self._links:
             return empty_rows()
         count = self._c.sp_loop_drain(self._loop, self._rows(self._chunk), len(self._chunk))

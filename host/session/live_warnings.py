@@ -47,7 +47,7 @@ class LiveWarnings:
             self._look(window)
 
     def finish(self) -> list[JsonObject]:
-        """All of them, after the end: time_s of the first tick, what, count of ticks."""
+        """Return all of them, after the end: time_s of the first tick, what, count of ticks."""
         if len(self._waiting):
             self._look(self._waiting)
         events = [event for kind in self._events.values() for event in kind]

@@ -161,7 +161,7 @@ class Session(SessionRunner):
                 self._close_log()
 
     def result(self) -> JsonObject:
-        """Keys of `springpot run --json`, after the end."""
+        """Return keys of `springpot run --json`, after the end."""
         state, counts = self.state, self.counts
         return {
             **{name: getattr(state, name) for name in _OF_LOOP},

@@ -47,7 +47,7 @@ JITTER, DROPPED = 0.3, 0.1
 
 
 def sample_loss_cases(plan: Plan, force: Force, hand: Hand) -> list[tuple[Case, Case]]:
-    """Each case, and the same without a loss. force: the scene's on a motion."""
+    """Return each case, and the same without a loss. force: the scene's on a motion."""
     pairs: list[tuple[Case, Case]] = []
     for suffix, speed in SPEEDS.items():
         clean, *losing = _loss_cases_at_speed(plan, force, hand, suffix, speed)
@@ -58,7 +58,7 @@ def sample_loss_cases(plan: Plan, force: Force, hand: Hand) -> list[tuple[Case, 
 def _loss_cases_at_speed(
     plan: Plan, force: Force, hand: Hand, suffix: str, speed: float
 ) -> list[Case]:
-    """The case without a loss, then those that lose samples of the same strokes."""
+    """Return the case without a loss, then those that lose samples of the same strokes."""
     space = Workspace.of(plan)
     longest = max(1, round(plan.watchdog_s / plan.dt_s) - 1)
     half_m = 0.5 * (space.at(_SHARE) - space.free_m)
@@ -90,7 +90,7 @@ def _loss_cases_at_speed(
 
 
 def loss_ticks(n: int, cycle_ticks: float, ticks: int, dt_s: float) -> NDArray[np.int64]:
-    """Ticks of losses of `ticks` each, evenly apart, from the first stroke's turn on.
+    """Return ticks of losses of `ticks` each, evenly apart, from the first stroke's turn on.
 
     Less than a seventh of the ticks are lost, so that a session goes on. Of the shortest spacings
     that allow it, the one with phases in the cycle of strokes that leave the smallest gap.
@@ -129,7 +129,7 @@ def hold_case(space: Workspace, force: Force, hand: Hand, hold_s: float = HOLD_S
 
 
 def cases(plan: Plan, force: Force, hand: Hand) -> list[Case]:
-    """All cases but `stiff`, which holds another scene. force: the scene's on a motion."""
+    """Return all cases but `stiff`, which holds another scene. force: the scene's on a motion."""
     space = Workspace.of(plan)
 
     def press(motion: Motion, seconds: float, jitter: float = 0.0) -> Scenario:

@@ -110,7 +110,7 @@ def held_tool(
     start_m: float = 0.0,
     noisy: bool = True,
 ) -> CData:
-    """A hand that holds the tool of a device at rest at start_m, m: the C state, sim_tool.
+    """Return a hand that holds the tool of a device at rest at start_m, m: the C state, sim_tool.
 
     substeps: of the hand in a tick. noisy: the encoder's position and its filtered difference in
     place of the truth. Raises SpringpotError for a device that cannot be.

@@ -56,7 +56,7 @@ class Workspace:
 
     @staticmethod
     def of(plan: Plan) -> "Workspace":
-        """The workspace of a plan."""
+        """Return the workspace of a plan."""
         base_m = 0.0 if plan.contact else float(plan.range.min_m)
         span_m = float(plan.range.max_m) - base_m
         free_m = -min(_FREE_M, 0.2 * span_m) if plan.contact else base_m + 0.05 * span_m
@@ -83,7 +83,7 @@ def hold_motion(space: Workspace, shares: tuple[float, ...], hold_s: float) -> t
 
 
 def settled_hold_ticks(space: Workspace, shares: int, hold_s: float) -> tuple[slice, ...]:
-    """Ticks of each hold, once it has settled."""
+    """Return ticks of each hold, once it has settled."""
     period_s = RISE_S + hold_s
     edges = [
         (i * period_s + RISE_S + min(SETTLE_S, hold_s / 3.0), (i + 1) * period_s)

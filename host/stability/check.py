@@ -120,7 +120,7 @@ class Stability:
         return f"Stability({self.check.sentence} {len(self.outcomes)} cases of the closed loop)"
 
     def as_dict(self) -> JsonObject:
-        """Keys of `stability --json`."""
+        """Return keys of `stability --json`."""
         return {
             **self.check.as_dict(),
             "coupling": self.check.plan.coupling.why,

@@ -145,11 +145,11 @@ class BuiltScene:
     __repr__ = short_repr
 
     def force(self, position_m: Samples) -> Samples:
-        """The model alone's force on a motion from a fresh state, N."""
+        """Return the model alone's force on a motion from a fresh state, N."""
         return self._along(self.model, position_m)
 
     def felt(self, position_m: Samples) -> Samples:
-        """The scene's force on a motion from a fresh state, N: what a hand has to hold."""
+        """Return the scene's force on a motion from a fresh state, N: what a hand has to hold."""
         return self._along(self.library, position_m)
 
     def _along(self, library: SceneLibrary, position_m: Samples) -> Samples:
@@ -158,7 +158,7 @@ class BuiltScene:
 
 
 def rendered(plan: Plan, library: SceneLibrary, loop: type[HandLoop] = HandLoop) -> BuiltScene:
-    """A scene that is built, and the model alone, built here where it is another."""
+    """Return a scene that is built, and the model alone, built here where it is another."""
     model = without_coupling(plan)
     return BuiltScene(
         plan, loop(library), library, library if model is plan else build_and_load(model)
@@ -176,7 +176,7 @@ def hold_outcomes(scene: BuiltScene) -> list[Outcome]:
 
 
 def closed_loop_outcomes(scene: BuiltScene, stiff: BuiltScene) -> Iterator[Outcome]:
-    """Every case with every hand and delay. stiff: the object ten times stiffer."""
+    """Yield every case with every hand and delay. stiff: the object ten times stiffer."""
     for number, (hand, more_delay) in enumerate(CHECKED_HANDS):
         log_progress(f"closed loop, {hand.name} hand", number, len(CHECKED_HANDS))
         for case in cases(scene.plan, scene.felt, hand):
@@ -186,7 +186,7 @@ def closed_loop_outcomes(scene: BuiltScene, stiff: BuiltScene) -> Iterator[Outco
 
 
 def sample_loss_outcomes(scene: BuiltScene, hand: Hand, more_delay: int) -> Iterator[Outcome]:
-    """The cases that lose samples, beside the same without a loss."""
+    """Yield the cases that lose samples, beside the same without a loss."""
     clean_outcomes: dict[str, Outcome] = {}
     for case, clean in sample_loss_cases(scene.plan, scene.felt, hand):
         if clean.name not in clean_outcomes:

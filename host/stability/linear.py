@@ -29,7 +29,7 @@ OWN_DELAY = tuple((hand, extra) for hand, extra in CHECKED_HANDS if not extra)
 
 
 def scene_loop(plan: Plan, hand: Hand, extra_delay: int = 0) -> LinearLoop:
-    """The linear loop of a plan with a hand, its object a spring."""
+    """Return the linear loop of a plan with a hand, its object a spring."""
     smoothing = 1.0 if plan.smooth_alpha is None else float(plan.smooth_alpha)
     device = plan.loop_device.with_delay(extra_delay)
     return LinearLoop(plan.dt_s, plan.coupling.coupling, hand, device, smoothing)
@@ -60,7 +60,7 @@ def margin_sentence(margin: LoopMargin, hands: str = "every hand") -> str:
 
 
 def plans_at_higher_rates(plan: Plan) -> Iterator[Plan]:
-    """The plan at each higher rate that devices are served at, the lowest first."""
+    """Yield the plan at each higher rate that devices are served at, the lowest first."""
     for rate_hz in SERVED_HZ:
         if rate_hz * plan.dt_s > 1.001:
             scene = replace(plan.scene, runtime=replace(plan.scene.runtime, rate_hz=rate_hz))

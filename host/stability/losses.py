@@ -106,7 +106,7 @@ def _accepted(scenario: Scenario) -> Flags:
 
 
 def longest_silence_ticks(scenario: Scenario) -> int:
-    """Ticks of the longest time without a good sample."""
+    """Return ticks of the longest time without a good sample."""
     accepted = np.concatenate([[True], _accepted(scenario), [True]])
     return int(np.diff(np.flatnonzero(accepted)).max()) - 1
 

@@ -22,7 +22,7 @@ _SAME_RATE = 1e-3  # apart, relatively: one rate, as `require_compatible` has it
 
 
 def resample_to_ticks(recording: Recording, dt_s: float) -> Recording:
-    """A recording at a scene's time step; itself, if that is its own."""
+    """Return a recording at a scene's time step; itself, if that is its own."""
     if abs(recording.dt_s / dt_s - 1.0) <= _SAME_RATE:
         return recording
     own_s = np.arange(len(recording.position_m)) * recording.dt_s
@@ -36,7 +36,7 @@ def resample_to_ticks(recording: Recording, dt_s: float) -> Recording:
 
 
 def resample_to_samples(force_n: Samples, recording: Recording, dt_s: float) -> Samples:
-    """Forces of a scene's ticks, (ticks,), N, at the recording's samples, (samples,)."""
+    """Return forces of a scene's ticks, (ticks,), N, at the recording's samples, (samples,)."""
     if len(force_n) == len(recording.position_m):
         return force_n
     own_s = np.arange(len(recording.position_m)) * recording.dt_s

@@ -40,7 +40,7 @@ def accepted_signs_sentence(manifest: JsonMapping) -> str:
 
 
 def training_overlap_sentence(seen: int | None, recordings: int) -> str:
-    """The line before the figures; nothing where all recordings are new."""
+    """Return the line before the figures; nothing where all recordings are new."""
     if seen is None:
         return "the model does not say which recordings it was trained on"
     if not seen:

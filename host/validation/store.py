@@ -80,7 +80,7 @@ def read_validation(folder: Path) -> tuple[JsonObject, list[Validated]]:
 
 
 def _parts(validation: Validation) -> str:
-    """The model's own error, and what coupling, guard and limits make of it.
+    """Return the model's own error, and what coupling, guard and limits make of it.
 
     Neither is a part of the scene's error: the two may make up for each other.
     """

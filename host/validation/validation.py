@@ -142,7 +142,7 @@ class Validation(Compared):
         return f"{word}: {', '.join(parts)}. {margin_sentence(self.margin)}"
 
     def as_dict(self) -> JsonObject:
-        """Keys of `validate --json`."""
+        """Return keys of `validate --json`."""
         errors = asdict(self.accuracy)
         first_n, later_n = self.presses_n or (None, None)
         return {
@@ -220,7 +220,7 @@ def validate(folder: File, recordings: Recordings, paced_s: float = PACED_S) -> 
 
 
 def _start_as_emitted(emitted: Emitted) -> Model:
-    """The model that begins as the C does, which has no recording to look at."""
+    """Return the model that begins as the C does, which has no recording to look at."""
     start, model = emitted.plan.scene.runtime.start, emitted.model
     if start == "auto" and model.hammerstein is not None and not model.hammerstein.continues:
         start = "rested"

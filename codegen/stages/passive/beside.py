@@ -62,7 +62,7 @@ class FlowBranches:
         ]
 
     def slopes_n(self, nodes: int) -> Samples:
-        """The most that the force rises at each node, (J,), N for u from 0 to 1."""
+        """Return the most that the force rises at each node, (J,), N for u from 0 to 1."""
         u = np.linspace(0.0, 1.0, nodes) if nodes > 1 else np.ones(1)
         degrees = np.array(FUNCTIONS)[self.function].astype(float)
         steep: Samples = degrees * u[:, None] ** (degrees - 1.0)
@@ -91,7 +91,7 @@ class FlowBranches:
 
 
 def build_flow_branches(flow: Flow, ticks: SceneTicks) -> FlowBranches:
-    """The branches of a model, those of power 3 first."""
+    """Return the branches of a model, those of power 3 first."""
     order = sort_by_power(flow)
     power, rate = flow.power[order], flow.rate_ps[order]
     degrees = flow.degree[order].tolist()
@@ -132,7 +132,7 @@ class DamageCurves:
         ]
 
     def advance(self, u: Reals, place: CurveLocation, deepest: Reals) -> tuple[Reals, Reals]:
-        """Forces of ticks at u (n,), N, in the order of the C; and M after the last one."""
+        """Return forces of ticks at u (n,), N, in the order of the C; and M after the last one."""
         real, v = u.dtype.type, np.where(u > 0, u, u.dtype.type(0))[:, None]
         max_depth, ends = np.empty((len(u), len(deepest)), u.dtype), np.empty_like(deepest)
         for k, begin in enumerate(to_scalars(deepest)):
@@ -152,7 +152,7 @@ class DamageCurves:
 
 
 def build_damage_curves(damage: Damage, ticks: SceneTicks) -> DamageCurves:
-    """The curves of a model, those of power 1 first."""
+    """Return the curves of a model, those of power 1 first."""
     dtype = ticks.dtype
     order = sort_by_power(damage)
     heal_s = damage.heal_s[order]
@@ -165,7 +165,7 @@ def build_damage_curves(damage: Damage, ticks: SceneTicks) -> DamageCurves:
 
 
 def bound_damage_slopes_n(damage: Damage) -> Samples:
-    """The most that damage's force rises at each node, (J,), N for u from 0 to 1.
+    """Return the most that damage's force rises at each node, (J,), N for u from 0 to 1.
 
     d/dv g (v/M)^q <= g' + q g/v, and g/v is at most the largest slope so far.
     """

@@ -163,7 +163,7 @@ class HammersteinStage(Stage):
         return {name: values for name, values in arrays.items() if values.size}
 
     def at(self, place_m: tuple[float, float] | None) -> "HammersteinStage":
-        """The stage as it is at a place, x and y, m; None: until one is chosen."""
+        """Return the stage as it is at a place, x and y, m; None: until one is chosen."""
         if self.placed is None:
             return self
         mixed = self.placed.at(place_m or self.placed.start_m)

@@ -70,7 +70,7 @@ class MaxwellBranches:
         return [array_text(f"{self.names.prefix}_loss", c_type, self.loss)]
 
     def advance(self, rises: Reals, location: CurveLocation, h: Reals) -> Reals:
-        """States after each tick, (n, count), from h, (count,); rises (n, count)."""
+        """Return states after each tick, (n, count), from h, (count,); rises (n, count)."""
         if self.double:
             rises = rises.astype(np.float64)
         if not self.by_depth:

@@ -72,7 +72,7 @@ class PassiveMotion:
         return Memory(branch_n, flow, deepest, self._play.astype(np.float64), *at)
 
     def with_stage(self, stage: "HammersteinStage") -> "PassiveMotion":
-        """The same state in ticks of another length: the stage of the same model."""
+        """Return the same state in ticks of another length: the stage of the same model."""
         other = copy(self)
         other._set_stage(stage, self._u)
         return other
@@ -206,7 +206,7 @@ class _DetachedTick:
         self._branch_state = [to_scalars(states) for states in branch_state]
 
     def end(self, dtype: RealType) -> tuple[Reals, list[Reals], Reals]:
-        """Values of the branches' curves, their states, and plays, after the last tick."""
+        """Return values of the branches' curves, their states, and plays, after the last tick."""
         types = (np.float64 if step.double else dtype for step in self._stage.steps)
         states = [np.array(h, dtype=t) for h, t in zip(self._branch_state, types, strict=True)]
         return np.array(self._before, dtype), states, np.array(self._play, dtype)

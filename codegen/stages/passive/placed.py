@@ -114,7 +114,7 @@ class PlacedCurves:
 def build_placed_curves(
     model: Hammerstein, curves_of: Callable[[Hammerstein], dict[str, Reals]], dtype: RealType
 ) -> PlacedCurves | None:
-    """The map of a model that has one; curves_of: the arrays of a model of one material."""
+    """Return the map of a model that has one; curves_of: the arrays of a model of one material."""
     places = model.places
     if places is None:
         return None
