@@ -32,17 +32,9 @@ if TYPE_CHECKING:
     )
     from springpot.host.files import (
         import_recordings as import_recordings,
-    )
-    from springpot.host.files import (
         read_model as read_model,
-    )
-    from springpot.host.files import (
         read_recordings as read_recordings,
-    )
-    from springpot.host.files import (
         write_model as write_model,
-    )
-    from springpot.host.files import (
         write_recordings as write_recordings,
     )
     from springpot.host.loaded import (
@@ -53,20 +45,10 @@ if TYPE_CHECKING:
     )
     from springpot.host.steps import (
         bench as bench,
-    )
-    from springpot.host.steps import (
         emit as emit,
-    )
-    from springpot.host.steps import (
         predict as predict,
-    )
-    from springpot.host.steps import (
         record as record,
-    )
-    from springpot.host.steps import (
         stability as stability,
-    )
-    from springpot.host.steps import (
         train as train,
     )
     from springpot.host.validation.validation import (

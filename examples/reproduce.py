@@ -19,8 +19,7 @@ from typing import Any
 
 import numpy as np
 from paper_claims import Claim, claims
-from paper_formulas import Samples, rms
-from paper_formulas import press as command
+from paper_formulas import Samples, press as command, rms
 from paper_page import headline, page
 from paper_results import COUPLED, KINDS, OBJECTS, ORDERS, OWN, PAST, SLOW_S, Hands, Result
 

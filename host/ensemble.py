@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 from sklearn.base import clone
 from sklearn.metrics import r2_score
 
-from springpot import Model
 from springpot.codegen.arrays import Samples, to_float64
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.features import Features
+from springpot.codegen.model.model import Model
 from springpot.codegen.model.regressors import Linear
 from springpot.trainer.models.ensembles import convert_ensemble, convert_linear, require_fitted
 from springpot.trainer.models.fit import FitOptions, assemble

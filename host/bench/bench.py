@@ -18,7 +18,6 @@ from joblib import Memory, Parallel, delayed, parallel_config
 from joblib.memory import MemorizedFunc
 from rich.progress import track
 
-from springpot import Recording
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.files import write_file
 from springpot.codegen.scene import Target
@@ -36,6 +35,7 @@ from springpot.host.output import RESULT, progress_console
 from springpot.host.validation.seen import known_among
 from springpot.trainer.kinds import KINDS
 from springpot.trainer.models.fit import FitOptions
+from springpot.trainer.recordings.recording import Recording
 
 _CONNECT_S = 10
 _Result = TypeVar("_Result")

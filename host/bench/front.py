@@ -4,20 +4,22 @@ import tempfile
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from springpot import Model, Recording, Scene, SpringpotError, read_model
 from springpot.codegen.emit.golden import differentiate
-from springpot.codegen.errors import UnsafeError
+from springpot.codegen.errors import SpringpotError, UnsafeError
 from springpot.codegen.make_plan import make_plan
+from springpot.codegen.model.model import Model
 from springpot.codegen.notes import RESYNC
-from springpot.codegen.scene import Number, Runtime, Target
+from springpot.codegen.scene import Number, Runtime, Scene, Target
 from springpot.host.bench.measure import Point, bench_scene
 from springpot.host.emission.boards import Board, default_board, missing, run_batch, steps
 from springpot.host.emission.emission import write_emission
+from springpot.host.files import read_model
 from springpot.host.native.replay import Replay, TickTimes
 from springpot.host.native.scene_library import build_and_load
 from springpot.host.stability.check import stability
 from springpot.host.stability.linear import require_stable, spectral_radius
 from springpot.host.validation.rendered import measure_rendered
+from springpot.trainer.recordings.recording import Recording
 
 PACED_S = 2.0
 _PACED_TRIES = 3

@@ -6,12 +6,14 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from springpot import Model, Recording, Scene, SpringpotError, read_model
+from springpot.codegen.errors import SpringpotError
 from springpot.codegen.make_plan import make_plan
+from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import model_bytes, model_hash
 from springpot.codegen.plan import Plan, state_bytes
-from springpot.codegen.scene import Coupling, Number, Runtime, Target
+from springpot.codegen.scene import Coupling, Number, Runtime, Scene, Target
 from springpot.codegen.types import JsonObject
+from springpot.host.files import read_model
 from springpot.host.metrics import accuracy, find_contacts, slope_errors, slope_keys
 from springpot.host.native.compiler import CompilerError, compiler_version
 from springpot.host.native.replay import Replay, replay_forces
@@ -21,6 +23,7 @@ from springpot.host.stability.small_signal import small_signal_map
 from springpot.trainer.kinds import KINDS
 from springpot.trainer.models.fit import PAPER_CENTERS, FitOptions
 from springpot.trainer.models.rf_fd import PAPER_TAPS
+from springpot.trainer.recordings.recording import Recording
 
 if TYPE_CHECKING:
     from springpot.trainer.models.training_set import TrainingSet

@@ -9,9 +9,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from springpot import SpringpotError
 from springpot.codegen.arrays import Reals
-from springpot.codegen.errors import BudgetError, MismatchError, UsageError
+from springpot.codegen.errors import BudgetError, MismatchError, SpringpotError, UsageError
 from springpot.codegen.files import write_folder_atomically
 from springpot.codegen.messages import short_repr
 from springpot.codegen.plan import Plan, state_bytes

@@ -8,9 +8,8 @@ import tempfile
 from importlib.resources import as_file, files
 from pathlib import Path
 
-from springpot import SpringpotError
 from springpot.codegen.emit.golden import differentiate, golden_positions
-from springpot.codegen.errors import MismatchError, UsageError
+from springpot.codegen.errors import MismatchError, SpringpotError, UsageError
 from springpot.codegen.plan import Plan
 from springpot.host.native.compiler import packaged_compiler, run_compiler
 from springpot.host.native.replay import Replay

@@ -20,9 +20,8 @@ from scipy.ndimage import gaussian_filter1d
 from scipy.optimize import minimize_scalar
 from scipy.signal import chirp
 
-from springpot import SpringpotError
 from springpot.codegen.arrays import Samples
-from springpot.codegen.errors import DeviceError, UsageError
+from springpot.codegen.errors import DeviceError, SpringpotError, UsageError
 from springpot.codegen.types import JsonMapping, JsonObject
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.drivers import parse_device

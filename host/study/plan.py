@@ -16,11 +16,11 @@ from typing import NamedTuple, TextIO
 
 import numpy as np
 
-from springpot import emit
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.files import sync_path, write_folder_atomically
 from springpot.codegen.messages import with_progress
 from springpot.host.emission.emission import read_emission
+from springpot.host.steps import emit
 from springpot.host.study.definition import RENDERED, Study, read_study
 
 Row = dict[str, str]

@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
-from springpot import Session
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.types import JsonObject
 from springpot.host.emission.emission import read_emission
 from springpot.host.native.c_library import COLUMN, LoopRows
 from springpot.host.output import print_line, progress_console
+from springpot.host.session.session import Session
 from springpot.host.session.terminal import stopping_on_sigterm
 from springpot.host.study.definition import RENDERED
 from springpot.host.study.plan import Row, StudyPlan, Trial, append_only_table

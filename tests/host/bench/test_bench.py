@@ -14,8 +14,7 @@ from support.small import press, recording, training
 
 from springpot import write_model
 from springpot.codegen.errors import UsageError
-from springpot.host.bench import bench as bench_module
-from springpot.host.bench import front
+from springpot.host.bench import bench as bench_module, front
 from springpot.host.bench.bench import Bench, holdout, run_bench
 from springpot.host.bench.front import pareto_front
 from springpot.host.bench.measure import Candidate, default_sweep

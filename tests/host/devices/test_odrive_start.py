@@ -11,8 +11,7 @@ import pytest
 from support.messages import refusing
 
 from springpot.codegen.errors import DeviceError, UsageError
-from springpot.host.devices import device as device_module
-from springpot.host.devices import odrive, odrive_device
+from springpot.host.devices import device as device_module, odrive, odrive_device
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.drivers import parse_device
 from springpot.host.devices.odrive import Drive, DriveLimits, Heartbeat, identifier, parse_heartbeat

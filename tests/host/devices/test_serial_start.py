@@ -14,8 +14,7 @@ from google_crc32c import value as crc32c
 from support.messages import refusing
 
 from springpot.codegen.errors import DeviceError, UsageError
-from springpot.host.devices import device as device_module
-from springpot.host.devices import serial_device
+from springpot.host.devices import device as device_module, serial_device
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.drivers import parse_device
 from springpot.host.devices.serial_device import SerialDevice

@@ -5,8 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.recordings.conditioning import Conditioning, align_surfaces, condition
