@@ -69,7 +69,7 @@ def write_in_folder(
             sources = f"{recordings[files.index(file)].source} and {recordings[number].source}"
             raise UsageError(f"{file}: of {sources}: write recordings of one name to two folders")
         if file.exists() and not overwrite:
-            raise UsageError(f"{file}: exists already: remove it or choose another --out")
+            raise UsageError(f"{file}: exists already: remove it or choose another folder")
     folder.mkdir(parents=True, exist_ok=True)
     for file, recording in zip(files, recordings, strict=True):
         hdf5_file.write_recording(file, recording, overwrite=overwrite)

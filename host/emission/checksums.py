@@ -25,12 +25,11 @@ def require_replaceable(folder: Path, yours: Collection[str] = ()) -> None:
     yours: names of files that their user may have changed.
     """
     if folder.is_file():
-        raise UsageError(f"{folder}: is a file: give a folder to --out")
+        raise UsageError(f"{folder}: is a file: give a folder")
     if folder.exists() and any(folder.iterdir()):
         if not (folder / CHECKSUMS).exists():
             raise UsageError(
-                f"{folder}: holds files that springpot did not emit: give --out an empty or new "
-                "folder"
+                f"{folder}: holds files that springpot did not emit: give an empty or new folder"
             )
         known = _read_checksums(folder)
         for file in sorted(folder.rglob("*")):
@@ -44,7 +43,7 @@ def require_replaceable(folder: Path, yours: Collection[str] = ()) -> None:
             if name not in yours and known.get(name) != _digest(file):
                 raise UsageError(
                     f"{file}: not as springpot emitted it: move your changes out of {folder}, or "
-                    "give --out another folder"
+                    "give another folder"
                 )
     folder.parent.mkdir(parents=True, exist_ok=True)
 

@@ -98,12 +98,14 @@ def record_session(
     files = [out / f"{name}{RECORDING_SUFFIX}" for name in names]
     for file in files:
         if file.exists():
-            raise UsageError(f"{file}: exists and is not overwritten: give another --out")
+            raise UsageError(
+                f"{file}: exists and is not overwritten: read it, or give another folder"
+            )
         require_no_journal(journal_path(file))
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise UsageError(f"{out}: {error.strerror}: give a folder for --out") from None
+        raise UsageError(f"{out}: {error.strerror}: give a folder") from None
     of_device = device.prepare()
     qualities = []
     for name, file, profile in zip(names, files, profiles, strict=True):

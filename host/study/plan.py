@@ -145,7 +145,7 @@ def write_plan(file: Path, participants: int, out: Path) -> StudyPlan:
     """
     study = read_study(file)
     if out.exists() and (not out.is_dir() or any(out.iterdir())):
-        raise UsageError(f"{out}: exists and is not overwritten: give a new --out")
+        raise UsageError(f"{out}: exists and is not overwritten: give a new folder")
     numbers = [f"{k:0{max(2, len(str(participants)))}d}" for k in range(1, participants + 1)]
     out.parent.mkdir(parents=True, exist_ok=True)
     with write_folder_atomically(out) as aside:

@@ -54,7 +54,7 @@ def test_a_plan_that_was_changed_is_refused(tmp_path: Path) -> None:
     (scenes / "kept").rename(scenes / "2-passive")
     with pytest.raises(DataError, match="scenes/1-passive: changed since the plan: restore it"):
         read_plan(plan.path)
-    with pytest.raises(UsageError, match="plan: exists and is not overwritten: give a new --out"):
+    with pytest.raises(UsageError, match="plan: exists and is not overwritten: give a new folder"):
         write_plan(tmp_path / "study.toml", 2, plan.path)
     with pytest.raises(DataError, match="no planned study: `springpot study plan` makes one"):
         read_plan(tmp_path)
