@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support.c.passive_run import PassiveC
-from support.small import DT_S, damage, flow, passive_model, press
+from support.small import DT_S, damage, flow, passive_force_n, passive_model, press
 
 from springpot import Recording, predict
 from springpot.codegen.arrays import Samples, rms
@@ -172,7 +171,7 @@ def test_an_object_that_lets_go_has_a_surface_that_recovers() -> None:
     recordings = []
     for hz, share in product((1.0, 4.0), (0.6, 1.0)):
         depth_m = press(hz, share * DEPTH_M, 3)
-        made = PassiveC(LETS_GO, DT_S, surface=True).force_n(depth_m)
+        made = passive_force_n(LETS_GO, depth_m, DT_S, surface=True)
         recordings.append(Recording(f"{hz}-{share}", depth_m, made, DT_S))
     model = fit_model("hammerstein", "x", recordings, FitOptions(smooth_s=0.0)).model
     assert model.hammerstein is not None and model.hammerstein.recovers

@@ -184,7 +184,8 @@ class Laws:
     def __init__(self, plain: Terms, rows: PassiveRows, data: TrainingSet) -> None:
         self._plain, self._data = plain, data
         values = data.map_motions(rows.rows, partial(evaluate_plain_hats, plain, data.dt_s))
-        values = np.hstack([values, np.tile([1.0, -1.0], (len(values), int(plain.bias)))])
+        if plain.bias:
+            values = np.hstack([values, np.tile([1.0, -1.0], (len(values), 1))])
         if rows.surface:
             sums, form = self._to_terms("", np.eye(len(values.T))), PENALTIES[1] * plain.roughness()
             rows = replace(
@@ -272,11 +273,8 @@ class Laws:
         data, rows, terms = self._data, self._rows.rows, self._add_terms(self._plain, name)
         if name != "flow":
             return data.map_motions(rows, partial(evaluate_added_hats, terms, data.dt_s))
-        motion_args = (data.motions, data.dt_s, data.rows_by_motion(rows))
-        key = ("flow", rows.tobytes())
-        return data.cached(
-            key, lambda: data.to_row_order(rows, simulate_flow(terms, *motion_args))
-        )[0]
+        key, flow = ("flow", rows.tobytes()), partial(simulate_flow, terms, data.dt_s)
+        return data.cached(key, lambda: data.map_motions(rows, flow))[0]
 
 
 def _select_curves(
