@@ -243,6 +243,22 @@ def test_short_presses_of_a_silicone_tell_of_long_ones(tmp_path: Path) -> None:
     assert found.rmse_percent_of_peak < 0.3
 
 
+def test_a_pad_that_sticks_pushes_no_hand_where_it_was_felt_to_pull() -> None:
+    """Pressed for a second and a half, then cycles to the surface: at rest it gives 0 N there."""
+    whole_m = np.concatenate([
+        np.zeros(100), np.full(1500, 0.8 * DEPTH_M), np.linspace(0.8 * DEPTH_M, 0.0, 300),
+        press(1.0, DEPTH_M, 3), press(0.4, 0.6 * DEPTH_M, 2), press(2.0, 0.8 * DEPTH_M, 4),
+    ])  # fmt: skip
+    u = whole_m / DEPTH_M
+    force_n = u + 3.0 * sum(highpass(u, tau_s, DT_S) for tau_s in (0.02, 0.2, 2.0, 20.0))
+    felt = Recording("pad", whole_m[1100:], force_n[1100:], DT_S)  # of the hold, its last 0.5 s
+    assert felt.force_n[felt.position_m < 0.02 * DEPTH_M].max() < -1.0
+    model = fit_model("hammerstein", "x", [felt], FitOptions(smooth_s=0.0)).model
+    still_m = np.zeros(100)
+    rested_n = predict_n(model.with_start("rested"), Recording("hand", still_m, still_m, DT_S))
+    assert model.contact == "always" and rested_n.max() <= 0.0  # 0.17 N, where a bias may push
+
+
 @pytest.mark.parametrize("goes_on", [False, True])
 def test_how_recordings_begin_is_learnt_from_them(goes_on: bool) -> None:
     """An object that relaxes for minutes: pressed five times in a row, or a fresh one each time."""

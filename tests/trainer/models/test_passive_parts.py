@@ -33,7 +33,7 @@ def test_terms_times_weights_are_the_force_of_the_model_that_they_make(ratio: fl
     """Of all kinds of terms, at a third of the samples; the two are different C."""
     depth_m = np.concatenate([press(1.0, DEPTH_M, 2), 0.6 * press(3.0, DEPTH_M, 2)])
     data = build_training_set([Recording("x", depth_m, depth_m, DT_S)], 0.0)
-    plain = replace(plain_terms(data, 9), bias=True)
+    plain = replace(plain_terms(data, 9), bias=(1.0, -1.0))
     terms = add_flow(add_damage(add_depth_rates(plain, data, ratio)), data)
     weights = np.random.default_rng(0).exponential(1.0, terms.count)
     rows = np.arange(1, len(depth_m), 3)

@@ -185,7 +185,7 @@ class Laws:
         self._plain, self._data = plain, data
         values = data.map_motions(rows.rows, partial(evaluate_plain_hats, plain, data.dt_s))
         if plain.bias:
-            values = np.hstack([values, np.tile([1.0, -1.0], (len(values), 1))])
+            values = np.hstack([values, np.tile(plain.bias, (len(values), 1))])
         if rows.surface:
             sums, form = self._to_terms("", np.eye(len(values.T))), PENALTIES[1] * plain.roughness()
             rows = replace(
