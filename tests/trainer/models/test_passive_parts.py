@@ -137,7 +137,7 @@ def test_what_softens_keeps_its_slope_and_no_slope_grows_beyond_all_bounds() -> 
 def test_a_curve_that_little_force_came_from_grows_no_more_than_all_together(
     foretold: bool,
 ) -> None:
-    """A slow branch that rises steeply where a spring has stopped to: 43 N in place of 4.6 N."""
+    """A slow branch that rises steeply where a spring has stopped to."""
     u = np.linspace(0.0, 1.0, 9)
     slow, spring_n = np.exp(12.0 * (u - 1.0)), 4.0 - 2.0 * u
     model = replace(

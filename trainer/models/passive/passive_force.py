@@ -60,7 +60,7 @@ def simulate_passive(
 
 
 def store_memory(model: Hammerstein, data: TrainingSet) -> Hammerstein:
-    """The model with the memory with which the last press began; untimed, with which it ended.
+    """Store the memory with which the last press began; untimed, with which it ended.
 
     Presses begin with it where the recordings go on, or where it takes a tenth off the error of
     the later presses of a timed session, each by itself: their rests were too short to forget in.

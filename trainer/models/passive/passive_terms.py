@@ -28,10 +28,10 @@ class Terms:
     """The terms that a fit chooses from, in columns.
 
     First the plain ones: the spring's curve, those of the branches (tau_s) and of the stops
-    (radius_m), and the signs that a bias may have, without a surface. Then what a richer law adds: curves of
-    branches with a rate by depth (depth_tau_s, rate_ratio: see `Hammerstein`), curves of damage
-    (time of healing, power), a column each for flowing branches (time constant, power, degree),
-    lower powers first.
+    (radius_m), and the signs that a bias may have, without a surface. Then what a richer law adds:
+    curves of branches with a rate by depth (depth_tau_s, rate_ratio: see `Hammerstein`), curves of
+    damage (time of healing, power), a column each for flowing branches (time constant, power,
+    degree), lower powers first.
     """
 
     origin_m: float
@@ -69,12 +69,12 @@ class Terms:
 
     @property
     def count(self) -> int:
-        """All columns."""
+        """Count all columns."""
         return self.plain_count + self.width * self.curves[1] + len(self.flow)
 
     @property
     def blocks(self) -> Indices:
-        """Number of each column's block, (terms,): a curve, the bias, or a flowing branch."""
+        """Number the block of each column, (terms,): a curve, the bias, or a flowing branch."""
         plain, richer = self.curves
         sizes = [self.width] * plain + [len(self.bias)] * bool(self.bias) + [self.width] * richer
         sizes += [1] * len(self.flow)
@@ -128,7 +128,7 @@ def column_slopes(nodes: int) -> Samples:
 
 
 def plain_terms(data: TrainingSet, nodes: int, poles: int = PASSIVE_POLES) -> Terms:
-    """A spring, four stops, `poles` branches from two samples to the longest recording.
+    """Return a spring, four stops, `poles` branches from two samples to the longest recording.
 
     A bias only where the tool never leaves the object: at a surface the force is 0 by itself.
     """
@@ -158,25 +158,25 @@ def _allowed_bias_signs(data: TrainingSet) -> tuple[float, ...]:
 
 
 def add_depth_rates(terms: Terms, data: TrainingSet, rate_ratio: float) -> Terms:
-    """The terms, and branches with a rate that depends on the depth."""
+    """Add branches with a rate that depends on the depth."""
     times_s = _space_times_s(data, 2.0 * data.dt_s, DEPTH_POLES)
     return replace(terms, depth_tau_s=times_s, rate_ratio=rate_ratio)
 
 
 def add_damage(terms: Terms) -> Terms:
-    """The terms, and curves that are softer below the largest depth so far."""
+    """Add curves that are softer below the largest depth so far."""
     return replace(terms, damage=tuple(product(HEAL_S, DAMAGE_POWERS)))
 
 
 def add_flow(terms: Terms, data: TrainingSet) -> Terms:
-    """The terms, and branches that flow."""
+    """Add branches that flow."""
     times_s = _space_times_s(data, max(_SHORTEST_FLOW_S, 2.0 * data.dt_s), N_FLOW_TIMES)
     flow = [(t, power, degree) for power in FLOW_POWERS for t in times_s for degree in FUNCTIONS]
     return replace(terms, flow=tuple(flow))
 
 
 def keep_used_terms(terms: Terms, weights: Samples) -> Terms:
-    """Those of the terms that have weights above 0; the spring and a bias stay."""
+    """Keep the terms that have weights above 0, the spring, and a bias."""
     blocks = np.bincount(terms.blocks, weights) > 0.0
     plain, richer = terms.curves
     branch, stop = np.split(blocks[1:plain], [len(terms.tau_s)])
@@ -198,11 +198,11 @@ def _space_times_s(data: TrainingSet, shortest_s: float, count: int) -> tuple[fl
 
 
 def build_model(terms: Terms, weights: Samples) -> Hammerstein:
-    """Terms and their non-negative weights as a model, without what has weight 0."""
+    """Build a model of terms and non-negative weights, without what has weight 0."""
     plain, richer = terms.slopes_n(weights)
     elastic_n, branch_n, stop_n = np.split(plain, [1, 1 + len(terms.tau_s)])
     depth_n, damage_n = np.split(richer, [len(terms.depth_tau_s)])
-    constant, by_depth, stopped = (each.any(axis=1) for each in (branch_n, depth_n, stop_n))
+    constant, by_depth, stopped = (curves.any(axis=1) for curves in (branch_n, depth_n, stop_n))
     bias = slice(terms.plain_count - len(terms.bias), terms.plain_count)
     return Hammerstein(
         origin_m=terms.origin_m,
@@ -232,5 +232,5 @@ def _build_damage(terms: Terms, curve_n: Samples) -> Damage | None:
     used = curve_n.any(axis=1)
     if not used.any():
         return None
-    heal_s, power = (np.array(each)[used] for each in zip(*terms.damage, strict=True))
+    heal_s, power = (np.array(values)[used] for values in zip(*terms.damage, strict=True))
     return Damage(heal_s, power, curve_n[used])
