@@ -5,9 +5,8 @@ direct taps and truncated exponentials (engine `fir-fast`), or sums of exponenti
 to the derivative at any rate.
 """
 
-from collections.abc import Sequence
 from functools import singledispatch
-from itertools import accumulate, pairwise
+from itertools import accumulate
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -34,8 +33,6 @@ N_DIRECT_TAPS = 4
 FAST_FIR_POLES = 8
 _MIN_TAU_CANDIDATES = (1.0, 1.5, 2.0, 3.0, 4.0)
 _MAX_TAU_CANDIDATES = (0.5, 1.0, 2.0, 6.0)
-_MIN_DECAY_FACTOR = 1e-15  # of a state after a tick: of less nothing is left
-_MAX_LOG_SPAN = 200.0  # e^-200 is a float64 yet
 _CHUNK_ROWS = 8192  # rows with windows that are gathered at once
 
 
@@ -182,63 +179,14 @@ def recursive_values(bank: RecursiveBank, depth_m: Samples, dt_s: float, rows: I
     return values
 
 
-def highpass(
-    values: Samples, tau_s: float, dt_s: float, pauses: Sequence[tuple[int, float]] = ()
-) -> Samples:
-    """State h of a pole: h' = x' - h/tau, x linear within a step and at rest before.
-
-    values: x, (n,), or of several, (n, k), as what is returned. pauses: samples, ascending, before
-    which so many seconds passed: half of their rise comes first.
-    """
+def highpass(values: Samples, tau_s: float, dt_s: float) -> Samples:
+    """State h of a pole along x, (n,): h' = x' - h/tau, x linear within a step, at rest before."""
     from scipy.signal import lfilter  # what replays recordings has no scipy
 
     losses, gains = compute_loss_and_gain(np.array([tau_s]), dt_s)
-    loss, gain = float(losses[0]), float(gains[0])
-    rises = np.diff(values, axis=0, prepend=values[:1])
-    states, begin, h = np.empty_like(rises), 0, np.zeros_like(rises[0])
-    for index, seconds in (*pauses, (len(values), 0.0)):
-        part, start = rises[begin:index], np.asarray((1.0 - loss) * h)[None]
-        states[begin:index] = lfilter([gain], [1.0, loss - 1.0], part, axis=0, zi=start)[0]
-        if index < len(values):
-            half = 0.5 * rises[index]
-            h = (states[index - 1] + half) * float(np.exp(-seconds / tau_s)) + half
-            states[index], begin = h, index + 1
+    rises = np.diff(values, prepend=values[:1])
+    states: Samples = lfilter([float(gains[0])], [1.0, float(losses[0]) - 1.0], rises)
     return states
-
-
-def highpass_by_depth(values: Samples, decay: Samples) -> Samples:
-    """State h of a pole that loses the share `lost`, (n,), in each tick: sp_depth.h.
-
-    values: (n, k), as what is returned.
-    """
-    rises = np.diff(values, axis=0, prepend=values[:1])
-    return filter_decay(1.0 - decay, (1.0 - 0.5 * decay)[:, None] * rises)
-
-
-def filter_decay(decay_factor: Samples, increment: Samples, clip_at_zero: bool = False) -> Samples:
-    """h[i] = left[i] h[i-1] + added[i] from 0, (n,), (n, k); left, (n,), above 0.
-
-    least_0: h is 0 where that is below.
-    By h[i] = P[i] sum(added[j] / P[j]), P the product of `left` so far, in pieces in which P stays
-    above 0.
-    """
-    logs = np.log(np.maximum(decay_factor, _MIN_DECAY_FACTOR))
-    log_sum = np.cumsum(logs)
-    cuts = [
-        0,
-        *(1 + np.flatnonzero(np.diff(np.floor(log_sum / -_MAX_LOG_SPAN)))).tolist(),
-        len(decay_factor),
-    ]
-    h, last = np.empty_like(increment), np.zeros_like(increment[0])
-    for begin, end in pairwise(cuts):
-        before = log_sum[begin] - logs[begin]
-        product = np.exp(log_sum[begin:end] - before).reshape(-1, *[1] * (increment.ndim - 1))
-        sums = last + np.cumsum(increment[begin:end] / product, axis=0)
-        if clip_at_zero:
-            sums -= np.minimum(np.minimum.accumulate(sums), 0.0)
-        h[begin:end] = product * sums
-        last = h[end - 1] if end > begin else last
-    return h
 
 
 def _apply_taps(taps: Samples, depth_m: Samples, rows: Indices) -> Samples:

@@ -34,11 +34,11 @@ class Kind:
     __repr__ = short_repr
 
     def function(self) -> Callable[..., "Fit"]:
-        """What `fit` names, loaded."""
+        """Load what `fit` names."""
         if not isinstance(self.fit, str):
             return self.fit
-        found: Callable[..., Fit] = resolve_name(self.fit)
-        return found
+        loaded: Callable[..., Fit] = resolve_name(self.fit)
+        return loaded
 
 
 _MODELS = "springpot.trainer.models"
@@ -58,7 +58,7 @@ _AUTO_FIT_FUNCTION = "springpot.trainer.selection.auto:fit_auto"
 
 
 def kind_names() -> tuple[str, ...]:
-    """All names that `fit_model` takes.
+    """List the names that `fit_model` takes.
 
     >>> "hammerstein" in kind_names()
     True

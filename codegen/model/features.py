@@ -27,7 +27,7 @@ class Features(ABC):
     @property
     @abstractmethod
     def n_features(self) -> int:
-        """Number of features."""
+        """Count the features."""
 
     @property
     def fractional_orders(self) -> tuple[float, ...]:
@@ -41,7 +41,7 @@ class Features(ABC):
 
     @abstractmethod
     def memory_s(self, dt_s: float) -> float:
-        """Length of the features' memory, s."""
+        """Return how far back the features remember, s."""
 
     def settling_s(self, dt_s: float) -> float:
         """Time after which what came before is forgotten to 2 %, s."""

@@ -137,7 +137,7 @@ def fit_quantisation(features: Samples) -> Quantisation:
 
 
 def keep_trees(forest: Forest, count: int) -> Forest:
-    """Return the first `count` trees; where the force was the mean of the trees, their mean."""
+    """Keep the first `count` trees; a force that was a mean is the mean of those."""
     total = forest.weight * len(forest.roots)
     weight = total / count if np.isclose(total, 1.0) else forest.weight
     return _drop_unreachable(replace(forest, roots=forest.roots[:count], weight=weight))

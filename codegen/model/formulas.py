@@ -17,7 +17,7 @@ CurveLocation = tuple[Indices, Reals]  # piece of a curve and share of the way t
 
 
 def integrate_slopes(slopes_n: Reals) -> Samples:
-    """Return values and slopes a piece at the nodes: (J + 1, 2, curves); the last slope goes on.
+    """Compute values and slopes a piece at the nodes: (J + 1, 2, curves); the last slope goes on.
 
     slopes_n: (curves, J), for u from 0 to 1, straight between the nodes.
     """
@@ -58,7 +58,7 @@ def evaluate_curves(nodes: Reals, location: CurveLocation) -> Reals:
 
 
 def interpolate_linear(nodes: Reals, location: CurveLocation) -> Reals:
-    """Return values (n, columns) of functions that are straight between nodes (J + 1, columns)."""
+    """Evaluate functions that are straight between nodes (J + 1, columns): (n, columns)."""
     interval, fraction = location
     begin = nodes[interval]
     values: Reals = begin + fraction[:, None] * (nodes[interval + 1] - begin)
@@ -99,7 +99,7 @@ def to_scalars(values: Reals) -> list[Scalar]:
 
 
 def scalar_type(dtype: RealType) -> Callable[[Scalar], Scalar]:
-    """Return the constructor of numbers that `to_scalars` makes of an array of this type."""
+    """Return the type of the numbers that `to_scalars` makes of such an array."""
     return float if dtype is np.float64 else dtype
 
 

@@ -104,12 +104,12 @@ class Model:
 
     @property
     def exact_at_any_rate(self) -> bool:
-        """True if the features are exact at any sampling rate."""
+        """Tell if the features are the true ones at any sampling rate."""
         return self.features is None or self.features.exact_at_any_rate
 
     @property
     def engine(self) -> str:
-        """Filter of the history: "fir", "fir-fast" or "recursive"."""
+        """Name the filter of the features' history: "fir", "fir-fast" or "recursive"."""
         return "recursive" if self.features is None else self.features.engine
 
     @property
@@ -119,23 +119,23 @@ class Model:
 
     @property
     def memory_s(self) -> float:
-        """Length of the model's memory, s."""
+        """Return how far back the model remembers, s."""
         features_s = 0.0 if self.features is None else self.features.memory_s(self.dt_s)
         adds = self.hammerstein is not None and self.hammerstein_adds
         return max(features_s, self.hammerstein.memory_s if adds and self.hammerstein else 0.0)
 
     @property
     def has_state(self) -> bool:
-        """True if the model has a state that training can end in; features begin at rest."""
+        """Tell if training leaves a state that changes the force; features begin at rest."""
         return self.hammerstein is not None and self.hammerstein_adds
 
     @property
     def start_reach_m(self) -> float:
-        """Distance from where training ended within which a motion may go on in a tick, m."""
+        """Return how far from where training ended a motion may begin that goes on, m."""
         return _MAX_START_SPEED_RATIO * self.trained.max_mps * self.dt_s
 
     def with_start(self, start: Start) -> "Model":
-        """The model whose motions begin so. Raises UsageError for a state that it does not have."""
+        """Return the model with this start. Raises UsageError for a state that it does not have."""
         passive = self.hammerstein
         if start == "auto" or passive is None:
             return self
@@ -148,7 +148,7 @@ class Model:
         return replace(self, hammerstein=started)
 
     def continues_training(self, depth_m: Samples) -> bool:
-        """Return True if a motion, (n,), m, goes on where the training recordings ended.
+        """Tell if a motion, (n,), m, goes on where the training recordings ended.
 
         Without a surface only from near there: elsewhere the object begins at rest.
         After a single one, which shows no start but its own: a motion that begins inside the
@@ -167,7 +167,7 @@ class Model:
         return bool(inside and abs(depth_m[0] - passive.end_depth_m) <= step_m)
 
     def stiffened(self, factor: float) -> "Model":
-        """The model of an object so many times stiffer: its force at x is this one's at factor x.
+        """Scale to an object so many times stiffer: the force at x is this one's at factor x.
 
         A power of two keeps every decision of a forest exactly; other factors move ties by
         rounding.

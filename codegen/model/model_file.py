@@ -119,16 +119,16 @@ def read_model(path: Path) -> Model:
         raise DataError(
             f"{path}: cannot be read ({error.strerror}): give a {_FILE_DESCRIPTION}"
         ) from None
-    magic = re.fullmatch(MODEL_MAGIC + rb" ([0-9]{1,9}) ([0-9a-f]{64})", first_line)
-    if not magic:
+    header = re.fullmatch(MODEL_MAGIC + rb" ([0-9]{1,9}) ([0-9a-f]{64})", first_line)
+    if not header:
         raise DataError(f"{path}: not a {_FILE_DESCRIPTION}")
-    schema = int(magic[1])
+    schema = int(header[1])
     if schema not in (_OLD_SCHEMA, MODEL_SCHEMA):
         raise DataError(
             f"{path}: model schema {schema}, this springpot reads {MODEL_SCHEMA}: upgrade "
             "springpot, or train again with this one"
         )
-    if magic[2] != hashlib.sha256(body).hexdigest().encode():
+    if header[2] != hashlib.sha256(body).hexdigest().encode():
         raise DataError(f"{path}: damaged (checksum differs): copy it again or train again")
     try:
         with zipfile.ZipFile(io.BytesIO(body)) as archive:
@@ -185,14 +185,14 @@ def _pack(value: Any, path: str, arrays: _Arrays) -> object:
 
 
 def _is_default(part: Any, item: Field[Any]) -> bool:
-    """Return True if a file without this value means the same."""
+    """Tell if a value is what a file without it means."""
     if "left_out" in item.metadata:
         return getattr(part, item.name) is None
     return isinstance(item.default, int | float) and getattr(part, item.name) == item.default
 
 
 def _unpack(value: Any, arrays: _Arrays, path: str) -> Any:
-    """Return the value of a field out of its JSON."""
+    """Read the value of a field from JSON."""
     if not isinstance(value, dict) or path == "model.provenance":
         return value
     if "tuple" in value:

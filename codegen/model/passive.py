@@ -180,7 +180,7 @@ class Hammerstein:
 
     @property
     def by_depth(self) -> Flags:
-        """True for each branch, (P,), whose rate depends on the depth."""
+        """Mark the branches with a rate that depends on the depth, (P,)."""
         return np.arange(len(self.tau_s)) >= len(self.tau_s) - self.n_by_depth
 
     @property
@@ -197,7 +197,7 @@ class Hammerstein:
 
     @property
     def memory(self) -> Memory:
-        """After the training presses. If it was not stored: unhealed damage, all else at rest."""
+        """Return the state after training; if none was stored: unhealed damage, else at rest."""
         if self.end_memory is not None:
             return self.end_memory
         pressed = np.zeros(0) if self.damage is None else np.where(self.damage.heal_s > 0, 0.0, 1.0)
@@ -207,14 +207,14 @@ class Hammerstein:
 
     @property
     def slopes_n(self) -> Samples:
-        """All that the force is linear in, (slopes,), N: curves, stops, damage, flow."""
+        """Collect all that the force is linear in, (slopes,), N: curves, stops, damage, flow."""
         damage_n = np.zeros(0) if self.damage is None else self.damage.curve_n
         flow_n = np.zeros(0) if self.flow is None else self.flow.force_n
         parts = (self.elastic_n, self.branch_n, self.stop_n, damage_n, flow_n)
         return np.concatenate([part.ravel() for part in parts])
 
     def with_slopes(self, slopes_n: Samples) -> "Hammerstein":
-        """Return the same of one place with other `slopes_n`, (slopes,)."""
+        """Return the same law with other `slopes_n`, (slopes,), and one place."""
         damage, flow = self.damage, self.flow
         shaped = [self.elastic_n, self.branch_n, self.stop_n]
         shaped += [np.zeros(0) if damage is None else damage.curve_n]
@@ -234,7 +234,7 @@ class Hammerstein:
         )
 
     def stiffened(self, factor: float) -> "Hammerstein":
-        """Return the passive model with the force at x that this one has at factor x."""
+        """Return the model with the force at x that this one has at factor x."""
         return replace(
             self,
             origin_m=self.origin_m / factor,

@@ -64,7 +64,7 @@ class Places:
 
     @property
     def most_n(self) -> Samples:
-        """The greatest of each slope over all places, (slopes,)."""
+        """Return the greatest of each slope over all places, (slopes,)."""
         most_n: Samples = np.max(self.amounts @ self.slopes_n, axis=(0, 1))
         return most_n
 

@@ -20,6 +20,7 @@ from rich.progress import track
 
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.files import write_file
+from springpot.codegen.native.compiler import machine_metadata
 from springpot.codegen.scene import Target
 from springpot.codegen.types import JsonObject
 from springpot.host.bench.front import ALONE, measure_alone, pareto_front
@@ -30,7 +31,6 @@ from springpot.host.bench.measure import (
     measure_point,
     target_compiler,
 )
-from springpot.host.native.compiler import machine_metadata
 from springpot.host.output import RESULT, progress_console
 from springpot.host.validation.seen import known_among
 from springpot.trainer.kinds import KINDS

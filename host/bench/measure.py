@@ -10,12 +10,12 @@ from springpot.codegen.errors import SpringpotError
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import model_bytes, model_hash
+from springpot.codegen.native.compiler import CompilerError, compiler_version
 from springpot.codegen.plan import Plan, state_bytes
 from springpot.codegen.scene import Coupling, Number, Runtime, Scene, Target
 from springpot.codegen.types import JsonObject
 from springpot.host.files import read_model
 from springpot.host.metrics import accuracy, find_contacts, slope_errors, slope_keys
-from springpot.host.native.compiler import CompilerError, compiler_version
 from springpot.host.native.replay import Replay, replay_forces
 from springpot.host.native.scene_library import SceneLibrary, build_and_load, emitted_folder_of
 from springpot.host.native.toolchain import measure_footprint, toolchain

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import click
 
-from springpot.host.native.compiler import (
+from springpot.codegen.native.compiler import (
     CompilerError,
     cache_folder,
     compiler_reason,

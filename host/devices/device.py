@@ -13,7 +13,7 @@ from springpot.codegen.scene import Device
 from springpot.codegen.types import CData
 
 if TYPE_CHECKING:
-    from springpot.host.native.c_library import CLibrary
+    from springpot.codegen.native.c_library import CLibrary
 
 
 RECONNECT_S = 10.0  # a device that was unplugged is waited for so long

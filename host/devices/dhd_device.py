@@ -5,6 +5,7 @@ import math
 import time
 
 from springpot.codegen.errors import DeviceError, UsageError
+from springpot.codegen.native.c_library import CLibrary
 from springpot.codegen.types import CData
 from springpot.host.devices.device import (
     FORCE_ZERO,
@@ -15,7 +16,6 @@ from springpot.host.devices.device import (
 )
 from springpot.host.devices.dhd import DHD_OFF, DHD_ON, DhdLibrary, DhdStatus, force_off_words
 from springpot.host.devices.drivers import Address
-from springpot.host.native.c_library import CLibrary
 
 _KEYS = ("library", "axis", "surface_mm", "walls_npm", "watchdog", "effector_mass_kg", "weight_n")
 # Index of the axis, and its sign: along it the tool goes into the object; the first by default.

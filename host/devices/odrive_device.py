@@ -6,6 +6,7 @@ import time
 from dataclasses import dataclass
 
 from springpot.codegen.errors import DeviceError, UsageError
+from springpot.codegen.native.c_library import CLibrary
 from springpot.codegen.types import CData
 from springpot.host.devices.can_bus import STUFFED_BITS, CanBus
 from springpot.host.devices.device import (
@@ -19,7 +20,6 @@ from springpot.host.devices.device import (
 from springpot.host.devices.drivers import Address
 from springpot.host.devices.odrive import ENCODER, Drive, DriveLimits, identifier
 from springpot.host.devices.serial_port import require_fast_adapter, require_port
-from springpot.host.native.c_library import CLibrary
 
 BITRATE = 1_000_000
 MAX_RATE_HZ = 1000  # of cyclic messages: their interval is a whole number of ms

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 import serial
 
 from springpot.codegen.errors import DeviceError
+from springpot.codegen.native.c_library import CLibrary
 from springpot.codegen.types import CData, JsonObject
 from springpot.host.devices.device import (
     FORCE_ZERO,
@@ -21,7 +22,6 @@ from springpot.host.devices.device import (
 from springpot.host.devices.drivers import Address
 from springpot.host.devices.serial_port import open_port, require_fast_adapter
 from springpot.host.devices.wire import Frame, Receiver, Sender, constant, layout
-from springpot.host.native.c_library import CLibrary
 
 BAUD = 921600
 _ASK_S, _AGAIN_S, _LOOK_S = 2.0, 0.05, 0.0005

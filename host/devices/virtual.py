@@ -7,10 +7,10 @@ import numpy as np
 from springpot.codegen.coupling.loop_device import LoopDevice
 from springpot.codegen.emit.golden import differentiate
 from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.native.c_library import CLibrary
 from springpot.codegen.types import CData
 from springpot.host.devices.device import DeviceRequirements, VirtualDevice
 from springpot.host.devices.drivers import Address, parse_device
-from springpot.host.native.c_library import CLibrary
 from springpot.host.simulation.bench import SUBSTEPS
 from springpot.host.simulation.hand_loop import Operator, held_tool
 from springpot.host.simulation.objects import (

@@ -7,9 +7,9 @@ from functools import cache
 from typing import Any
 
 from springpot.codegen.messages import short_repr
+from springpot.codegen.native.c_library import CLibrary
+from springpot.codegen.native.compiler import shared_library
 from springpot.codegen.types import CData, JsonObject
-from springpot.host.native.c_library import CLibrary
-from springpot.host.native.compiler import shared_library
 from springpot.runtime_c.paths import PORT_WIRE
 
 _TYPES = {"u8": ("uint8_t", 1), "u32": ("uint32_t", 4), "f32": ("float", 4)}  # in C, and bytes

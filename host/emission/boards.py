@@ -13,11 +13,11 @@ from springpot.codegen.arrays import Reals
 from springpot.codegen.errors import BudgetError, MismatchError, SpringpotError, UsageError
 from springpot.codegen.files import write_folder_atomically
 from springpot.codegen.messages import short_repr
+from springpot.codegen.native.compiler import CompilerError, run_compiler
 from springpot.codegen.plan import Plan, state_bytes
 from springpot.codegen.scene import Target
 from springpot.host.emission.checksums import is_edited, require_replaceable, write_checksums
 from springpot.host.emission.emission import read_emission
-from springpot.host.native.compiler import CompilerError, run_compiler
 from springpot.host.native.scene_library import scene_prefix, write_port
 from springpot.host.native.toolchain import PROGRAMS, Toolchain, missing_tools, toolchain
 from springpot.runtime_c.paths import PORT_MCU, flags

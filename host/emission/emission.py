@@ -14,6 +14,7 @@ from springpot.codegen.make_plan import make_plan
 from springpot.codegen.messages import short_repr
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import MODEL_SUFFIX, read_model, write_model
+from springpot.codegen.native.compiler import NoCompilerError
 from springpot.codegen.plan import Plan, state_bytes
 from springpot.codegen.scene import Scene
 from springpot.host.emission.checksums import (
@@ -35,7 +36,6 @@ from springpot.host.emission.scene_file import (
     scene_from_json,
     scene_to_json,
 )
-from springpot.host.native.compiler import NoCompilerError
 from springpot.host.native.scene_library import SceneLibrary, read_manifest
 from springpot.host.native.toolchain import SOFT_DOUBLES, measure_footprint
 from springpot.host.output import print_line

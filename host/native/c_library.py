@@ -1,4 +1,4 @@
-"""C in this process: built through the cache, loaded, given memory; and the loop's."""
+"""The C of the loop in this process, and the rows that it writes."""
 
 import re
 from collections.abc import Sequence
@@ -9,16 +9,12 @@ from pathlib import Path
 import cffi
 import numpy as np
 
-from springpot.codegen.arrays import Reals, Samples
+from springpot.codegen.arrays import Samples
 from springpot.codegen.entry_points import load_entries
-from springpot.codegen.types import CData
-from springpot.host.native.compiler import CompilerError, shared_library
-from springpot.runtime_c.paths import INCLUDE, PORT_POSIX, PORT_WIRE, SIM
+from springpot.codegen.native.c_library import CLibrary, load_c
+from springpot.codegen.native.compiler import CompilerError
+from springpot.runtime_c.paths import PORT_POSIX, PORT_WIRE, SIM
 
-_BEGIN, _END = "/* springpot declarations begin */", "/* springpot declarations end */"
-_ALIGNMENT = 8  # of every state of ours: as for double
-# C types of arrays, by the letter of numpy's type.
-_ARRAYS = {"f4": "float[]", "f8": "double[]", "i4": "int32_t[]", "u1": "uint8_t[]"}
 _ROW = (PORT_POSIX / "sp_loop.h").read_text(encoding="utf-8").partition("} sp_row;")[0]
 # Columns of a table of rows: the members of sp_row, in order.
 COLUMNS = tuple(re.findall(r"^    double (\w+);", _ROW.rpartition("typedef struct")[2], re.M))
@@ -27,73 +23,6 @@ INPUT = "input_m"  # of a log: the position as sp_step got it, which may not be 
 IDLE, RESET, NONE, SILENT, UNSENT = 1, 2, 4, 8, 16  # bits of a row's call
 GOT_FIFO, GOT_LOCKED, GOT_SLACK, GOT_CPU = 1, 2, 4, 8
 LoopRows = Samples  # shape (n, len(COLUMNS))
-
-
-class CLibrary:
-    """A shared library with what its headers declare. ffi: cffi's types. c: functions, constants.
-
-    Pointers that `memory` and `array` return own their memory or keep its owner: C may use it for
-    as long as they live. An address keeps nothing.
-    """
-
-    def __init__(self, path: Path, declarations: str) -> None:
-        """Load it. Raises CompilerError if the library was built for another machine."""
-        self.ffi = cffi.FFI()
-        self.ffi.cdef(declarations)
-        try:
-            self.c: CData = self.ffi.dlopen(str(path))
-        except OSError as error:
-            raise CompilerError(
-                f"{path}: cannot be loaded here ({error}): remove it, check CC"
-            ) from None
-
-    def memory(self, size: int, kind: str = "double") -> CData:
-        """A pointer to `size` bytes for a C state of type `kind`, zero, aligned as for double."""
-        values = np.zeros(-(-size // _ALIGNMENT))
-        return self.ffi.from_buffer(f"{kind} *", values, require_writable=True)
-
-    def array(self, values: Reals) -> CData:
-        """Return a pointer to the numbers of a contiguous array, in its own type."""
-        return self.ffi.from_buffer(_ARRAYS[values.dtype.str[1:]], values)
-
-    def address(self, pointer: CData) -> int:
-        """Address of a function or a state, for C that was loaded as another library."""
-        return int(self.ffi.cast("uintptr_t", pointer))
-
-    def pointer(self, address: int) -> CData:
-        """Return a void pointer to what another library has at that address."""
-        return self.ffi.cast("void *", address)
-
-
-def declarations(headers: Sequence[Path], real: str = "") -> str:
-    """Cut what cffi reads out of headers; real: "float" or "double" where they use sp_real.
-
-    Raises CompilerError for a header that begins declarations and does not end them.
-    """
-    parts = [f"typedef {real} sp_real;"] if real else []
-    for header in headers:
-        text = header.read_text(encoding="utf-8")
-        for declared in text.split(_BEGIN)[1:]:
-            if _END not in declared:
-                raise CompilerError(f"{header}: has no line {_END!r} after {_BEGIN!r}")
-            parts.append(declared[: declared.index(_END)])
-    return "\n".join(parts)
-
-
-def load_c(
-    headers: Sequence[Path],
-    sources: Sequence[Path],
-    real: str = "",
-    extra_flags: Sequence[str] = (),
-) -> CLibrary:
-    """Build C of ours, unless that was done before, and load it; real: as for `declarations`.
-
-    Headers are looked for where `headers` and `sources` lie.
-    """
-    include = sorted({file.parent for file in (*headers, *sources)})
-    include += [INCLUDE, INCLUDE / real] if real else []
-    path = shared_library(sources, include, extra_flags)
-    return CLibrary(path, declarations(headers, real))
 
 
 class Stop(IntEnum):

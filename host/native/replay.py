@@ -10,9 +10,10 @@ import numpy as np
 from springpot.codegen.arrays import Reals, Samples
 from springpot.codegen.emit.golden import differentiate
 from springpot.codegen.errors import SpringpotError
+from springpot.codegen.native.c_library import CLibrary, load_c
 from springpot.codegen.plan import Plan
 from springpot.host.metrics import Accuracy, accuracy, find_contacts, start_up_ramp
-from springpot.host.native.c_library import INPUT, CLibrary, load_c
+from springpot.host.native.c_library import INPUT
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.runtime_c.paths import PORT_TESTBENCH
 from springpot.trainer.models.depths import DepthMotion, join_motions, pauses_to_ticks

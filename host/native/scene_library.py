@@ -16,10 +16,10 @@ from springpot.codegen.emit.source import ABI_VERSION
 from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.messages import counted_noun
+from springpot.codegen.native.c_library import CLibrary, declarations
+from springpot.codegen.native.compiler import shared_library
 from springpot.codegen.plan import Plan
 from springpot.codegen.types import CData, JsonObject, RealType
-from springpot.host.native.c_library import CLibrary, declarations
-from springpot.host.native.compiler import shared_library
 from springpot.runtime_c.paths import INCLUDE
 
 

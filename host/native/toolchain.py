@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from springpot.codegen.messages import short_repr
-from springpot.host.native.compiler import (
+from springpot.codegen.native.compiler import (
     CompilerError,
     NoCompilerError,
     find_compiler,

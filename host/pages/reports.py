@@ -15,9 +15,9 @@ from matplotlib.ticker import LogLocator, NullFormatter
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.codegen.files import write_file
+from springpot.codegen.native.compiler import CompilerError
 from springpot.codegen.types import JsonMapping, JsonObject
 from springpot.host.emission.emission import read_emission, require_emission
-from springpot.host.native.compiler import CompilerError
 from springpot.host.native.scene_library import read_manifest
 from springpot.host.native.toolchain import measure_footprint
 from springpot.host.output import RESULT

@@ -10,8 +10,8 @@ from pathlib import Path
 
 from springpot.codegen.emit.golden import differentiate, golden_positions
 from springpot.codegen.errors import MismatchError, SpringpotError, UsageError
+from springpot.codegen.native.compiler import packaged_compiler, run_compiler
 from springpot.codegen.plan import Plan
-from springpot.host.native.compiler import packaged_compiler, run_compiler
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary, write_port
 from springpot.runtime_c.paths import PORT_BROWSER, PORT_WASM, SIM, flags

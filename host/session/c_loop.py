@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass, field
 from springpot.codegen.entry_points import blame_package
 from springpot.codegen.errors import DeviceError
 from springpot.codegen.messages import short_repr
+from springpot.codegen.native.c_library import CLibrary
 from springpot.codegen.notes import LATCHED
 from springpot.codegen.types import CData
 from springpot.host.devices.device import OpenedDevice
@@ -14,7 +15,6 @@ from springpot.host.native.c_library import (
     GOT_FIFO,
     GOT_LOCKED,
     GOT_SLACK,
-    CLibrary,
     LoopRows,
     empty_rows,
     loop_library,

@@ -7,8 +7,8 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DeviceError, UsageError
+from springpot.codegen.native.c_library import CLibrary, load_c
 from springpot.codegen.types import CData, JsonObject
-from springpot.host.native.c_library import CLibrary, load_c
 from springpot.host.simulation.objects import (
     ALL_OBJECTS,
     PLACED_OBJECTS,

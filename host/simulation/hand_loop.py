@@ -11,8 +11,8 @@ from springpot.codegen.coupling.linear_loop import HandName
 from springpot.codegen.coupling.loop_device import ASSUMED_DEVICE, LoopDevice
 from springpot.codegen.errors import SpringpotError
 from springpot.codegen.messages import short_repr
+from springpot.codegen.native.c_library import CLibrary, load_c
 from springpot.codegen.types import CData
-from springpot.host.native.c_library import CLibrary, load_c
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.simulation.objects import HAND_NAMES
 from springpot.runtime_c.paths import PORT_TESTBENCH, SIM

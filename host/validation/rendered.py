@@ -6,9 +6,9 @@ from dataclasses import dataclass
 from springpot.codegen.coupling.auto import CouplingChoice
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.model import Model
+from springpot.codegen.native.compiler import NoCompilerError
 from springpot.codegen.scene import Number, Runtime, Scene
 from springpot.host.metrics import Accuracy, accuracy, find_contacts
-from springpot.host.native.compiler import NoCompilerError
 from springpot.host.native.replay import Replay, replay_forces
 from springpot.host.native.scene_library import build_and_load
 from springpot.host.validation.compared import (

@@ -8,6 +8,7 @@ import numpy as np
 from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.codegen.files import atomic_write, write_file
+from springpot.codegen.native.compiler import machine_metadata
 from springpot.codegen.types import JsonObject
 from springpot.host.metrics import (
     error_ratio_keys,
@@ -16,7 +17,6 @@ from springpot.host.metrics import (
     slope_keys,
     slope_sentence,
 )
-from springpot.host.native.compiler import machine_metadata
 from springpot.host.session.outcome import note_sentence
 from springpot.host.validation.compared import site_sentence
 from springpot.host.validation.seen import accepted_signs_sentence, training_overlap_sentence

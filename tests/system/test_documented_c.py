@@ -14,8 +14,8 @@ from support.in_process import spring
 from support.paths import ROOT
 from support.small import model_file, scene
 
+from springpot.codegen.native.compiler import run_compiler
 from springpot.host.emission.emission import emit
-from springpot.host.native.compiler import run_compiler
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.runtime_c.paths import PORT_WIRE, flags
 

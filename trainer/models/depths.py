@@ -55,7 +55,7 @@ def classify_contact(recordings: Sequence[Recording]) -> tuple[Contact, str]:
         return "always", ""
     peak_n = max(float(recording.force_n.max()) for recording in recordings)
     if peak_n > 0.0 and is_adhesive(recordings):
-        min_n = min(float(each.force_n.min()) for each in recordings)
+        min_n = min(float(recording.force_n.min()) for recording in recordings)
         return "always", (
             f"force goes to {min_n:.3g} N inside the object: it holds the tool, and the model "
             "pulls as it does; if nothing held it, look for drift or delay of the force"
@@ -77,7 +77,7 @@ def classify_contact(recordings: Sequence[Recording]) -> tuple[Contact, str]:
 
 
 def is_adhesive(recordings: Sequence[Recording]) -> bool:
-    """Whether the object holds the tool: its force inside goes below that at rest, often.
+    """Tell if the object holds the tool: the force inside goes below that at rest, often.
 
     By 5 % of the peak in 1 % of the samples or more, and by more than noise: a glued specimen, or
     one that sticks. Each recording may have a tare of its own.
@@ -188,7 +188,7 @@ def _join_session(
 
 
 def pauses_to_ticks(motion: DepthMotion, dt_s: float) -> DepthMotion:
-    """The same with each pause as ticks at rest, ten minutes of them at most: for C."""
+    """Replace each pause by ticks at rest, ten minutes of them at most: for C."""
     parts, starts, begin = [], np.array(motion.starts), 0
     for sample, seconds in motion.pauses:
         count = round(min(seconds, _MAX_PAUSE_S) / dt_s)

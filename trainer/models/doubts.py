@@ -36,7 +36,7 @@ def find_fit_warnings(fit: Fit, data: TrainingSet, options: FitOptions) -> Itera
 
 
 def judge_residual(fit: Fit, data: TrainingSet, recordings: Sequence[Recording]) -> Fit:
-    """The fit with what its residual in the training recordings says: metadata and warnings.
+    """Add what the residual in the training recordings says: metadata and warnings.
 
     recordings: as they were measured, which show the noise floor.
     """
@@ -44,19 +44,19 @@ def judge_residual(fit: Fit, data: TrainingSet, recordings: Sequence[Recording])
     compared = [] if passive is None or passive.places else _compare_with_passive(fit, data)
     warnings = [*_compare_recordings(compared, data)] if fit.model.kind == "hammerstein" else []
     warnings += _force_step_message(compared, _peak_n(data))
-    pieces = [(each, np.arange(len(each.force_n))) for each in data.recordings]
+    pieces = [(recording, np.arange(len(recording.force_n))) for recording in data.recordings]
     errors_n = [
-        each.force_n - predicted_n
-        for each, predicted_n in zip(
+        recording.force_n - predicted_n
+        for recording, predicted_n in zip(
             data.recordings, predict_each_n(fit.model, pieces), strict=True
         )
     ]
     residual_n = rms(np.concatenate(errors_n))
     worst = max(
         (rms(errors_n[k][begin : begin + length]), k, begin, length)
-        for k, each in enumerate(data.recordings)
-        for length in [max(len(each.force_n) // _RESIDUAL_BLOCKS, 1)]
-        for begin in range(0, len(each.force_n), length)
+        for k, recording in enumerate(data.recordings)
+        for length in [max(len(recording.force_n) // _RESIDUAL_BLOCKS, 1)]
+        for begin in range(0, len(recording.force_n), length)
     )
     worst_n, number, begin, length = worst
     recording, rows = data.recordings[number], slice(begin, begin + length)
@@ -185,20 +185,25 @@ class _Compared:
 
 
 def _compare_with_passive(fit: Fit, data: TrainingSet) -> list[_Compared]:
-    """Each recording beside the passive model alone, which cannot follow two objects at a time."""
+    """Compare recordings with the passive model, which cannot follow two objects at a time."""
     model = replace(fit.model, features=None, regressor=None, hammerstein_adds=True)
     stroke_m = max(data.trained.max_m - max(data.trained.min_m, 0.0), 1e-12)
     predicted_n = []
     for moved_m in (0.0, _MOVED_FRACTION * stroke_m):
-        moved = [replace(each, position_m=each.position_m + moved_m) for each in data.recordings]
-        pieces = [(each, np.arange(len(each.force_n))) for each in moved]
+        moved = [
+            replace(recording, position_m=recording.position_m + moved_m)
+            for recording in data.recordings
+        ]
+        pieces = [(recording, np.arange(len(recording.force_n))) for recording in moved]
         predicted_n.append(predict_each_n(model, pieces))
     compared = []
     for recording, still_n, moved_n in zip(data.recordings, *predicted_n, strict=True):
         samples = (recording.position_m, recording.force_n, still_n, moved_n)
         block = -(-len(still_n) // _STEP.rows)
         rows = len(still_n) // block
-        x, f, p, q = (each[: rows * block].reshape(rows, block).mean(axis=1) for each in samples)
+        x, f, p, q = (
+            values[: rows * block].reshape(rows, block).mean(axis=1) for values in samples
+        )
         compared.append(_Compared(recording, x, f, p, (q - p) / _MOVED_FRACTION))
     return compared
 
@@ -231,11 +236,11 @@ def find_force_step(
         behind = np.arange(rows) >= row
         for column in (predicted_n, slope_n):
             step = np.where(behind, column, 0.0)[on]
-            own = step - basis @ (basis.T @ step)
-            if own @ own < _STEP.own_share * (step @ step) or not step.any():
+            new_part = step - basis @ (basis.T @ step)
+            if new_part @ new_part < _STEP.own_share * (step @ step) or not step.any():
                 continue
-            factor = float(own @ left_n) / float(own @ own)
-            explained = factor * float(own @ left_n)
+            factor = float(new_part @ left_n) / float(new_part @ new_part)
+            explained = factor * float(new_part @ left_n)
             ratio = explained / max(whole - explained, 1e-12 * whole)
             after_n = rms(predicted_n[behind & on])
             effect_n = abs(factor) * rms(column[behind & on])
@@ -259,7 +264,7 @@ def find_force_step(
 def _explain_residual(
     depth_m: Samples, predicted_n: Samples, slope_n: Samples, peak_n: float
 ) -> Samples:
-    """What an object may do that the model does not: (rows, columns)."""
+    """Build columns of what an object may do and the model does not: (rows, columns)."""
     rows = len(depth_m)
     time, work = np.arange(rows) / rows, np.cumsum(predicted_n**2)
     work = work / work[-1]
@@ -284,15 +289,15 @@ def _explain_residual(
 
 def _force_step_message(compared: list[_Compared], peak_n: float) -> Iterator[str]:
     """Warn of the recording whose force becomes another in its middle, by the clearest step."""
-    found = [
-        (step, each.recording)
-        for each in compared
+    steps = [
+        (step, one.recording)
+        for one in compared
         if (step := find_force_step(
-            each.depth_m, each.force_n, each.predicted_n, each.slope_n, peak_n
+            one.depth_m, one.force_n, one.predicted_n, one.slope_n, peak_n
         ))
     ]  # fmt: skip
-    if found:
-        step, recording = max(found, key=lambda item: item[0].strength)
+    if steps:
+        step, recording = max(steps, key=lambda item: item[0].strength)
         yield (
             f"{recording.name}: from {recording.duration_s * step.row / step.rows:.3g} s on, force "
             f"is about {step.times:.2g} times what equal motion gave before: another gain, a slip "
@@ -308,12 +313,12 @@ def _compare_recordings(compared: list[_Compared], data: TrainingSet) -> Iterato
     object, 1.5 to 2.3 times as stiff, by 20 to 60 %.
     """
     factors, max_difference_n = {}, 0.0
-    for each in compared if len(compared) > 1 else ():
-        if each.predicted_n.any():
-            work = float(each.predicted_n @ each.predicted_n)
-            factor = float(each.predicted_n @ each.force_n) / work
-            factors[each.recording.name] = factor
-            difference_n = abs(factor - 1.0) * float(np.abs(each.predicted_n).max())
+    for comparison in compared if len(compared) > 1 else ():
+        if comparison.predicted_n.any():
+            work = float(comparison.predicted_n @ comparison.predicted_n)
+            factor = float(comparison.predicted_n @ comparison.force_n) / work
+            factors[comparison.recording.name] = factor
+            difference_n = abs(factor - 1.0) * float(np.abs(comparison.predicted_n).max())
             max_difference_n = max(max_difference_n, difference_n)
     # A light press errs more, and nobody feels it.
     if len(factors) < 2 or max_difference_n < _FELT_FORCE_FRACTION * _peak_n(data):

@@ -111,6 +111,7 @@ def assemble(
             "seed": options.seed,
             "rows": rows,
             "rows_total": data.rows_total,
+            "longest_s": data.longest_s,
             "smooth_s": data.smooth_s,
             "zero": data.recordings[0].zero,
             "recordings": _hash_recordings(data),

@@ -105,13 +105,13 @@ def build_cv_schemes(data: TrainingSet, rows: Indices, seed: int) -> list[Folds]
 
 
 def _is_same_partition(one: Indices, other: Indices) -> bool:
-    """Whether two numberings part the rows alike."""
+    """Tell if two numberings part the rows alike."""
     pairs = len(np.unique(one * (1 + other.max()) + other))
     return pairs == len(np.unique(one)) == len(np.unique(other))
 
 
 def compute_fold_cells(families: Sequence[Folds]) -> Indices:
-    """Number of the piece of each row, (rows,): rows that are in one fold in every family."""
+    """Number the piece of each row, (rows,): rows that are in one fold in every family."""
     code = np.zeros(len(families[0].number), dtype=np.intp)
     for folds in families:
         code = code * N_FOLDS + folds.number
@@ -124,7 +124,7 @@ def geometric_mean(errors: Sequence[float] | Samples) -> float:
 
 
 def _group_conditions(depths_m: Sequence[Samples], dt_s: float) -> Indices:
-    """Number of each recording's condition, (recordings,): that of the first one like it."""
+    """Number the condition of each recording, (recordings,): that of the first one alike."""
     conditions: list[tuple[float, float, float]] = []
     number = np.empty(len(depths_m), dtype=np.intp)
     for i, depth in enumerate(depths_m):
@@ -142,7 +142,7 @@ def _group_conditions(depths_m: Sequence[Samples], dt_s: float) -> Indices:
 
 
 def _group_by_ratio(values: Samples, ratio: float) -> Indices:
-    """Number of each value's group, (n,): those up to `ratio` times the lowest are one group.
+    """Number the group of each value, (n,): those up to `ratio` times the lowest are one.
 
     Of more than five groups, neighbours are joined.
     """

@@ -23,6 +23,10 @@ _WARN_DEPTH_RATIO, WARN_SPEED_RATIO = (
     1.5,
     4.0,
 )  # times the trained depth and speed: from here on a line warns
+# Times the longest training recording: no branch is slower than that, so that a force which still
+# relaxes then is told from one at rest by chance.
+_WARN_HOLD_RATIO = 2.0
+_HOLD_BAND, _MIN_HOLD_DEPTH = 0.02, 0.1  # of the trained depth: a hold moves by less, and is deeper
 SPEED_WINDOW_S = 0.01  # of motion to a speed: an encoder's step is no speed
 _MAX_DEPTH_RATIO = 10.0  # and from here on it is refused: no extrapolation, but another unit
 
@@ -154,6 +158,25 @@ def find_extrapolation(model: Model, recording: Recording) -> Iterator[str]:
                 f"{recording.name}: goes to {ratio:.3g} times the trained {quantity}: "
                 "there the force is an extrapolation"
             )
+    trained_s = model.provenance.get("longest_s")  # unknown of older models
+    held_s = _longest_hold_s(model, depth_m, recording.dt_s)
+    if trained_s is not None and held_s > _WARN_HOLD_RATIO * trained_s:
+        yield (
+            f"{recording.name}: holds still for {held_s:.3g} s, and the longest training recording "
+            f"lasts {trained_s:.3g} s: the force after that is an extrapolation"
+        )
+
+
+def _longest_hold_s(model: Model, depth_m: Samples, dt_s: float) -> float:
+    """Return how long the tool stays within a fiftieth of the trained depth, inside the object."""
+    longest = 0
+    u = (depth_m - (model.trained.max_m - _span_m(model))) / _span_m(model)
+    for offset in (0.0, 0.5):  # a hold at the border of two bands is within one that is moved
+        band = np.floor(np.maximum(u, 0.0) / _HOLD_BAND + offset)
+        ends = np.flatnonzero(np.diff(band, append=np.nan))
+        lengths = np.diff(ends, prepend=-1)
+        longest = max(longest, int(lengths[u[ends] > _MIN_HOLD_DEPTH].max(initial=0)))
+    return longest * dt_s
 
 
 def find_moving_starts(model: Model, recordings: Sequence[Recording]) -> Iterator[str]:

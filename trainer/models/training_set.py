@@ -87,7 +87,7 @@ class TrainingSet:
         return select_rows(self.rows_total, fraction, np.random.default_rng(seed))
 
     def even_rows(self, most: int = MAX_ROWS) -> Indices:
-        """All rows, or `most` evenly spaced ones, (rows,): for fits that cost little a row."""
+        """Return all rows, or `most` evenly spaced ones, (rows,): a fit costs little a row."""
         return np.linspace(0, self.rows_total - 1, min(self.rows_total, most)).astype(np.intp)
 
     def force_n(self, rows: Indices) -> Samples:
@@ -114,7 +114,7 @@ class TrainingSet:
 
     @cached_property
     def motions(self) -> tuple[DepthMotion, ...]:
-        """The recordings as the object met them: those of a session one after another."""
+        """Join the recordings as the object met them: those of a session one after another."""
         recordings = join_session(self.recordings, 0.0) if self.continues else self.recordings
         return join_motions(recordings, self.depths_m, self.contact == "surface")
 
@@ -130,7 +130,7 @@ class TrainingSet:
         ]  # fmt: skip
 
     def to_row_order(self, rows: Indices, values_by_motion: Sequence[Samples]) -> Samples:
-        """Values at `motion_rows`, of each motion (its rows, ...), in the order of the rows."""
+        """Sort values of motions, at `rows_by_motion`, into the order of the rows: (rows, ...)."""
         count = np.searchsorted(rows, self.bounds)
         values = np.empty((len(rows), *values_by_motion[0].shape[1:]))
         for motion, motion_values in zip(self.motions, values_by_motion, strict=True):
@@ -167,7 +167,7 @@ def build_training_set(recordings: Sequence[Recording], smooth_s: float | None) 
     """Prepare recordings. Raises DataError where they do not fit together.
 
     smooth_s: of the moving average, s; None: the paper's, or less where it would bend the force.
-    The last set is kept: models of several kinds on the same recordings share what is found `once`.
+    The last set is kept: models of several kinds on the same recordings share what is `cached`.
     """
     return _build_training_set(tuple(recordings), smooth_s)
 

@@ -117,8 +117,12 @@ def find_drift(recording: Recording, asked: bool = False) -> Drift | None:
 
 def turning_points(position_m: Samples, min_m: float) -> list[int]:
     """Indices at which the motion turns round by at least `min_m`, with both ends."""
+    # Only where a rise becomes a fall, or the motion ends, can anything change.
+    moved = np.flatnonzero(np.diff(position_m, prepend=np.nan))
+    rises = np.diff(position_m[moved]) > 0.0
+    ends = moved[np.append(rises[1:] != rises[:-1], [True] * (len(moved) > 1)).nonzero()[0] + 1]
     turns, best, rising = [0], 0, None
-    for k, value in enumerate(position_m.tolist()):
+    for k, value in zip(ends.tolist(), position_m[ends].tolist(), strict=True):
         if rising is None:
             if abs(value - position_m[0]) >= min_m:
                 rising, best = value > position_m[0], k

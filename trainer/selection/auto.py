@@ -32,8 +32,7 @@ def fit_auto(
     begin = time.perf_counter()
     data = select_start(data, options)
     # What lasts longer than a recording tells the time in it: folds within it inherit its history,
-    # and cannot see that. A forest of three times as long a memory missed by 3.65 % where this one
-    # missed by 0.81 %.
+    # and cannot see that.
     window_s = data.longest_s / MAX_TAU_PER_MEMORY
     forest_options = replace(options, engine="recursive", window_s=window_s)
     features = fit_recursive_bank(PAPER_ORDERS, data.dt_s, window_s)
@@ -60,7 +59,7 @@ def fit_auto(
 
 
 def forest_wins(passive: Score, forest: Score, gain: float, peak_n: float) -> bool:
-    """Whether the forest takes `gain` off the passive error, without its best fold too, and felt.
+    """Tell if the forest takes `gain` off the passive error, without its best fold too, and felt.
 
     Felt: by more than a hand resolves.
     """
@@ -69,7 +68,7 @@ def forest_wins(passive: Score, forest: Score, gain: float, peak_n: float) -> bo
 
 
 def explain_choice(passive: Score, forest: Score, gain: float, peak_n: float, cells: int) -> str:
-    """In words: what the winner has over the other; cells: small motions that a forest drives."""
+    """Say what the winner has over the other; cells: small motions that a forest drives."""
     comparison = (
         f"{100 * abs(forest.ratio - 1.0):.0f} % {'less' if forest.ratio < 1.0 else 'more'} error"
     )

@@ -53,7 +53,7 @@ class _Fold(NamedTuple):
 def find_scores(
     data: TrainingSet, options: FitOptions, forest_options: FitOptions, features: Features
 ) -> tuple[Score, Score]:
-    """The passive model's, and a forest's, with progress in the log: steps done, and all steps.
+    """Score the passive model, and a forest, with progress in the log: steps done, and all.
 
     forest_options, features: of the forest.
     """
@@ -113,7 +113,7 @@ def _forest_errors_n(
 
 
 def _is_hopeless(ratios: Samples, families: Indices) -> bool:
-    """Whether the folds so far leave no hope of an error below the passive one."""
+    """Tell if the folds so far leave no hope of an error below the passive one."""
     tried = len(ratios)
     mean = geometric_mean(ratios.tolist())
     first_done = tried < len(families) and families[tried - 1] == 0 < families[tried]

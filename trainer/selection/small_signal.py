@@ -36,7 +36,7 @@ class SmallMotion:
     def min_sin_delta(
         self, force_n: Callable[[Samples, Samples], Samples], at_m: float, span_m: float
     ) -> float:
-        """The lower `sin_delta` of two amplitudes; force_n: of positions, m, and velocities, m/s.
+        """Return the lower `sin_delta` of two amplitudes; force_n: of positions and velocities.
 
         The force of a hold is taken off: an object that relaxes there, or that recovers from
         earlier presses, is not active for it.

@@ -2,7 +2,7 @@
 
 from copy import copy
 from itertools import chain
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Self
 
 import numpy as np
 
@@ -71,8 +71,8 @@ class PassiveMotion:
         at = float(self._u), float(self._force_n)
         return Memory(branch_n, flow, deepest, self._play.astype(np.float64), *at)
 
-    def with_stage(self, stage: "HammersteinStage") -> "PassiveMotion":
-        """Return the same state in ticks of another length: the stage of the same model."""
+    def with_stage(self, stage: "HammersteinStage") -> Self:
+        """The same state in ticks of another length: the stage of the same model."""
         other = copy(self)
         other._set_stage(stage, self._u)
         return other

@@ -22,8 +22,8 @@ from tick_peers import peer_rows
 from tick_rows import HERE, Row, Stepper, literal_row, scene_rows
 
 from springpot.codegen.model.features import FirBank
+from springpot.codegen.native.compiler import compiler_version, find_compiler, machine_metadata
 from springpot.codegen.scene import Coupling, Smoothing
-from springpot.host.native.compiler import compiler_version, find_compiler, machine_metadata
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.rf_fd import compute_depth_scale, fit_forest

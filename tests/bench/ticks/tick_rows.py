@@ -13,10 +13,10 @@ import numpy as np
 from springpot.codegen.model.features import FirBank
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import write_model
+from springpot.codegen.native.c_library import CLibrary
+from springpot.codegen.native.compiler import find_compiler
 from springpot.codegen.scene import Coupling, Guard, Scene, Smoothing
 from springpot.host.emission.emission import emit
-from springpot.host.native.c_library import CLibrary
-from springpot.host.native.compiler import find_compiler
 from springpot.host.native.replay import load_port
 from springpot.runtime_c.paths import flags
 

@@ -18,9 +18,9 @@ from springpot.codegen.model.forest import (
     to_bins,
 )
 from springpot.codegen.model.regressors import Forest, Quantisation
+from springpot.codegen.native.c_library import CLibrary
+from springpot.codegen.native.compiler import shared_library
 from springpot.codegen.stages.compact_forest import CompactForest, compact_forest
-from springpot.host.native.c_library import CLibrary
-from springpot.host.native.compiler import shared_library
 from springpot.runtime_c.paths import INCLUDE, SOURCE
 from springpot.trainer.models.ensembles import convert_forest
 from springpot.trainer.models.fit import PAPER_LEAF, PAPER_TREES

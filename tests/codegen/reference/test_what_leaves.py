@@ -11,9 +11,9 @@ from support.paths import C_TESTS
 from support.small import scene
 
 from springpot.codegen.make_plan import make_plan
+from springpot.codegen.native.c_library import CLibrary
+from springpot.codegen.native.compiler import shared_library
 from springpot.codegen.notes import LATCHED
-from springpot.host.native.c_library import CLibrary
-from springpot.host.native.compiler import shared_library
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import build_and_load
 from springpot.runtime_c.paths import INCLUDE

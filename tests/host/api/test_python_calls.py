@@ -4,6 +4,7 @@ import json
 import logging
 import subprocess
 import sys
+import warnings
 from collections.abc import Iterator
 from dataclasses import replace
 
@@ -84,6 +85,21 @@ def test_predict_says_what_is_extrapolated_and_refuses_millimetres():
     for position_m in (np.linspace(0, 12 * deepest_m, 50), 1e3 * small.training()[0].position_m):
         with pytest.raises(DataError, match="give positions in metres"):
             springpot.predict(model, position_m)
+
+
+@pytest.mark.parametrize(
+    ("held_s", "share", "told"), [(5, 0.6, True), (3, 0.6, False), (9, 0, False)]
+)
+def test_a_hold_longer_than_training_is_an_extrapolation(held_s, share, told):
+    """Training recordings last 2 s at most; above the object no hold is told."""
+    model = small.passive_model()
+    deep_m = share * model.trained.max_m
+    noise_m = np.random.default_rng(0).uniform(-2e-3, 2e-3, 1000 * held_s) * model.trained.max_m
+    position_m = np.concatenate([small.press(0.5, deep_m)[:1000], deep_m + noise_m])
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        springpot.predict(model, position_m)
+    assert [f"holds still for {held_s}" in str(one.message) for one in caught] == [True] * told
 
 
 def test_good_news_is_logged_and_doubts_are_warnings(tmp_path, caplog, capsys):

@@ -13,6 +13,8 @@ from support.paths import C_TESTS, TESTS
 from support.small import DT_S, model_file, press, scene
 
 from springpot.codegen.errors import UsageError
+from springpot.codegen.native.c_library import CLibrary
+from springpot.codegen.native.compiler import shared_library
 from springpot.host.emission.boards import (
     BOARDS,
     TRANSDUCER,
@@ -22,8 +24,6 @@ from springpot.host.emission.boards import (
     find_board_compiler,
 )
 from springpot.host.emission.emission import emit
-from springpot.host.native.c_library import CLibrary
-from springpot.host.native.compiler import shared_library
 from springpot.host.native.scene_library import SceneLibrary, write_port
 from springpot.runtime_c.paths import PORT_MCU, flags
 

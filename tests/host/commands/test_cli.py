@@ -89,8 +89,10 @@ def test_without_a_compiler_the_c_is_still_written(job: Path, tmp_path: Path) ->
     assert result.returncode == 0, result.stderr
     assert "no C compiler on PATH" in result.stderr
     assert json.loads(result.stdout)["flash_bytes"] is None
-    told = refusal(1, "build", tmp_path / "c", env={"PATH": str(empty)})
-    assert "apt-get install gcc" in told
+    nothing_built = {"PATH": str(empty), "XDG_CACHE_HOME": str(tmp_path)}
+    assert "apt-get install gcc" in refusal(1, "build", tmp_path / "c", env=nothing_built)
+    told = run("train", job / "rec", "--out", tmp_path / "new.spm", env=nothing_built)
+    assert told.returncode == 1 and "apt-get install gcc" in told.stderr.splitlines()[-1]
 
 
 @pytest.mark.slow

@@ -10,8 +10,8 @@ import pytest
 from cobs import cobs
 from google_crc32c import value as crc32c
 
+from springpot.codegen.native.compiler import find_compiler, run_compiler
 from springpot.host.devices.wire import Receiver, Sender, constant, layout, messages
-from springpot.host.native.compiler import find_compiler, run_compiler
 from springpot.runtime_c.paths import PORT_WIRE, flags
 
 FRAMES = int(os.environ.get("SPRINGPOT_FRAMES", "10000"))

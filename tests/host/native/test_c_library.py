@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from springpot.host.native.c_library import CLibrary, declarations, load_c
-from springpot.host.native.compiler import CompilerError, cache_folder, shared_library
+from springpot.codegen.native.c_library import CLibrary, declarations, load_c
+from springpot.codegen.native.compiler import CompilerError, cache_folder, shared_library
 
 HEADER = """/* Sums. */
 #include <stdint.h>

@@ -7,14 +7,14 @@ from pathlib import Path
 import pytest
 from support.small import model_file, scene
 
-from springpot.host.commands.doctor import examine
-from springpot.host.emission.emission import emit
-from springpot.host.native.compiler import (
+from springpot.codegen.native.compiler import (
     NoCompilerError,
     compiler_reason,
     compiler_version,
     find_compiler,
 )
+from springpot.host.commands.doctor import examine
+from springpot.host.emission.emission import emit
 
 GCC = shutil.which("gcc")
 

@@ -12,9 +12,9 @@ from springpot import Model
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.model import TrainedRange
 from springpot.codegen.model.passive import Hammerstein
+from springpot.codegen.native.c_library import load_c
 from springpot.codegen.reference import run_reference
 from springpot.codegen.scene import Coupling
-from springpot.host.native.c_library import load_c
 from springpot.host.native.scene_library import SceneLibrary, build_and_load
 from springpot.host.simulation.hand_loop import HAND_SUBSTEPS, Operator, held_tool
 from springpot.host.simulation.objects import HAND_NAMES

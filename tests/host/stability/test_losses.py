@@ -12,9 +12,9 @@ from support.small import scene
 
 from springpot.codegen.coupling.linear_loop import DESIGN_HAND
 from springpot.codegen.make_plan import make_plan
+from springpot.codegen.native.c_library import CLibrary
+from springpot.codegen.native.compiler import shared_library
 from springpot.codegen.plan import Plan
-from springpot.host.native.c_library import CLibrary
-from springpot.host.native.compiler import shared_library
 from springpot.host.native.scene_library import SceneLibrary, build_and_load
 from springpot.host.simulation import cases
 from springpot.host.simulation.hand_loop import HandLoop

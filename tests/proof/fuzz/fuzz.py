@@ -76,7 +76,7 @@ def require_line(read: Reader, file: Path) -> None:
 
 def built_wire() -> Path:
     """The C target, with both sanitizers."""
-    from springpot.host.native.c_library import declarations
+    from springpot.codegen.native.c_library import declarations
 
     runtime = ROOT / "runtime_c"
     port = runtime / "port"

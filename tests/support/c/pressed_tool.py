@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from springpot.codegen.arrays import Samples
-from springpot.host.native.c_library import CLibrary, load_c
+from springpot.codegen.native.c_library import CLibrary, load_c
 from springpot.host.recording.sensed_press import Delay, late_gains
 from springpot.host.simulation.objects import ALL_OBJECTS
 from springpot.runtime_c.paths import PORT_POSIX, SIM

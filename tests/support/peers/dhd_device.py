@@ -18,8 +18,8 @@ from typing import Any
 import numpy as np
 from line import Clock, Faults, Port, arguments, be_a_device, say
 
+from springpot.codegen.native.compiler import shared_library
 from springpot.host.devices.wire import Receiver, Sender, constant, layout
-from springpot.host.native.compiler import shared_library
 from springpot.host.simulation.objects import ALL_OBJECTS, HAND_NAMES
 from springpot.runtime_c.paths import SIM
 

@@ -8,8 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support.c.passive_run import PassiveC
-from support.small import DT_S, damage, flow, passive_model, press
+from support.small import DT_S, damage, flow, passive_force_n, passive_model, press
 
 from springpot import Recording, predict
 from springpot.codegen.arrays import Samples, rms
@@ -172,7 +171,7 @@ def test_an_object_that_lets_go_has_a_surface_that_recovers() -> None:
     recordings = []
     for hz, share in product((1.0, 4.0), (0.6, 1.0)):
         depth_m = press(hz, share * DEPTH_M, 3)
-        made = PassiveC(LETS_GO, DT_S, surface=True).force_n(depth_m)
+        made = passive_force_n(LETS_GO, depth_m, DT_S, surface=True)
         recordings.append(Recording(f"{hz}-{share}", depth_m, made, DT_S))
     model = fit_model("hammerstein", "x", recordings, FitOptions(smooth_s=0.0)).model
     assert model.hammerstein is not None and model.hammerstein.recovers
@@ -242,6 +241,22 @@ def test_short_presses_of_a_silicone_tell_of_long_ones(tmp_path: Path) -> None:
     forces_n = [predict_n(model, each) for each in longer[:4]]
     found = accuracy([each.force_n for each in longer[:4]], forces_n, [0] * 4)
     assert found.rmse_percent_of_peak < 0.3
+
+
+def test_a_pad_that_sticks_pushes_no_hand_where_it_was_felt_to_pull() -> None:
+    """Pressed for a second and a half, then cycles to the surface: at rest it gives 0 N there."""
+    whole_m = np.concatenate([
+        np.zeros(100), np.full(1500, 0.8 * DEPTH_M), np.linspace(0.8 * DEPTH_M, 0.0, 300),
+        press(1.0, DEPTH_M, 3), press(0.4, 0.6 * DEPTH_M, 2), press(2.0, 0.8 * DEPTH_M, 4),
+    ])  # fmt: skip
+    u = whole_m / DEPTH_M
+    force_n = u + 3.0 * sum(highpass(u, tau_s, DT_S) for tau_s in (0.02, 0.2, 2.0, 20.0))
+    felt = Recording("pad", whole_m[1100:], force_n[1100:], DT_S)  # of the hold, its last 0.5 s
+    assert felt.force_n[felt.position_m < 0.02 * DEPTH_M].max() < -1.0
+    model = fit_model("hammerstein", "x", [felt], FitOptions(smooth_s=0.0)).model
+    still_m = np.zeros(100)
+    rested_n = predict_n(model.with_start("rested"), Recording("hand", still_m, still_m, DT_S))
+    assert model.contact == "always" and rested_n.max() <= 0.0  # 0.17 N, where a bias may push
 
 
 @pytest.mark.parametrize("goes_on", [False, True])

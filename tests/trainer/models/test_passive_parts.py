@@ -16,8 +16,31 @@ from springpot.trainer.models.passive import growth
 from springpot.trainer.models.passive.growth import Growth
 from springpot.trainer.models.passive.nonnegative import normal_equations, sparse_solve
 from springpot.trainer.models.passive.passive_rows import select_rows
+from springpot.trainer.models.passive.passive_terms import (
+    add_damage,
+    add_depth_rates,
+    add_flow,
+    build_model,
+    plain_terms,
+)
 from springpot.trainer.models.passive.recovery import _SurfaceMotion
+from springpot.trainer.models.passive.term_values import build_design_matrix
 from springpot.trainer.models.training_set import build_training_set
+
+
+@pytest.mark.parametrize("ratio", [16.0, 1.0 / 16.0])
+def test_terms_times_weights_are_the_force_of_the_model_that_they_make(ratio: float) -> None:
+    """Of all kinds of terms, at a third of the samples; the two are different C."""
+    depth_m = np.concatenate([press(1.0, DEPTH_M, 2), 0.6 * press(3.0, DEPTH_M, 2)])
+    data = build_training_set([Recording("x", depth_m, depth_m, DT_S)], 0.0)
+    plain = replace(plain_terms(data, 9), bias=(1.0, -1.0))
+    terms = add_flow(add_damage(add_depth_rates(plain, data, ratio)), data)
+    weights = np.random.default_rng(0).exponential(1.0, terms.count)
+    rows = np.arange(1, len(depth_m), 3)
+    force_n = build_design_matrix(terms, data, rows) @ weights
+    model = build_model(terms, weights)
+    wanted_n = passive_force_n(model, data.motions[0].depth_m, DT_S, surface=False)[rows]
+    np.testing.assert_allclose(force_n, wanted_n, rtol=1e-9)
 
 
 def test_what_few_terms_lose_does_not_add_up() -> None:
@@ -114,7 +137,7 @@ def test_what_softens_keeps_its_slope_and_no_slope_grows_beyond_all_bounds() -> 
 def test_a_curve_that_little_force_came_from_grows_no_more_than_all_together(
     foretold: bool,
 ) -> None:
-    """A slow branch that rises steeply where a spring has stopped to: 43 N in place of 4.6 N."""
+    """A slow branch that rises steeply where a spring has stopped to."""
     u = np.linspace(0.0, 1.0, 9)
     slow, spring_n = np.exp(12.0 * (u - 1.0)), 4.0 - 2.0 * u
     model = replace(

@@ -16,12 +16,13 @@ from unittest import mock
 import numpy as np
 import pytest
 from scipy.optimize import minimize
-from support.c.passive_run import PassiveC
 from support.small import DT_S, passive_force_n, press, soft_force
 
 from springpot import Recording
 from springpot.codegen.model.formulas import compute_depth_loss, play_operator
 from springpot.codegen.model.passive import Damage, Flow, Hammerstein
+from springpot.codegen.stages.passive.hammerstein import hammerstein_stage
+from springpot.codegen.stages.stage import SceneTicks
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.hammerstein import fit_hammerstein
 from springpot.trainer.models.passive.growth import Growth, extrapolate_curves
@@ -81,7 +82,7 @@ def max_returned(
 
 def model_force(model: Hammerstein, surface: bool = False) -> Force:
     """Through the C, which is as the reference: `test_the_c_is_the_reference`."""
-    return lambda depth_m, dt_s: PassiveC(model, dt_s, surface).force_n(depth_m)
+    return lambda depth_m, dt_s: passive_force_n(model, depth_m, dt_s, surface)
 
 
 @cache
@@ -144,7 +145,8 @@ def test_the_c_is_the_reference(seed: int, surface: bool) -> None:
     model, rng = random_model(seed, surface), np.random.default_rng(seed)
     depth_m, dt_s = closed_press(rng.normal(0.3, 0.3, 2 + 2 * WAVES), SAMPLES)
     force_n = model_force(model, surface)(depth_m, dt_s)
-    wanted_n = passive_force_n(model, depth_m, dt_s, surface)
+    stage = hammerstein_stage(model, SceneTicks(dt_s, surface=surface), "penetration")
+    wanted_n = stage.reference(depth_m, np.array([0]))
     np.testing.assert_array_equal(force_n, wanted_n)
     assert np.ptp(force_n) > 0.0
 
@@ -223,7 +225,7 @@ def test_the_clamp_alone_gives_energy_back_and_the_surface_does_not() -> None:
     )
     shares = []
     for recovers in (False, True):
-        force_n = PassiveC(replace(model, recovers=recovers), 0.02, True).force_n(depth_m)
+        force_n = passive_force_n(replace(model, recovers=recovers), depth_m, 0.02, True)
         energy_j = np.sum(0.5 * (force_n[1:] + force_n[:-1]) * np.diff(depth_m))
         shares.append(-energy_j / (np.ptp(force_n) * np.ptp(depth_m)))
     assert shares[0] > 0.01 and shares[1] <= 0.0

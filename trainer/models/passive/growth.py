@@ -73,9 +73,9 @@ def _extrapolation_rmse_n(
     terms: Terms, depth_fraction: float, deepest_m: Samples, penalty: float, rows: PassiveRows,
     data: TrainingSet,
 ) -> list[float]:  # fmt: skip
-    """RMSE beyond a share of the depth, N, of laws fitted to the way there.
+    """Compute the RMSE beyond a share of the depth, N, of laws fitted to the way there.
 
-    Of a constant slope, and of each of `SLOPE_POWERS`.
+    The first one is that of a constant slope, the others of each of `SLOPE_POWERS`.
 
     deepest_m: how deep each row's motion has been, (rows,). Empty if too few rows are on either
     side.
@@ -157,8 +157,8 @@ def _extrapolate_slopes(slopes_n: Samples, growth: Growth) -> Samples:
     """Slopes (curves, J) with further nodes up to 1.25, as dense as those; their sum is limited.
 
     Each curve grows by itself: real cylinders of silicone have an error of half of that with one
-    factor for all. But a curve that gave little force may grow by anything: one slow branch made
-    43 N where 4.6 N were measured.
+    factor for all. But a curve that gave little force may grow by anything: the sum is limited
+    (test_a_curve_that_little_force_came_from_grows_no_more_than_all_together).
     """
     last_n, total_n = slopes_n[:, -1:], slopes_n.sum(axis=0)[None]
     ratios = [np.ones_like(last_n), *(_slope_ratios(slopes_n, power) for power in SLOPE_POWERS)]

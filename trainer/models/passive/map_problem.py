@@ -95,7 +95,7 @@ class MapProblem:
         return (self.grid.weights @ amounts)[:, 0]
 
     def sparse(self) -> "MapProblem":
-        """The same with as few branches, stops and curves as serve a map of one material."""
+        """Keep as few branches, stops and curves as serve a map of one material."""
         amounts = self.amounts
         scaled = [_scale_normal(self.sites[k], amounts[k : k + 1]) for k in self.full]
         weights = sparse_solve(

@@ -33,15 +33,15 @@ class Normal:
         )
 
     def transformed(self, sums: Samples) -> "Normal":
-        """Those of columns that are sums of these, (terms, columns)."""
+        """Return the equations of columns that are sums of these, (terms, columns)."""
         return Normal(sums.T @ self.matrix @ sums, sums.T @ self.vector, self.square, self.rows)
 
     def penalised(self, penalty: Samples) -> "Normal":
-        """The same with w' penalty w, (terms, terms), added to the squared error of each row."""
+        """Add w' penalty w, (terms, terms), to the squared error of each row."""
         return Normal(self.matrix + self.rows * penalty, self.vector, self.square, self.rows)
 
     def solve(self, active: Flags | None = None, near: Samples | None = None) -> Samples:
-        """Weights >= 0 of lowest error, (terms,); 0 for terms that are not active.
+        """Find the weights >= 0 of lowest error, (terms,); 0 for terms that are not active.
 
         near: weights of a problem like this one, (terms,): the search begins at their signs.
         """
@@ -61,11 +61,11 @@ class Normal:
         return np.sqrt(np.maximum(np.diag(self.matrix), _MIN_DIAGONAL * self.rows))
 
     def contribution(self, weights: Samples) -> Samples:
-        """Each term's share in what the weights give, (terms,): comparable among terms."""
+        """Compute the share of each term in what the weights give, (terms,)."""
         return weights * self._column_norms
 
     def error(self, weights: Samples) -> float:
-        """Sum of squared errors of weights on these rows, with the penalty if there is one."""
+        """Sum the squared errors of weights on these rows, with the penalty if there is one."""
         crossed = float(weights @ self.vector)
         return max(self.square - 2.0 * crossed + float(weights @ self.matrix @ weights), 0.0)
 
@@ -74,7 +74,7 @@ class Normal:
 
 
 def _solve_nonnegative(matrix: Samples, vector: Samples, free: Flags) -> Samples:
-    """The w >= 0 of lowest w' matrix w / 2 - w' vector, (terms,); the matrix is positive definite.
+    """Minimise w' matrix w / 2 - w' vector over w >= 0, (terms,); positive definite matrix.
 
     free: the terms that may be above 0 at first, (terms,).
     Block principal pivoting (Portugal, Judice, Vicente, Math. Comput. 63, 1994): a term is free or
@@ -115,7 +115,7 @@ def normal_equations(columns: Samples, target: Samples) -> Normal:
 
 
 def sparse_solve(normal: Normal, blocks: Indices, loss: float) -> Samples:
-    """Weights >= 0 in few blocks, (terms,): the RMSE stays within a share `loss` of the lowest.
+    """Find weights >= 0 in few blocks, (terms,): the RMSE is within a share `loss` of the lowest.
 
     blocks: number of each term's block, (terms,): what costs time in C is a block, not a term.
     Backward elimination: of the blocks that contribute least, the one that raises the error least

@@ -93,7 +93,7 @@ class PassiveChoice:
         return fit_recovery(model, self.terms, self.penalty, self.rows, data)
 
     def extrapolate(self, model: Hammerstein, data: TrainingSet) -> Hammerstein:
-        """The model with slopes that grow beyond the trained depth, if the object's do."""
+        """Let slopes grow beyond the trained depth as those within it do."""
         growth = estimate_growth(self.terms, self._sparse_weights, self.penalty, self.rows, data)
         return model if growth is None else extrapolate_curves(model, growth)
 
@@ -129,7 +129,7 @@ def fit_passive_timed(
 
 
 def select_passive(data: TrainingSet, options: FitOptions) -> tuple[PassiveChoice, float]:
-    """The terms of lowest cross-validated error, by steps, and the seconds that it took.
+    """Select the terms of lowest cross-validated error, by steps; return the seconds too.
 
     Done once for the options that decide it.
     """
@@ -184,7 +184,8 @@ class Laws:
     def __init__(self, plain: Terms, rows: PassiveRows, data: TrainingSet) -> None:
         self._plain, self._data = plain, data
         values = data.map_motions(rows.rows, partial(evaluate_plain_hats, plain, data.dt_s))
-        values = np.hstack([values, np.tile([1.0, -1.0], (len(values), int(plain.bias)))])
+        if plain.bias:
+            values = np.hstack([values, np.tile(plain.bias, (len(values), 1))])
         if rows.surface:
             sums, form = self._to_terms("", np.eye(len(values.T))), PENALTIES[1] * plain.roughness()
             rows = replace(
@@ -210,7 +211,7 @@ class Laws:
     ) -> list[PassiveChoice]:
         """Plain terms with those of a law, in the order of `Terms`: rates, damage, flow.
 
-        Where even a fit to all rows errs by more than most_n, that is its error: without folds.
+        Where even a fit to all rows errs by more than max_error_n, no fold is held out.
         """
         terms = reduce(self._add_terms, law, self._plain)
         for name in law:
@@ -223,20 +224,22 @@ class Laws:
         return [self._cross_validate(candidate, max_error_n) for candidate in candidates]
 
     def _cross_validate(self, choice: PassiveChoice, most_n: float) -> PassiveChoice:
-        """The same with its errors, as `choices` says."""
+        """Add the errors of held-out folds; see `fit_law`."""
         names = ("", *choice.law)
         sums = [self._to_terms(name, np.eye(self._columns[name].shape[1])) for name in names]
-        cuts = np.cumsum([its.shape[1] for its in sums])[:-1]
+        cuts = np.cumsum([block.shape[1] for block in sums])[:-1]
 
         def evaluate(weights: Samples) -> PassiveChoice:
             parts = zip(names, sums, np.split(weights, cuts), strict=True)
-            force_n = reduce(add, (self._columns[name] @ (its @ part) for name, its, part in parts))
+            force_n = reduce(
+                add, (self._columns[name] @ (to_terms @ part) for name, to_terms, part in parts)
+            )
             errors_n, folds_n = self._rows.errors_n(force_n)
             return replace(choice, errors_n=errors_n, folds_n=folds_n)
 
         # A fit without a fold errs there by as much as one with it, or more.
-        if most_n < inf and (its := evaluate(choice.full_weights[:, None])).error_n > most_n:
-            return its
+        if most_n < inf and (shown := evaluate(choice.full_weights[:, None])).error_n > most_n:
+            return shown
         return evaluate(choice.fold_weights)
 
     def _normal_equations(self, names: Sequence[str], shown: int) -> Normal:
@@ -255,7 +258,7 @@ class Laws:
         return self._products[one, other]
 
     def _to_terms(self, name: str, hats: Samples) -> Samples:
-        """Terms in the place of their hats, along the last axis; what is no curve stays."""
+        """Replace hats by terms, along the last axis; what is no curve stays."""
         if name in ("flow", _TARGET):
             return hats
         curves = hats.shape[-1] // self._plain.nodes * self._plain.nodes
@@ -272,17 +275,14 @@ class Laws:
         data, rows, terms = self._data, self._rows.rows, self._add_terms(self._plain, name)
         if name != "flow":
             return data.map_motions(rows, partial(evaluate_added_hats, terms, data.dt_s))
-        motion_args = (data.motions, data.dt_s, data.rows_by_motion(rows))
-        key = ("flow", rows.tobytes())
-        return data.cached(
-            key, lambda: data.to_row_order(rows, simulate_flow(terms, *motion_args))
-        )[0]
+        key, flow = ("flow", rows.tobytes()), partial(simulate_flow, terms, data.dt_s)
+        return data.cached(key, lambda: data.map_motions(rows, flow))[0]
 
 
 def _select_curves(
     laws_with_nodes: Callable[[int], Laws], law: tuple[str, ...]
 ) -> tuple[Laws, PassiveChoice]:
-    """The choice of lowest error, and its laws: those that bend more have to earn it.
+    """Select nodes and a penalty of lowest error; curves that bend more pay for it.
 
     More nodes are tried as long as the ones before took a tenth off the error, and if rows lie
     between every two of them: elsewhere nothing holds them.
@@ -314,7 +314,7 @@ def required_error_n(best: PassiveChoice) -> float:
 
 
 def select_richer(best: PassiveChoice, other: PassiveChoice) -> PassiveChoice:
-    """The richer law if it has less error in all, and no more in any family of folds."""
+    """Return the richer law if it has less error in all, and no more in any family of folds."""
     pairs = zip(other.errors_n, best.errors_n, strict=True)
     gains = other.error_n < required_error_n(best)
     return (

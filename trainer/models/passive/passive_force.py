@@ -8,8 +8,8 @@ import numpy as np
 
 from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.model.passive import Hammerstein, Memory
+from springpot.codegen.stages.passive.compiled import CompiledMotion
 from springpot.codegen.stages.passive.hammerstein import HammersteinStage, hammerstein_stage
-from springpot.codegen.stages.passive.motion import PassiveMotion
 from springpot.codegen.stages.stage import SceneTicks
 from springpot.trainer.models.depths import DepthMotion
 from springpot.trainer.models.training_set import TrainingSet
@@ -41,7 +41,7 @@ def simulate_passive(
     stage = stage_of(dt_s)
     u = (motion.depth_m - stage.config.origin_m) * stage.config.u_per_m
     begin = motion.starts[0] if stage.start else 0
-    state, force_n, model_u = PassiveMotion(stage, u[begin]), np.zeros_like(u), u.copy()
+    state, force_n, model_u = CompiledMotion(stage, u[begin]), np.zeros_like(u), u.copy()
     pauses = (pause for pause in motion.pauses if pause[0] > begin)
     for end, seconds in (*pauses, (len(u), 0.0)):
         force_n[begin:end], model_u[begin:end] = state.along(u[begin:end])
@@ -60,7 +60,7 @@ def simulate_passive(
 
 
 def store_memory(model: Hammerstein, data: TrainingSet) -> Hammerstein:
-    """The model with the memory with which the last press began; untimed, with which it ended.
+    """Store the memory with which the last press began; untimed, with which it ended.
 
     Presses begin with it where the recordings go on, or where it takes a tenth off the error of
     the later presses of a timed session, each by itself: their rests were too short to forget in.

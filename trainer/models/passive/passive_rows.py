@@ -46,7 +46,7 @@ class PassiveRows:
 
     @cached_property
     def held_out(self) -> tuple[tuple[int, int], ...]:
-        """Every fold that is held out: numbers of its family, and of itself."""
+        """List the folds that are held out: number of the family, and of the fold in it."""
         families = enumerate(self.families)
         return tuple((number, fold) for number, folds in families for fold in folds.tested)
 
@@ -57,14 +57,14 @@ class PassiveRows:
 
     @cached_property
     def cell_slices(self) -> list[slice]:
-        """What is kept of each piece, in that order."""
+        """Slice each piece, in that order, without the rows that have let go."""
         begins = np.searchsorted(self.cell[self.order], np.arange(self.cell.max() + 1))
         kept = np.bincount(self.cell, ~self.separated).astype(np.intp)
         return list(map(slice, begins, begins + kept))
 
     @cached_property
     def in_fold(self) -> Flags:
-        """Whether each row, in that order, is in each fold of `held`, (rows, folds)."""
+        """Mark the rows, in that order, of each fold of `held_out`, (rows, folds)."""
         numbers = [self.families[k].number[self.order] == fold for k, fold in self.held_out]
         return np.stack(numbers, axis=1)
 
@@ -80,10 +80,10 @@ class PassiveRows:
         return np.tensordot(self._in_training, cell_grams, 1)
 
     def errors_n(self, force_n: Samples) -> tuple[tuple[float, ...], Samples]:
-        """Geometric mean of the RMSEs on the folds of each family, N, and each, (folds,), N.
+        """Compute the geometric mean RMSE of each family of folds, and that of each fold, N.
 
-        NaN: there is none. force_n: fitted without each fold of `held`, (rows, folds), in `order`;
-        NaN: nothing was left.
+        NaN: there is none. force_n: fitted without each fold of `held_out`, (rows, folds), in
+        `order`; NaN: nothing was left.
         """
         if self.surface:
             force_n = np.maximum(force_n, 0.0)  # an object does not pull at its surface

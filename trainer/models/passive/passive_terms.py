@@ -18,6 +18,8 @@ N_FLOW_TIMES, FLOW_POWERS = 5, (3, 5)
 _SHORTEST_FLOW_S = 0.01
 HEAL_S, DAMAGE_POWERS = (0.0, 60.0), (1, 3)  # 0: never
 _EXPONENTIAL_PENALTY = 1e-3  # of it: for exponentials
+_LOWEST_FRACTION = 0.02  # of the depth, from the lowest one
+_CLEAR_FRACTION = 0.01  # of the range of the force: noise and offsets are less
 _SLOPE_PENALTY = 0.02  # of the second differences' weight: enough to keep a curve straight in a gap
 
 
@@ -26,10 +28,10 @@ class Terms:
     """The terms that a fit chooses from, in columns.
 
     First the plain ones: the spring's curve, those of the branches (tau_s) and of the stops
-    (radius_m), and where the bias is fitted +1 and -1. Then what a richer law adds: curves of
-    branches with a rate by depth (depth_tau_s, rate_ratio: see `Hammerstein`), curves of damage
-    (time of healing, power), a column each for flowing branches (time constant, power, degree),
-    lower powers first.
+    (radius_m), and the signs that a bias may have, without a surface. Then what a richer law adds:
+    curves of branches with a rate by depth (depth_tau_s, rate_ratio: see `Hammerstein`), curves of
+    damage (time of healing, power), a column each for flowing branches (time constant, power,
+    degree), lower powers first.
     """
 
     origin_m: float
@@ -37,7 +39,7 @@ class Terms:
     nodes: int
     tau_s: tuple[float, ...]
     radius_m: tuple[float, ...]
-    bias: bool
+    bias: tuple[float, ...]
     depth_tau_s: tuple[float, ...] = ()
     rate_ratio: float = 1.0
     damage: tuple[tuple[float, int], ...] = ()
@@ -63,18 +65,18 @@ class Terms:
     @property
     def plain_count(self) -> int:
         """Plain columns."""
-        return self.width * self.curves[0] + 2 * self.bias
+        return self.width * self.curves[0] + len(self.bias)
 
     @property
     def count(self) -> int:
-        """All columns."""
+        """Count all columns."""
         return self.plain_count + self.width * self.curves[1] + len(self.flow)
 
     @property
     def blocks(self) -> Indices:
-        """Number of each column's block, (terms,): a curve, the bias, or a flowing branch."""
+        """Number the block of each column, (terms,): a curve, the bias, or a flowing branch."""
         plain, richer = self.curves
-        sizes = [self.width] * plain + [2] * self.bias + [self.width] * richer
+        sizes = [self.width] * plain + [len(self.bias)] * bool(self.bias) + [self.width] * richer
         sizes += [1] * len(self.flow)
         return np.repeat(np.arange(len(sizes)), sizes)
 
@@ -126,7 +128,7 @@ def column_slopes(nodes: int) -> Samples:
 
 
 def plain_terms(data: TrainingSet, nodes: int, poles: int = PASSIVE_POLES) -> Terms:
-    """A spring, four stops, `poles` branches from two samples to the longest recording.
+    """Return a spring, four stops, `poles` branches from two samples to the longest recording.
 
     A bias only where the tool never leaves the object: at a surface the force is 0 by itself.
     """
@@ -138,34 +140,47 @@ def plain_terms(data: TrainingSet, nodes: int, poles: int = PASSIVE_POLES) -> Te
         nodes=nodes,
         tau_s=_space_times_s(data, 2.0 * data.dt_s, poles),
         radius_m=tuple(share * span_m for share in RADIUS_SHARES),
-        bias=data.contact == "always",
+        bias=() if data.contact == "surface" else _allowed_bias_signs(data),
     )
 
 
+def _allowed_bias_signs(data: TrainingSet) -> tuple[float, ...]:
+    """Both, or the one of the forces at the lowest depths, if these are clear and of one sign.
+
+    A rest that no recording shows is not determined: a pad that sticks was given a push of 0.17 N
+    where -2.9 to -1.3 N were measured, in the only recording, which begins in a short hold.
+    """
+    depth_m, force_n = np.concatenate(data.depths_m), data.force_n(np.arange(data.rows_total))
+    low_m = data.trained.min_m + _LOWEST_FRACTION * (data.trained.max_m - data.trained.min_m)
+    low_n, clear_n = force_n[depth_m <= low_m], _CLEAR_FRACTION * float(np.ptp(force_n))
+    pushes, pulls = float(low_n.max()) > clear_n, float(low_n.min()) < -clear_n
+    return (1.0, -1.0) if pushes == pulls else (1.0,) if pushes else (-1.0,)
+
+
 def add_depth_rates(terms: Terms, data: TrainingSet, rate_ratio: float) -> Terms:
-    """The terms, and branches with a rate that depends on the depth."""
+    """Add branches with a rate that depends on the depth."""
     times_s = _space_times_s(data, 2.0 * data.dt_s, DEPTH_POLES)
     return replace(terms, depth_tau_s=times_s, rate_ratio=rate_ratio)
 
 
 def add_damage(terms: Terms) -> Terms:
-    """The terms, and curves that are softer below the largest depth so far."""
+    """Add curves that are softer below the largest depth so far."""
     return replace(terms, damage=tuple(product(HEAL_S, DAMAGE_POWERS)))
 
 
 def add_flow(terms: Terms, data: TrainingSet) -> Terms:
-    """The terms, and branches that flow."""
+    """Add branches that flow."""
     times_s = _space_times_s(data, max(_SHORTEST_FLOW_S, 2.0 * data.dt_s), N_FLOW_TIMES)
     flow = [(t, power, degree) for power in FLOW_POWERS for t in times_s for degree in FUNCTIONS]
     return replace(terms, flow=tuple(flow))
 
 
 def keep_used_terms(terms: Terms, weights: Samples) -> Terms:
-    """Those of the terms that have weights above 0; the spring and a bias stay."""
+    """Keep the terms that have weights above 0, the spring, and a bias."""
     blocks = np.bincount(terms.blocks, weights) > 0.0
     plain, richer = terms.curves
     branch, stop = np.split(blocks[1:plain], [len(terms.tau_s)])
-    optional = blocks[plain + terms.bias :]
+    optional = blocks[plain + bool(terms.bias) :]
     depth, damage, flow = np.split(optional, [len(terms.depth_tau_s), richer])
     return replace(
         terms,
@@ -183,12 +198,12 @@ def _space_times_s(data: TrainingSet, shortest_s: float, count: int) -> tuple[fl
 
 
 def build_model(terms: Terms, weights: Samples) -> Hammerstein:
-    """Terms and their non-negative weights as a model, without what has weight 0."""
+    """Build a model of terms and non-negative weights, without what has weight 0."""
     plain, richer = terms.slopes_n(weights)
     elastic_n, branch_n, stop_n = np.split(plain, [1, 1 + len(terms.tau_s)])
     depth_n, damage_n = np.split(richer, [len(terms.depth_tau_s)])
-    constant, by_depth, stopped = (each.any(axis=1) for each in (branch_n, depth_n, stop_n))
-    bias_end = terms.plain_count
+    constant, by_depth, stopped = (curves.any(axis=1) for curves in (branch_n, depth_n, stop_n))
+    bias = slice(terms.plain_count - len(terms.bias), terms.plain_count)
     return Hammerstein(
         origin_m=terms.origin_m,
         span_m=terms.span_m,
@@ -197,7 +212,7 @@ def build_model(terms: Terms, weights: Samples) -> Hammerstein:
         branch_n=np.concatenate([branch_n[constant], depth_n[by_depth]]),
         radius_m=np.array(terms.radius_m)[stopped],
         stop_n=stop_n[stopped],
-        bias_n=float(weights[bias_end - 2] - weights[bias_end - 1]) if terms.bias else 0.0,
+        bias_n=float(weights[bias] @ np.array(terms.bias)),
         n_by_depth=int(np.count_nonzero(by_depth)),
         rate_ratio=terms.rate_ratio if by_depth.any() else 1.0,
         flow=_build_flow(terms, weights[terms.count - len(terms.flow) :]),
@@ -217,5 +232,5 @@ def _build_damage(terms: Terms, curve_n: Samples) -> Damage | None:
     used = curve_n.any(axis=1)
     if not used.any():
         return None
-    heal_s, power = (np.array(each)[used] for each in zip(*terms.damage, strict=True))
+    heal_s, power = (np.array(values)[used] for values in zip(*terms.damage, strict=True))
     return Damage(heal_s, power, curve_n[used])

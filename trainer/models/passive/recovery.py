@@ -1,4 +1,4 @@
-"""Whether the surface of an object recovers while the tool is away, and what fits it then.
+"""Decide if the surface of an object recovers while the tool is away, and fit it so.
 
 A passive model is fitted along the tool's way. If its surface recovers (sp_surface.h), it is not
 where the tool is while that is away, and what it remembers is another thing. So it is fitted again
@@ -30,7 +30,7 @@ _GAP_TOLERANCE = 1e-9  # of the trained depth
 def fit_recovery(
     model: Hammerstein, terms: Terms, penalty: float, rows: PassiveRows, data: TrainingSet
 ) -> Hammerstein:
-    """The model, or one that recovers, if the object lets go and it has no more error.
+    """Return the model, or one that recovers, if the object lets go and that errs no more.
 
     terms: those that it was chosen from, and is chosen from once more; penalty: on their roughness.
     """

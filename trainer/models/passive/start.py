@@ -48,9 +48,9 @@ def select_start(data: TrainingSet, options: FitOptions) -> TrainingSet:
 
 
 def _select_quickly(data: TrainingSet, options: FitOptions, most_n: float = inf) -> PassiveChoice:
-    """The better of a plain law and one with damage and flow, of one penalty.
+    """Return the better of a plain law and one with damage and flow, of one penalty.
 
-    The plain one if it errs by so much more than most_n that nothing repairs it.
+    That is the plain one if it errs by so much more than most_n that nothing repairs it.
     """
     laws = build_laws(data, options, NODES[0])
     plain, *_ = laws.fit_law((), PENALTIES[1:2], most_n)

@@ -4,9 +4,9 @@ from pathlib import Path
 from typing import Any
 
 from springpot.codegen.errors import UsageError
+from springpot.codegen.native.c_library import CLibrary
 from springpot.host.devices.device import DeviceRequirements, VirtualDevice
 from springpot.host.devices.drivers import Address, Driver
-from springpot.host.native.c_library import CLibrary
 
 
 class StillDevice(VirtualDevice):

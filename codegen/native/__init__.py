@@ -1,0 +1,1 @@
+"""C compilers of this machine, and libraries of C in this process."""
