@@ -319,7 +319,8 @@ def _find_force_loss(x: Samples, rise: Samples) -> Iterator[int]:
 
     An object relaxes, and one that flows answers a slow press with little. So the force falls from
     one sample to the next while the tool goes on as before; or there is none on a whole way in that
-    takes no more than four times the samples of one with force.
+    takes no more than four times the samples of one with force, and none at its deepest sample,
+    which is as deep as any before: an object that stays dented pushes there.
     """
     noise_n = _NOISE_SIGMAS * sensor_noise_n(rise)
     if len(x) <= 2 * _MEDIAN_REACH or noise_n > _MAX_NOISE_FRACTION * rise.max():
@@ -331,6 +332,7 @@ def _find_force_loss(x: Samples, rise: Samples) -> Iterator[int]:
         for share in (_CONTACT_TRAVEL_FRACTION, _DEEP_TRAVEL_FRACTION)
     )
     zero_force_n = max(_LOST_FORCE_FRACTION * float(rise.max()), noise_n)
+    bend_m = _MAX_BEND_FRACTION * float(np.ptp(x))
 
     def loading_samples(begin: int, end: int) -> int:
         """Samples from row `begin`, in the middle, to the first deep one; 0 if there is none."""
@@ -342,6 +344,13 @@ def _find_force_loss(x: Samples, rise: Samples) -> Iterator[int]:
         (samples_in for begin, samples_in in strokes if rise[begin + samples_in] > zero_force_n),
         default=0,
     )
+
+    def is_deepest(begin: int, end: int) -> bool:
+        """Whether the deepest sample of a stroke is in these rows, and none before is deeper."""
+        first, last = next(stroke for stroke in runs(x >= middle_m) if stroke[1] > begin)
+        deepest = first + int(np.argmax(x[first:last]))
+        return begin <= deepest < end and x[deepest] >= x[:first].max(initial=-np.inf) - bend_m
+
     for begin, end in runs((x >= middle_m) & (rise <= zero_force_n)):
         neighbours_m = x[max(0, begin - 2 * _MEDIAN_REACH) : begin + _MEDIAN_REACH + 1]
         falls = (
@@ -349,10 +358,10 @@ def _find_force_loss(x: Samples, rise: Samples) -> Iterator[int]:
             and end - begin > _MEDIAN_REACH
             and rise[begin - 1] > _DROP_RATIO * zero_force_n
         )
-        goes_on = abs(
-            neighbours_m[0] - 2.0 * x[begin - 1] + neighbours_m[-1]
-        ) <= _MAX_BEND_FRACTION * float(np.ptp(x))
-        if (falls and goes_on) or 0 < loading_samples(begin, end) <= longest:
+        goes_on = abs(neighbours_m[0] - 2.0 * x[begin - 1] + neighbours_m[-1]) <= bend_m
+        if (falls and goes_on) or (
+            0 < loading_samples(begin, end) <= longest and is_deepest(begin, end)
+        ):
             yield begin
 
 
