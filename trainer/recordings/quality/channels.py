@@ -37,6 +37,8 @@ _CONTACT_TRAVEL_FRACTION, _DEEP_TRAVEL_FRACTION = (
     0.7,
 )  # of the travel: in contact, wherever the surface is
 _MAX_BEND_FRACTION = 2e-3  # of the travel: a motion that is bent by less goes on
+# Of the travel, in one sample: an object that has relaxed lets go of a tool that leaves so fast.
+_LET_GO_FRACTION = 0.02
 _MAX_SLOWDOWN = 4.0  # times the samples of a way in that meets force
 _RUNS_PER_AVERAGE = 8  # of such a row, one part is averaged
 _CLIPPED_SIGMAS = 6.0  # of that mean
@@ -351,18 +353,23 @@ def _find_force_loss(x: Samples, rise: Samples) -> Iterator[int]:
         deepest = first + int(np.argmax(x[first:last]))
         return begin <= deepest < end and x[deepest] >= x[:first].max(initial=-np.inf) - bend_m
 
+    met, gone = np.flatnonzero((x >= middle_m) & (rise > zero_force_n)), None
     for begin, end in runs((x >= middle_m) & (rise <= zero_force_n)):
         neighbours_m = x[max(0, begin - 2 * _MEDIAN_REACH) : begin + _MEDIAN_REACH + 1]
         falls = (
             begin > 0
             and end - begin > _MEDIAN_REACH
+            and x[begin - 1] - x[begin] < _LET_GO_FRACTION * float(np.ptp(x))
             and rise[begin - 1] > _DROP_RATIO * zero_force_n
         )
         goes_on = abs(neighbours_m[0] - 2.0 * x[begin - 1] + neighbours_m[-1]) <= bend_m
-        if (falls and goes_on) or (
-            0 < loading_samples(begin, end) <= longest and is_deepest(begin, end)
-        ):
+        if falls and goes_on:
             yield begin
+        if 0 < loading_samples(begin, end) <= longest:
+            # The first of all that meet nothing, once one of them is deep enough to say so.
+            gone = begin if gone is None or ((met > gone) & (met < begin)).any() else gone
+            if is_deepest(begin, end):
+                yield gone
 
 
 def _excursion(other: Samples, channel: str) -> float:
