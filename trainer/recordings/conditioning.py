@@ -9,7 +9,12 @@ import numpy as np
 
 from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.recordings.contact_point import describe_hum, find_contact
-from springpot.trainer.recordings.quality.channels import channel_findings, level_findings
+from springpot.trainer.recordings.quality.channels import (
+    CLIPPED_KEY,
+    channel_findings,
+    find_clipping,
+    level_findings,
+)
 from springpot.trainer.recordings.quality.signs import find_sign_refusals
 from springpot.trainer.recordings.quality.spikes import replace_spikes
 from springpot.trainer.recordings.recording import Recording, Zero
@@ -175,6 +180,7 @@ def _set_contact_zero(recording: Recording, options: Conditioning) -> tuple[Reco
     details, line = dict[str, Any](recording.details), f"{recording.name}: "
     sets_zero, contact, drifted_n = options.contact_force is not None, None, 0.0
     if tare_n is None and (drift_found := find_air_drift(recording, asked=True)):
+        details |= {CLIPPED_KEY: find_clipping(recording)}  # which a line hides
         recording, drift = drift_found
         details |= {"drift_nps": drift.slope_nps, "drift_bound_nps": drift.bound_nps}
         line += f"drift of {60.0 * drift.slope_nps:.3g} N/min taken off, "

@@ -142,6 +142,13 @@ def test_what_hides_the_surface_is_named(fault: Fault, cause: str) -> None:
             condition(recording, AUTO)
 
 
+def test_a_clipped_force_is_named_where_its_drift_is_taken_off() -> None:
+    position_m, force_n = drifts(*press(1), 1)
+    clipped = Recording("p", position_m, np.minimum(force_n, 0.5 * PEAK_N), DT_S)
+    mended, line = condition(clipped, Conditioning(tare="auto"))
+    assert "drift" in line[0] and "clipping" in kinds([mended])
+
+
 def test_a_mass_is_no_exchange_of_columns() -> None:
     """Force comes and goes while the tool starts and stops in the air, noisier than position."""
     position_m, force_n = press(1)

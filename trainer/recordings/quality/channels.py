@@ -1,7 +1,7 @@
 """Faults of a channel: constant, clipped, stuck, gone, filled, coarse, or wrapped."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -17,6 +17,7 @@ from springpot.trainer.recordings.signals import (
     turning_points,
 )
 
+CLIPPED_KEY = "clipping"  # of a recording's details: findings before a line was taken off
 _MIN_FLAT_SAMPLES, _MIN_OTHER_FRACTION = (
     5,
     0.05,
@@ -68,8 +69,8 @@ def channel_findings(recording: Recording) -> Iterator[Finding]:
     if constant:
         return
     steps = []
+    yield from (Finding(**known) for known in find_clipping(recording))
     for channel, samples, other, scale, unit in channels:
-        yield from _clipping_findings(recording, channel, samples, other)
         if wraps := _find_wraps(samples, other):
             yield refusal(
                 "wrap", recording.name,
@@ -147,6 +148,16 @@ def level_findings(recording: Recording) -> Iterator[Finding]:
             "a converter's sign is read wrong, or a plug is loose, and no object does so",
             "correct the sign in the source, or check the sensor's cable",
         )  # fmt: skip
+
+
+def find_clipping(recording: Recording) -> list[dict[str, str]]:
+    """Return the fields of findings: of clipped channels, or those that a correction has kept."""
+    if CLIPPED_KEY in recording.details:
+        return list(recording.details[CLIPPED_KEY])
+    position_m, force_n = recording.position_m, recording.force_n
+    findings = [*_clipping_findings(recording, "position", position_m, force_n)]
+    findings += _clipping_findings(recording, "force", force_n, position_m)
+    return [asdict(finding) for finding in findings]
 
 
 def _clipping_findings(
