@@ -121,7 +121,7 @@ def shared_library(
         library.parent.mkdir(parents=True, exist_ok=True, mode=0o700)
         for path in (library.parent, library):
             _require_own(path)
-        if library.exists():
+        if library.exists() and library.stat().st_size:  # one that a full disk cut is built again
             return library
     except OSError as error:
         raise CompilerError(

@@ -76,6 +76,31 @@ def test_no_rooms_import_each_other_in_a_circle() -> None:
     TopologicalSorter(needs).prepare()  # CycleError names the rooms
 
 
+# Circles that stand: whoever mends one takes its line away, and nobody adds one.
+KNOWN_CIRCLES = {("codegen.stages.passive.motion", "codegen.stages.passive.hammerstein")}
+
+
+def test_no_files_import_each_other_in_a_circle() -> None:
+    """Lazy imports, and those for checkers, count too."""
+    files = {}
+    for floor in ("codegen", "trainer", "host"):
+        for file in (ROOT / floor).rglob("*.py"):
+            files[".".join(file.relative_to(ROOT).with_suffix("").parts)] = file
+    needs = {}
+    for module, file in files.items():
+        names = {name.removeprefix("springpot.") for name in imports(file)} | {
+            f"{node.module}.{alias.name}".removeprefix("springpot.")
+            for node in import_nodes(file)
+            if isinstance(node, ast.ImportFrom)
+            for alias in node.names
+        }
+        needs[module] = {
+            name for name in names & files.keys() if (module, name) not in KNOWN_CIRCLES
+        }
+    assert sum(map(len, needs.values())) > len(files)  # the names are those of files
+    TopologicalSorter(needs).prepare()  # CycleError names the files
+
+
 def test_no_folder_is_crowded() -> None:
     crowded = {}
     for folder in {file.parent for file in ROOT.glob("[rcth]*/**/*.py")}:

@@ -9,6 +9,12 @@ import numpy as np
 
 from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.recordings.contact_point import describe_hum, find_contact
+from springpot.trainer.recordings.quality.channels import (
+    CLIPPED_KEY,
+    channel_findings,
+    find_clipping,
+    level_findings,
+)
 from springpot.trainer.recordings.quality.signs import find_sign_refusals
 from springpot.trainer.recordings.quality.spikes import replace_spikes
 from springpot.trainer.recordings.recording import Recording, Zero
@@ -16,6 +22,7 @@ from springpot.trainer.recordings.signals import Drift, find_drift
 
 _ACCELERATION_WINDOW_S = 0.02  # over which acceleration is taken from positions
 _MIN_WINDOW_SAMPLES = 7
+_HIDES_SURFACE = ("stuck", "gone", "gap")  # kinds of findings
 _MAX_UNCERTAINTY_FRACTION = 0.25  # of the deepest press: a bound of its surface
 
 
@@ -55,9 +62,11 @@ def condition(
     """
     messages: list[str] = []
     if zero != "none" or options.tare is not None or options.contact_force is not None:
-        recording, findings = replace_spikes(recording)
-        for finding in (each for each in findings if each.severity == "refusal"):
-            raise DataError(finding.text)
+        measured, (recording, findings) = recording, replace_spikes(recording)
+        for finding in findings:
+            if finding.severity == "refusal":
+                _raise_likelier_cause(measured, options.accept_signs)
+                raise DataError(finding.text)
     if zero != "none":
         recording = _subtract_zero(recording, zero)
     recording = replace(
@@ -75,14 +84,26 @@ def condition(
         try:
             recording, line = _set_contact_zero(recording, options)
         except DataError:
-            if not options.accept_signs:  # a turned sign is the cause, and has another remedy
-                for doubt in find_sign_refusals([recording]):
-                    raise DataError(doubt) from None
+            _raise_likelier_cause(recording, options.accept_signs)
             raise
         messages.append(line)
     if options.accept_signs:
         recording = replace(recording, details={**recording.details, "accepted_signs": True})
     return recording, messages
+
+
+def _raise_likelier_cause(recording: Recording, accepts_signs: bool) -> None:
+    """Raise DataError with a fault of a channel or a sign, which hides a surface, if there is one.
+
+    A position that stood still once was called the mass of a tool, for force came before it.
+    """
+    faults = [*level_findings(recording)] or [*channel_findings(recording)]
+    refused = [fault.text for fault in faults if fault.severity == "refusal"]
+    if not (refused or accepts_signs):
+        refused = find_sign_refusals([recording])
+    hiding = [fault.text for fault in faults if fault.kind in _HIDES_SURFACE]
+    for text in refused or hiding:
+        raise DataError(text)
 
 
 def _subtract_zero(recording: Recording, zero: Zero) -> Recording:
@@ -159,6 +180,7 @@ def _set_contact_zero(recording: Recording, options: Conditioning) -> tuple[Reco
     details, line = dict[str, Any](recording.details), f"{recording.name}: "
     sets_zero, contact, drifted_n = options.contact_force is not None, None, 0.0
     if tare_n is None and (drift_found := find_air_drift(recording, asked=True)):
+        details |= {CLIPPED_KEY: find_clipping(recording)}  # which a line hides
         recording, drift = drift_found
         details |= {"drift_nps": drift.slope_nps, "drift_bound_nps": drift.bound_nps}
         line += f"drift of {60.0 * drift.slope_nps:.3g} N/min taken off, "

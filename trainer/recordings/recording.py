@@ -2,8 +2,9 @@
 
 import hashlib
 import re
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from importlib import import_module
 from math import dist
 from typing import TYPE_CHECKING, Any, Literal, cast, get_args
 
@@ -15,8 +16,6 @@ from springpot.codegen.messages import counted_noun
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-
-    from springpot.trainer.recordings.conditioning import Conditioning
 
 Zero = Literal["none", "first", "min"]
 Site = tuple[float, float]  # x and y, m
@@ -127,25 +126,15 @@ class Recording:
             )
 
     @classmethod
-    def from_frame(
-        cls,
-        frame: Any,
-        name: str = FRAME_SOURCE,
-        *,
-        time: Hashable = "time_s",
-        position: Hashable = "position_m",
-        force: Hashable = "force_n",
-        zero: Zero | None = "none",
-        resample_hz: float | None = None,
-        conditioning: "Conditioning | None" = None,
-    ) -> "Recording":
+    def from_frame(cls, frame: Any, name: str = FRAME_SOURCE, **options: Any) -> "Recording":
         """Take three columns of a table of pandas or polars, or of anything else with names.
 
-        time, position, force: columns, with the unit in the name ("Load [N]", "x_mm") or behind a
-        colon ("x:mm"), in letters of either case; stamps of date or duration need no unit. time may
-        also be a rate, "1000Hz". zero, resample_hz, conditioning: as for `import_recordings`; a
-        table with a tool that starts in the air takes Conditioning(contact_force="auto"). Columns
-        place_x and place_y, with a unit of length, say where the object was pressed.
+        options: time, position, force: columns, else time_s, position_m and force_n, with the unit
+        in the name ("Load [N]", "x_mm") or behind a colon ("x:mm"), in letters of either case;
+        stamps of date or duration need no unit. time may also be a rate, "1000Hz". zero,
+        resample_hz, conditioning: as for `import_recordings`; a table with a tool that starts in
+        the air takes Conditioning(contact_force="auto"). Columns place_x and place_y, with a unit
+        of length, say where the object was pressed.
         Raises UsageError for an argument that is no table and for a missing column, DataError for a
         unit that is missing, unknown or not the name's, and for data that no import would take.
 
@@ -153,13 +142,9 @@ class Recording:
         ...                      force="F:N")
         Recording('frame', 3 samples at 1000 Hz, 0 to 2 mm, 0 to 9 N)
         """
-        from springpot.trainer.recordings.conditioning import Conditioning, condition
-        from springpot.trainer.recordings.formats.arrays import frame_channels
-        from springpot.trainer.recordings.formats.sampling import to_recording
-
-        raw = frame_channels(frame, name, {"time": time, "position": position, "force": force})
-        recording = to_recording(raw, name, resample_hz)
-        return condition(recording, conditioning or Conditioning(), parse_zero(zero))[0]
+        # By name: the reader of tables makes recordings, and imports this file.
+        importing = import_module("springpot.trainer.recordings.formats.importing")
+        return cast(Recording, importing.recording_from_frame(frame, name, **options))
 
     def to_frame(self) -> Any:
         """Make a pandas table of time_s, position_m, force_n, the place and further channels.

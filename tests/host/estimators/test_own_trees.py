@@ -2,6 +2,7 @@
 
 import json
 import sys
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -17,7 +18,7 @@ from support.messages import refusing
 from support.paths import ROOT
 from support.small import DEPTH_M, passive_model, press, scene, training, wandering
 
-from springpot import Recording
+from springpot import Recording, predict
 from springpot.codegen.errors import UsageError
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.regressors import Forest, Linear
@@ -85,6 +86,17 @@ def check(regressor, values):
 @pytest.mark.parametrize("regressor", [*RIGHT, *ADDED], ids=str)
 def test_an_ensemble_on_the_right_features_is_taken_however_weak(regressor):
     check(regressor, VALUES)
+
+
+def test_in_tests_as_in_training_the_features_are_those_of_the_c():
+    forest = ensemble.RandomForestRegressor(5, random_state=1).fit(VALUES, FORCE_N)
+    noise_m = 1e-5 * np.random.default_rng(1).standard_normal(len(training()[0].position_m))
+    test = replace(training()[0], position_m=training()[0].position_m + noise_m)
+    values, _ = ensemble_data(test, fraction=1.0)
+    rendered_n = predict(from_ensemble(forest, training()), test)
+    pushes = rendered_n > 0.0  # a model with a surface never pulls
+    off_n = np.abs(forest.predict(values) - rendered_n)[pushes]
+    assert np.median(off_n) < 1e-4 * rendered_n.max()
 
 
 @pytest.mark.parametrize("other", OTHER_FEATURES.values(), ids=OTHER_FEATURES)

@@ -67,6 +67,12 @@ def test_a_folder_of_this_user_alone_is_made_and_used_again(source: Path) -> Non
     assert cache_folder().stat().st_mode & 0o077 == 0
 
 
+def test_an_empty_library_is_built_again(source: Path) -> None:
+    library = shared_library([source], [])
+    library.write_bytes(b"")
+    assert CLibrary(shared_library([source], []), "int answer(void);").c.answer() == 42
+
+
 WHICH = ["folder", "library"]
 
 

@@ -171,6 +171,14 @@ def test_a_law_that_is_not_the_objects_has_no_intervals() -> None:
     assert {width for _, width in law.values()} == {None}
 
 
+def test_an_order_at_the_end_of_the_search_has_no_interval() -> None:
+    rows = np.random.default_rng(1).normal(size=(300, 4))
+    table = _Table(np.array([0.1, 1.0]), rows, np.zeros(4), np.arange(300) // 60)
+    for order, known in ((0.03, False), (0.2, True), (0.97, False)):
+        law = _metadata(Solid(9.0, 5.0, order, None), [Solid(9.1, 5.1, order, None)], table, 1)
+        assert all((width is not None) == known for _, width in law["material"].values())
+
+
 def test_half_an_interval_is_1_96_errors_of_a_mean() -> None:
     """Each recording says one stiffness: there leaving out one in turn is exact."""
     said_npm = np.array([90.0, 95.0, 100.0, 108.0, 112.0])

@@ -59,6 +59,22 @@ def drifts(position_m: Samples, force_n: Samples, number: int) -> tuple[Samples,
     return position_m, force_n + 0.2 * number + 0.1 * DT_S * np.arange(len(force_n))
 
 
+def wraps(position_m: Samples, force_n: Samples, number: int) -> tuple[Samples, Samples]:
+    low_m = position_m.min()
+    return low_m + np.mod(position_m - low_m, 0.7 * float(np.ptp(position_m))), force_n
+
+
+def loses_the_sign(position_m: Samples, force_n: Samples, number: int) -> tuple[Samples, Samples]:
+    return position_m, np.where(force_n < 0.0, 0.6 * PEAK_N - force_n, force_n)
+
+
+def sticks(position_m: Samples, force_n: Samples, number: int) -> tuple[Samples, Samples]:
+    stuck_m = position_m.copy()
+    for begin in (150, 500):
+        stuck_m[begin : begin + 90] = stuck_m[begin]
+    return stuck_m, force_n
+
+
 def stands_still(position_m: Samples, force_n: Samples, number: int) -> tuple[Samples, Samples]:
     last = int(np.flatnonzero(force_n > 0.5 * PEAK_N)[200])
     return position_m, np.append(force_n[:last], np.full(len(force_n) - last, force_n[last]))
@@ -110,6 +126,38 @@ def test_a_drift_is_named_with_its_bound_and_taken_off() -> None:
 def test_a_sensor_that_stands_still_is_named_and_no_drift() -> None:
     found = kinds(presses(stands_still))
     assert "stuck" in found and "drift" not in found
+
+
+@pytest.mark.parametrize(
+    ("fault", "cause"),
+    [
+        (wraps, "wraps"),
+        (loses_the_sign, "two levels in the air"),
+        (sticks, "position stands still"),
+    ],
+)
+def test_what_hides_the_surface_is_named(fault: Fault, cause: str) -> None:
+    with pytest.raises(DataError, match=cause):
+        for recording in presses(fault, SURFACE_M):
+            condition(recording, AUTO)
+
+
+def test_a_clipped_force_is_named_where_its_drift_is_taken_off() -> None:
+    position_m, force_n = drifts(*press(1), 1)
+    clipped = Recording("p", position_m, np.minimum(force_n, 0.5 * PEAK_N), DT_S)
+    mended, line = condition(clipped, Conditioning(tare="auto"))
+    assert "drift" in line[0] and "clipping" in kinds([mended])
+
+
+def test_a_mass_is_no_exchange_of_columns() -> None:
+    """Force comes and goes while the tool starts and stops in the air, noisier than position."""
+    position_m, force_n = press(1)
+    smooth_m = np.convolve(
+        np.pad(position_m, 20, mode="edge"), np.hanning(43)[1:-1] / 21.0, "valid"
+    )
+    inertia_n = 0.6 * PEAK_N * (bent := np.gradient(np.gradient(smooth_m))) / np.abs(bent).max()
+    massive = Recording("p", smooth_m, force_n + inertia_n, DT_S)
+    assert "exchanged" not in kinds([massive])
 
 
 def test_a_cable_that_comes_off_is_named_and_no_object_that_flows() -> None:

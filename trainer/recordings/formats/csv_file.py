@@ -20,6 +20,7 @@ from springpot.trainer.recordings.formats.column_map import (
     split_unit,
 )
 from springpot.trainer.recordings.formats.csv_layout import (
+    GROUPS,
     Cells,
     Layout,
     NoRecordingError,
@@ -105,6 +106,7 @@ class _Table:
         self.path, self.lines, self.layout, self.trailer_note = path, lines, layout, ""
         self._cells = list[Cells]()
         self.rows: Indices = np.array(self._read_cells(), dtype=np.intp)
+        self._join_groups()
         self._count_clock()
 
     def column(self, index: int) -> Samples:
@@ -125,6 +127,16 @@ class _Table:
     def is_empty(self, index: int) -> bool:
         """Whether no row has anything in a column."""
         return not any(row[index].strip() for row in self._cells)
+
+    def _join_groups(self) -> None:
+        """Take separators out of whole numbers: of 998 and 1,001, not of 0,998 and 1,001."""
+        groups = GROUPS[self.layout.decimal]
+        for index in self.layout.columns.values():
+            cells = [row[index].strip() for row in self._cells]
+            marked = [cell for cell in cells if not cell.lstrip("+-").isdecimal()]
+            if 0 < len(marked) < len(cells) and all(map(groups.fullmatch, marked)):
+                for row in self._cells:
+                    row[index] = re.sub("[,.]", "", row[index])
 
     def _count_clock(self) -> None:
         """Write seconds from the first row on in place of a clock's times; midnight is passed."""

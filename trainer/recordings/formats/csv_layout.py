@@ -47,7 +47,11 @@ _CLOCK = re.compile(
 )
 _SIGNAL = re.compile(r"Sig\d+\s+(\S.*?)\s*")  # TA Instruments: a channel in a line of its own
 _COMMENT = re.compile(r"\s*#+ *(?=[^\s,;|])")
-_THOUSANDS = re.compile(r"[+-]?[1-9]\d{0,2},\d{3}")
+# Whole numbers in groups of three: decimals of the other mark, or separators of thousands.
+GROUPS: dict[DecimalMark, re.Pattern[str]] = {
+    "point": re.compile(r"[+-]?[1-9]\d{0,2}(?:,\d{3})+"),
+    "comma": re.compile(r"[+-]?[1-9]\d{0,2}(?:\.\d{3})+"),
+}
 _STRESS_WORDS = "stress|spannung|contrainte"
 _HINTS = {
     "modul": "moduli over frequency or temperature are no recording: export the samples of the "
@@ -276,7 +280,7 @@ def _find_decimal_mark(path: Path, numbers: Sequence[tuple[int, str]]) -> Decima
     commas = [(row, cell) for row, cell in numbers if "," in cell and is_number(cell, "comma")]
     if len(commas) <= sum("." in cell and is_number(cell) for _, cell in numbers):
         return "point"
-    if all(_THOUSANDS.fullmatch(cell) for _, cell in commas):
+    if all(GROUPS["point"].fullmatch(cell) for _, cell in commas):
         row, cell = commas[0]
         raise DataError(
             f"{path}, row {row}: {cell!r} may be a decimal comma or a separator of thousands: pass "

@@ -3,9 +3,10 @@
 All files of one object together are on one surface, and may be one session.
 """
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from springpot.codegen.errors import DataError, UsageError
 from springpot.codegen.files import require_regular
 from springpot.codegen.messages import short_repr, with_progress
 from springpot.trainer.recordings.conditioning import Conditioning, align_surfaces, condition
-from springpot.trainer.recordings.formats.arrays import read_arrays
+from springpot.trainer.recordings.formats.arrays import frame_channels, read_arrays
 from springpot.trainer.recordings.formats.column_map import ColumnMap, DecimalMark, FileRequest
 from springpot.trainer.recordings.formats.csv_file import read_csv
 from springpot.trainer.recordings.formats.csv_layout import NoRecordingError
@@ -102,6 +103,23 @@ def import_file(
         case (x, y) if recording.place_m is None:
             raise DataError(f"{path}: no header has columns {x!r} and {y!r}: correct --place")
     return recording, f"{path}: {'; '.join([*notes, *messages])}"
+
+
+def recording_from_frame(
+    frame: Any,
+    name: str,
+    *,
+    time: Hashable = "time_s",
+    position: Hashable = "position_m",
+    force: Hashable = "force_n",
+    zero: Zero | None = "none",
+    resample_hz: float | None = None,
+    conditioning: Conditioning | None = None,
+) -> Recording:
+    """Read three columns of a table: `Recording.from_frame`, where the arguments are described."""
+    raw = frame_channels(frame, name, {"time": time, "position": position, "force": force})
+    recording = to_recording(raw, name, resample_hz)
+    return condition(recording, conditioning or Conditioning(), parse_zero(zero))[0]
 
 
 def _read_file(path: Path, request: FileRequest) -> RawChannels:

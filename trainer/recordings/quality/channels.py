@@ -1,7 +1,7 @@
 """Faults of a channel: constant, clipped, stuck, gone, filled, coarse, or wrapped."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from itertools import pairwise
 
 import numpy as np
@@ -17,6 +17,7 @@ from springpot.trainer.recordings.signals import (
     turning_points,
 )
 
+CLIPPED_KEY = "clipping"  # of a recording's details: findings before a line was taken off
 _MIN_FLAT_SAMPLES, _MIN_OTHER_FRACTION = (
     5,
     0.05,
@@ -37,6 +38,8 @@ _CONTACT_TRAVEL_FRACTION, _DEEP_TRAVEL_FRACTION = (
     0.7,
 )  # of the travel: in contact, wherever the surface is
 _MAX_BEND_FRACTION = 2e-3  # of the travel: a motion that is bent by less goes on
+# Of the travel, in one sample: an object that has relaxed lets go of a tool that leaves so fast.
+_LET_GO_FRACTION = 0.02
 _MAX_SLOWDOWN = 4.0  # times the samples of a way in that meets force
 _RUNS_PER_AVERAGE = 8  # of such a row, one part is averaged
 _CLIPPED_SIGMAS = 6.0  # of that mean
@@ -66,8 +69,8 @@ def channel_findings(recording: Recording) -> Iterator[Finding]:
     if constant:
         return
     steps = []
+    yield from (Finding(**known) for known in find_clipping(recording))
     for channel, samples, other, scale, unit in channels:
-        yield from _clipping_findings(recording, channel, samples, other)
         if wraps := _find_wraps(samples, other):
             yield refusal(
                 "wrap", recording.name,
@@ -145,6 +148,16 @@ def level_findings(recording: Recording) -> Iterator[Finding]:
             "a converter's sign is read wrong, or a plug is loose, and no object does so",
             "correct the sign in the source, or check the sensor's cable",
         )  # fmt: skip
+
+
+def find_clipping(recording: Recording) -> list[dict[str, str]]:
+    """Return the fields of findings: of clipped channels, or those that a correction has kept."""
+    if CLIPPED_KEY in recording.details:
+        return list(recording.details[CLIPPED_KEY])
+    position_m, force_n = recording.position_m, recording.force_n
+    findings = [*_clipping_findings(recording, "position", position_m, force_n)]
+    findings += _clipping_findings(recording, "force", force_n, position_m)
+    return [asdict(finding) for finding in findings]
 
 
 def _clipping_findings(
@@ -319,7 +332,8 @@ def _find_force_loss(x: Samples, rise: Samples) -> Iterator[int]:
 
     An object relaxes, and one that flows answers a slow press with little. So the force falls from
     one sample to the next while the tool goes on as before; or there is none on a whole way in that
-    takes no more than four times the samples of one with force.
+    takes no more than four times the samples of one with force, and none at its deepest sample,
+    which is as deep as any before: an object that stays dented pushes there.
     """
     noise_n = _NOISE_SIGMAS * sensor_noise_n(rise)
     if len(x) <= 2 * _MEDIAN_REACH or noise_n > _MAX_NOISE_FRACTION * rise.max():
@@ -331,6 +345,7 @@ def _find_force_loss(x: Samples, rise: Samples) -> Iterator[int]:
         for share in (_CONTACT_TRAVEL_FRACTION, _DEEP_TRAVEL_FRACTION)
     )
     zero_force_n = max(_LOST_FORCE_FRACTION * float(rise.max()), noise_n)
+    bend_m = _MAX_BEND_FRACTION * float(np.ptp(x))
 
     def loading_samples(begin: int, end: int) -> int:
         """Samples from row `begin`, in the middle, to the first deep one; 0 if there is none."""
@@ -342,18 +357,30 @@ def _find_force_loss(x: Samples, rise: Samples) -> Iterator[int]:
         (samples_in for begin, samples_in in strokes if rise[begin + samples_in] > zero_force_n),
         default=0,
     )
+
+    def is_deepest(begin: int, end: int) -> bool:
+        """Whether the deepest sample of a stroke is in these rows, and none before is deeper."""
+        first, last = next(stroke for stroke in runs(x >= middle_m) if stroke[1] > begin)
+        deepest = first + int(np.argmax(x[first:last]))
+        return begin <= deepest < end and x[deepest] >= x[:first].max(initial=-np.inf) - bend_m
+
+    met, gone = np.flatnonzero((x >= middle_m) & (rise > zero_force_n)), None
     for begin, end in runs((x >= middle_m) & (rise <= zero_force_n)):
         neighbours_m = x[max(0, begin - 2 * _MEDIAN_REACH) : begin + _MEDIAN_REACH + 1]
         falls = (
             begin > 0
             and end - begin > _MEDIAN_REACH
+            and x[begin - 1] - x[begin] < _LET_GO_FRACTION * float(np.ptp(x))
             and rise[begin - 1] > _DROP_RATIO * zero_force_n
         )
-        goes_on = abs(
-            neighbours_m[0] - 2.0 * x[begin - 1] + neighbours_m[-1]
-        ) <= _MAX_BEND_FRACTION * float(np.ptp(x))
-        if (falls and goes_on) or 0 < loading_samples(begin, end) <= longest:
+        goes_on = abs(neighbours_m[0] - 2.0 * x[begin - 1] + neighbours_m[-1]) <= bend_m
+        if falls and goes_on:
             yield begin
+        if 0 < loading_samples(begin, end) <= longest:
+            # The first of all that meet nothing, once one of them is deep enough to say so.
+            gone = begin if gone is None or ((met > gone) & (met < begin)).any() else gone
+            if is_deepest(begin, end):
+                yield gone
 
 
 def _excursion(other: Samples, channel: str) -> float:

@@ -26,6 +26,7 @@ from springpot.trainer.recordings.formats.units import format_map_option, split_
 from springpot.trainer.recordings.quality.channels import channel_findings, level_findings
 from springpot.trainer.recordings.quality.dissipation import Dissipation
 from springpot.trainer.recordings.quality.finding import Finding, join_refusals, refusal, warning
+from springpot.trainer.recordings.quality.lateness import format_lateness, lateness_findings
 from springpot.trainer.recordings.quality.repeats import (
     Cycles,
     Skew,
@@ -109,7 +110,8 @@ class QualityReport:
         """Which way the channels point by the strongest evidence, and the loops of all."""
         energies_j = sum(own.dissipation.energy_j for own in self.signs)
         lost = Dissipation(energies_j, sum(own.dissipation.loops for own in self.signs))
-        return replace(max(self.signs, key=lambda own: own.evidence), dissipation=lost).words
+        strongest = max(self.signs, key=lambda signs: signs.evidence)
+        return replace(strongest, dissipation=lost).words + format_lateness(self.checked)
 
     @property
     def refused(self) -> bool:
@@ -169,7 +171,8 @@ def check_recordings(given: Recordings) -> QualityReport:
         findings += found
     findings += _compare_units(intact)
     skew = estimate_skew([own for own in cycles if own])
-    findings += [*contact_findings(intact), *skew_findings(checked, skew)]
+    late = list(skew_findings(checked, skew)) or lateness_findings(intact)
+    findings += [*contact_findings(intact), *late]
     return QualityReport(checked, findings, cycles, signs, skew)
 
 

@@ -27,6 +27,7 @@ class SpikeRule:
     beside_fraction: of its distance: as near are the samples beside a spike at most. The top of a
     smooth peak of six samples is no spike.
     travel_fraction: of the travel: a tool that moves by more meanwhile may have hit something.
+    end_fraction: of the travel: a tool that moves by more at an end, as force does, presses.
     max_fraction: of the samples: more spikes are a fault of the sensor.
     least_events, events_fraction, band_fraction, time_fraction: so many runs or more, most of which
     come in a band of positions, so wide of the travel, where the tool spends less of its time, are
@@ -42,6 +43,7 @@ class SpikeRule:
     step_ratio: float = 5.5
     beside_fraction: float = 1 / 3
     travel_fraction: float = 0.1
+    end_fraction: float = 0.01
     max_fraction: float = 0.05
     least_events: int = 4
     events_fraction: float = 0.8
@@ -115,21 +117,29 @@ def _find_position_spikes(position_m: Samples, force_n: Samples) -> Indices:
 def _find_force_spikes(position_m: Samples, force_n: Samples) -> Indices:
     """Rows of spikes, ascending: one or two samples in a row.
 
-    Not where the tool moves by a tenth of its travel meanwhile, which may be an impact, nor at an
-    end where force goes on: a recording may begin while it relaxes.
+    Not where the tool moves by a tenth of its travel meanwhile, which may be an impact. Nor where
+    the object may push so: at an end where force goes on, while it relaxes, or follows the tool; at
+    the turn of a tool that meets, for these samples alone, an object that is dented.
     """
-    runs_found, last = list[Indices](), len(force_n) - 1
-    for run in _find_outlier_runs(force_n, _RULE.force_samples, _RULE.force_fraction):
-        beside_n = force_n[run[-1] + 1 :][:2] if run[0] == 0 else force_n[: run[0]][-2:]
-        goes_on = float(np.ptp(beside_n)) > _RULE.force_fraction * float(np.ptp(force_n))
-        moved_m = float(np.ptp(position_m[max(run[0] - 1, 0) : run[-1] + 2]))
-        if moved_m <= _RULE.travel_fraction * float(np.ptp(position_m)) and (
-            (run[0] > 0 and run[-1] < last) or not goes_on
-        ):
-            runs_found.append(run)
-    if _come_with_motion(position_m, [int(run[0]) for run in runs_found]):
+    spike_runs, last, travel_m = list[Indices](), len(force_n) - 1, float(np.ptp(position_m))
+    outliers = _find_outlier_runs(force_n, _RULE.force_samples, _RULE.force_fraction)
+    peak_n = np.delete(force_n, np.concatenate([*outliers, np.empty(0, dtype=np.intp)])).max()
+    for run in outliers:
+        rows = slice(max(run[0] - 1, 0), run[-1] + 2)
+        if run[0] > 0 and run[-1] < last:
+            around_m = position_m[max(run[0] - _RULE.reach, 0) : run[-1] + 1 + _RULE.reach]
+            is_pushed = around_m.max() in position_m[rows] and 0.0 < force_n[run].max() <= peak_n
+        else:
+            first, inside = (0, run[-1] + 1) if run[0] == 0 else (last, run[0] - 1)
+            step_m, step_n = (float(each[first] - each[inside]) for each in (position_m, force_n))
+            follows = step_m * step_n > 0.0 and abs(step_m) > _RULE.end_fraction * travel_m
+            beside_n = force_n[run[-1] + 1 :][:2] if run[0] == 0 else force_n[: run[0]][-2:]
+            is_pushed = follows or np.ptp(beside_n) > _RULE.force_fraction * np.ptp(force_n)
+        if np.ptp(position_m[rows]) <= _RULE.travel_fraction * travel_m and not is_pushed:
+            spike_runs.append(run)
+    if _come_with_motion(position_m, [int(run[0]) for run in spike_runs]):
         return np.empty(0, dtype=np.intp)
-    return np.concatenate([*runs_found, np.empty(0, dtype=np.intp)])
+    return np.concatenate([*spike_runs, np.empty(0, dtype=np.intp)])
 
 
 def _come_with_motion(position_m: Samples, rows: list[int]) -> bool:

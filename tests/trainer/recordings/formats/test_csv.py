@@ -215,6 +215,10 @@ LVM_HEAD = "LabVIEW Measurement\nY_Unit_Label\tmm\tN\nDelta_X\t{0}\t{0}\n***End_
 WRITTEN = {
     "thousands from 1000 s on": "Time (s),Extension (mm),Load (N)\n"
     + rows_of([f'"{999.5 + t:,.6f}"' for t in TIMES_S], *NUMBERS),
+    "whole thousands": "Time (s),Extension (nm),Load (N)\n"
+    + rows_of(
+        [f"{t:.6f}" for t in TIMES_S], [f'"{1e9 * x:,.0f}"' for x in POSITION_M], NUMBERS[1]
+    ),
     "stamps with a date": "stamp,position_mm,force_N\n"
     + rows_of([f"2026-03-14 20:07:{10.0 + t:09.6f}" for t in TIMES_S], *NUMBERS),
     "a clock with a comma past midnight": "Zeit;Weg (mm);Kraft (N)\n"
