@@ -8,6 +8,7 @@ from scipy.linalg import qr
 
 from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.errors import SpringpotError
+from springpot.codegen.model.model import Model
 from springpot.trainer.models.fit import Fit, FitOptions
 from springpot.trainer.models.predict import predict_each_n
 from springpot.trainer.models.training_set import TrainingSet
@@ -40,15 +41,18 @@ def judge_residual(fit: Fit, data: TrainingSet, recordings: Sequence[Recording])
 
     recordings: as they were measured, which show the noise floor.
     """
+    # A session, and a single recording, began at rest, whatever state a new press begins with.
+    joined = len(data.motions) < len(data.recordings) or len(data.recordings) == 1
+    model = fit.model.with_start("rested") if joined else fit.model
     passive = fit.model.hammerstein
-    compared = [] if passive is None or passive.places else _compare_with_passive(fit, data)
+    compared = [] if passive is None or passive.places else _compare_with_passive(model, data)
     warnings = [*_compare_recordings(compared, data)] if fit.model.kind == "hammerstein" else []
     warnings += _force_step_message(compared, _peak_n(data))
     pieces = [(recording, np.arange(len(recording.force_n))) for recording in data.recordings]
     errors_n = [
         recording.force_n - predicted_n
         for recording, predicted_n in zip(
-            data.recordings, predict_each_n(fit.model, pieces), strict=True
+            data.recordings, predict_each_n(model, pieces), strict=True
         )
     ]
     residual_n = rms(np.concatenate(errors_n))
@@ -184,9 +188,9 @@ class _Compared:
     slope_n: Samples
 
 
-def _compare_with_passive(fit: Fit, data: TrainingSet) -> list[_Compared]:
+def _compare_with_passive(model: Model, data: TrainingSet) -> list[_Compared]:
     """Compare recordings with the passive model, which cannot follow two objects at a time."""
-    model = replace(fit.model, features=None, regressor=None, hammerstein_adds=True)
+    model = replace(model, features=None, regressor=None, hammerstein_adds=True)
     stroke_m = max(data.trained.max_m - max(data.trained.min_m, 0.0), 1e-12)
     predicted_n = []
     for moved_m in (0.0, _MOVED_FRACTION * stroke_m):

@@ -134,10 +134,10 @@ class TrainingSet:
         count = np.searchsorted(rows, self.bounds)
         values = np.empty((len(rows), *values_by_motion[0].shape[1:]))
         for motion, motion_values in zip(self.motions, values_by_motion, strict=True):
-            positions = [
-                np.arange(count[number], count[number + 1]) for number in motion.recordings
-            ]
-            values[np.concatenate(positions)] = motion_values
+            done = 0
+            for begin, end in ((count[number], count[number + 1]) for number in motion.recordings):
+                values[begin:end] = motion_values[done : done + end - begin]
+                done += end - begin
         return values
 
     def map_motions(

@@ -368,3 +368,17 @@ def test_a_session_is_begun_as_its_later_presses_began(rest_s: float, starts: bo
     assert found.continues is starts
     # What is left as the last press begins: minutes later, nothing.
     assert bool(np.abs(found.end_memory.branch_n).max() > 1e-4) is starts
+
+
+def test_the_residual_of_a_session_is_that_from_rest() -> None:
+    """A new press begins as the later ones did, the first one began at rest: else 0.2 N rms."""
+    slow, depth_m = replace(LETS_GO, tau_s=np.array([0.3, 40.0]), recovers=False), press(1.0)
+    timed = [Recording(f"{k}", depth_m, depth_m, DT_S, session="one", start_s=1.05 * k)
+             for k in range(6)]  # fmt: skip
+    (motion,) = build_training_set(timed, 0.0).motions
+    forces_n = simulate_passive(slow, motion, DT_S, surface=True)[0]
+    felt = [replace(each, force_n=forces_n[begin : begin + len(depth_m)])
+            for each, begin in zip(timed, motion.starts, strict=True)]  # fmt: skip
+    fit = fit_model("hammerstein", "x", felt, FitOptions(smooth_s=0.0))
+    assert fit.model.hammerstein.continues and not fit.warnings
+    assert fit.metadata["residual_n"] < 0.01 * forces_n.max()

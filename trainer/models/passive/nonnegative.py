@@ -114,15 +114,17 @@ def normal_equations(columns: Samples, target: Samples) -> Normal:
     return Normal(columns.T @ columns, columns.T @ target, float(target @ target), len(target))
 
 
-def sparse_solve(normal: Normal, blocks: Indices, loss: float) -> Samples:
+def sparse_solve(
+    normal: Normal, blocks: Indices, loss: float, near: Samples | None = None
+) -> Samples:
     """Find weights >= 0 in few blocks, (terms,): the RMSE is within a share `loss` of the lowest.
 
     blocks: number of each term's block, (terms,): what costs time in C is a block, not a term.
     Backward elimination: of the blocks that contribute least, the one that raises the error least
     is removed, and the others are fitted again. The limit is that of the full fit: losses do not
-    add up.
+    add up. near: as in `Normal.solve`.
     """
-    weights = normal.solve()
+    weights = normal.solve(near=near)
     limit = (1.0 + loss) * normal.rmse(weights)
     while True:
         size = np.bincount(blocks, normal.contribution(weights))

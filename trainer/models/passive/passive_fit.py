@@ -56,7 +56,8 @@ class PassiveChoice:
     """Terms and a penalty on their roughness; law: the names of the terms that a plain law lacks.
 
     errors_n: RMSE over held-out folds, N, of each family; folds_n: of each fold. normal:
-    equations, in shares of the peak, of all rows for 0, then without each fold of `rows.held`.
+    equations, in shares of the peak, of all rows for 0, then without each fold of `rows.held_out`.
+    near: weights of another penalty, from which the search begins.
     """
 
     law: tuple[str, ...]
@@ -66,6 +67,7 @@ class PassiveChoice:
     normal: Callable[[int], Normal]
     rows: PassiveRows
     folds_n: Samples = field(default_factory=lambda: np.empty(0))
+    near: Samples | None = None
 
     @property
     def error_n(self) -> float:
@@ -79,13 +81,14 @@ class PassiveChoice:
     @cached_property
     def full_weights(self) -> Samples:
         """Fitted to all rows, (terms,), N."""
-        return self.rows.peak_n * self.normal(0).penalised(self._penalty).solve()
+        return self.rows.peak_n * self.normal(0).penalised(self._penalty).solve(near=self.near)
 
     @cached_property
     def _sparse_weights(self) -> Samples:
         """Fitted to all rows with as few branches, stops and curves as serve, (terms,), N."""
         normal = self.normal(0).penalised(self._penalty)
-        return self.rows.peak_n * sparse_solve(normal, self.terms.blocks, SPARSE_LOSS)
+        blocks, near = self.terms.blocks, self.full_weights
+        return self.rows.peak_n * sparse_solve(normal, blocks, SPARSE_LOSS, near)
 
     def fit_recovery(self, data: TrainingSet) -> Hammerstein:
         """Build the model to the trained depth; its surface recovers if the object's does."""
@@ -218,10 +221,12 @@ class Laws:
             if name not in self._columns:
                 self._columns[name] = self._compute_columns(name)[self._rows.order]
         normal = partial(self._normal_equations, ("", *law, _TARGET))
-        candidates = [
-            PassiveChoice(law, terms, penalty, (), normal, self._rows) for penalty in penalties
-        ]
-        return [self._cross_validate(candidate, max_error_n) for candidate in candidates]
+        choices, near = list[PassiveChoice](), None
+        for penalty in penalties:
+            choice = PassiveChoice(law, terms, penalty, (), normal, self._rows, near=near)
+            choices.append(self._cross_validate(choice, max_error_n))
+            near = choice.full_weights
+        return choices
 
     def _cross_validate(self, choice: PassiveChoice, most_n: float) -> PassiveChoice:
         """Add the errors of held-out folds; see `fit_law`."""

@@ -125,11 +125,11 @@ def find_separated_rows(
     """
     no_force = np.abs(force_n) < _ZERO_FORCE_FRACTION * peak_n
     others = normal_equations(values[~no_force], force_n[~no_force] / peak_n)
-    separated = np.zeros(len(no_force), dtype=bool)
+    separated, weights = np.zeros(len(no_force), dtype=bool), None
     for _ in range(_MAX_ROUNDS):
         kept, previous = no_force & ~separated, separated
         normal = others + normal_equations(values[kept], force_n[kept] / peak_n)
-        weights = normal.transformed(sums).penalised(penalty).solve()
+        weights = normal.transformed(sums).penalised(penalty).solve(near=weights)
         separated = no_force & (values @ (sums @ weights) < 0.0)
         if np.array_equal(separated, previous):
             break

@@ -1,4 +1,4 @@
-"""How the training recordings begin: each with an object at rest, or where the one before ended.
+"""Choose how the training recordings begin: at rest, or each where the one before ended.
 
 Foams and food that are pressed again start 8 to 15 % softer than at rest; a fresh specimen for each
 recording does not. Neither is right for all, so held-out errors decide.
