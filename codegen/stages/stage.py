@@ -74,8 +74,8 @@ class Stage(ABC):
     """A part of the tick with a state.
 
     code: its C, a jinja2 template with the blocks `restart` (forget the past: the object has rested
-    at `clipped` for ever) and `advance` (every tick), indented by four. They see `state`,
-    `clipped`, `penetration` and what they declare; the template sees the stage as `stage`.
+    at `clipped_m` for a long time) and `advance` (every tick), indented by four. They see `state`,
+    `clipped_m`, `penetration_m` and what they declare; the template sees the stage as `stage`.
     """
 
     code: ClassVar[str]
