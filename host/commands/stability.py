@@ -71,7 +71,7 @@ def _cells(motion_map: SmallSignalMap) -> str:
 
 
 def _named(outcome: Outcome) -> str:
-    return f"{outcome.case}, {outcome.hand}, {outcome.delay_samples} late"
+    return f"{outcome.case_name}, {outcome.hand}, {outcome.delay_samples} late"
 
 
 def _figures(outcome: Outcome) -> str:

@@ -76,7 +76,9 @@ def _loss_cases_at_speed(
 
     def case(name: str, ends: bool = False) -> Scenario:
         scenario = press_scenario(space, motion, force, hand, seconds)
-        loss_cases.append(Case(name + suffix, scenario, ends=ends, beyond=beyond))
+        loss_cases.append(
+            Case(name + suffix, scenario, must_latch=ends, faster_than_trained=beyond)
+        )
         return scenario
 
     n = len(case("clean").dt_s)
@@ -115,7 +117,7 @@ def stiff_case(plan: Plan, force: Force, hand: Hand) -> Case:
     motion, seconds = hold_motion(space, STIFF_HOLDS, STIFF_HOLD_S)
     still = settled_hold_ticks(space, len(STIFF_HOLDS), STIFF_HOLD_S)
     scenario = press_scenario(space, motion, force, hand, seconds)
-    return Case("stiff", scenario, still, quiet=True, stiffer=True)
+    return Case("stiff", scenario, still, must_be_quiet=True, on_stiffer_object=True)
 
 
 def hold_case(space: Workspace, force: Force, hand: Hand, hold_s: float = HOLD_S) -> Case:
@@ -125,7 +127,7 @@ def hold_case(space: Workspace, force: Force, hand: Hand, hold_s: float = HOLD_S
     time_s = np.cumsum(scenario.dt_s) % (RISE_S + hold_s)
     nudged = (time_s > RISE_S) & (time_s <= RISE_S + NUDGE_S)
     scenario.intended_m[nudged] += NUDGE_N / hand.stiffness_npm
-    return Case("hold", scenario, settled_hold_ticks(space, len(HOLDS), hold_s), quiet=True)
+    return Case("hold", scenario, settled_hold_ticks(space, len(HOLDS), hold_s), must_be_quiet=True)
 
 
 def cases(plan: Plan, force: Force, hand: Hand) -> list[Case]:
@@ -157,7 +159,12 @@ def cases(plan: Plan, force: Force, hand: Hand) -> list[Case]:
         Case("deep", push_scenario(space)),
         Case("jitter", press(tap, 3.0, JITTER)),
         Case("drops", drops),
-        Case("long-hold", press(longer, minute), settled_hold_ticks(space, 1, 60.0), quiet=True),
+        Case(
+            "long-hold",
+            press(longer, minute),
+            settled_hold_ticks(space, 1, 60.0),
+            must_be_quiet=True,
+        ),
         Case("glitch", glitches, settled_hold_ticks(space, 1, 2.6)),
         Case("nan", lost, settled_hold_ticks(space, 1, 2.6)),
     ]

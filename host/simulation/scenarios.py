@@ -26,19 +26,19 @@ Force = Callable[[Samples], Samples]
 class Case:
     """One case of the closed loop.
 
-    still: ticks over which vibration is measured, if not all. quiet: the hand holds still then, so
-    that vibration is a fault. stiffer: plays on the object made stiffer, which its coupling softens
-    on purpose. ends: so few samples come that the scene has to end it. beyond: faster than
-    trained, where lost samples may be felt.
+    hold_ticks: over which vibration is measured, if not all. must_be_quiet: the hand holds still
+    then, so that vibration is a fault. on_stiffer_object: of the object made stiffer, which the
+    coupling softens on purpose. must_latch: too few samples come. faster_than_trained: lost
+    samples may be felt.
     """
 
     name: str
     scenario: Scenario
-    still: tuple[slice, ...] = ()
-    quiet: bool = False
-    stiffer: bool = False
-    ends: bool = False
-    beyond: bool = False
+    hold_ticks: tuple[slice, ...] = ()
+    must_be_quiet: bool = False
+    on_stiffer_object: bool = False
+    must_latch: bool = False
+    faster_than_trained: bool = False
 
 
 @dataclass(frozen=True)

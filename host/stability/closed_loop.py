@@ -96,7 +96,7 @@ class Outcome:
     ended: and its force stayed at zero from then on.
     """
 
-    played: Case
+    case: Case
     hand: str
     delay_samples: int
     bounded: bool
@@ -115,9 +115,9 @@ class Outcome:
     __repr__ = short_repr
 
     @property
-    def case(self) -> str:
+    def case_name(self) -> str:
         """Name of the case."""
-        return self.played.name
+        return self.case.name
 
     @property
     def hold_speed_mps(self) -> float:
@@ -126,12 +126,18 @@ class Outcome:
 
     def as_dict(self) -> dict[str, object]:
         names = (
-            "hand", "case", "bounded", "max_depth_m", "delay_samples", "max_force_n",
+            "hand", "bounded", "max_depth_m", "delay_samples", "max_force_n",
             "hf_speed_mps", "fidelity_percent", "energy_out_j", "latched_s", "ended",
         )  # fmt: skip
         lost = {} if self.losses is None else asdict(self.losses)
         measured = {name: getattr(self, name) for name in names}
-        return {**measured, **asdict(self.vibration), "grows": self.vibration.grows, **lost}
+        return {
+            "case": self.case_name,
+            **measured,
+            **asdict(self.vibration),
+            "grows": self.vibration.grows,
+            **lost,
+        }
 
 
 @dataclass(frozen=True, eq=False)
@@ -245,11 +251,11 @@ def case_outcome(
     silent_s = longest_silence_ticks(case.scenario) * plan.dt_s
     missed_m = silent_s * float(np.abs(trace.velocity_mps).max())
     may_m = max(_deepest_m(rendered, space, case), clean_m) + give_m + missed_m
-    inside = case.quiet or case.beyond or deepest_m <= may_m
-    still = [trace.velocity_mps[part] for part in case.still or (slice(None),)]
+    inside = case.must_be_quiet or case.faster_than_trained or deepest_m <= may_m
+    still = [trace.velocity_mps[part] for part in case.hold_ticks or (slice(None),)]
     error_n = rms(trace.felt_n - model_only_n)
     return Outcome(
-        played=case,
+        case=case,
         hand=hand.name,
         delay_samples=operator.device.delay_samples,
         late=more_delay > 0,
@@ -261,7 +267,7 @@ def case_outcome(
         energy_out_j=-float(np.sum(trace.felt_n[:-1] * np.diff(trace.position_m))),
         trace=trace,
         model_only_n=model_only_n,
-        vibration=measure_vibration(still if case.quiet else (), plan.dt_s),
+        vibration=measure_vibration(still if case.must_be_quiet else (), plan.dt_s),
         latched_s=latched_s(plan, trace),
         ended=ended(plan, trace),
     )

@@ -17,20 +17,21 @@ WHOLE = ("hold", "tap-4hz", "fast", "deep", "long-hold", "stiff")
 LOSING = ("lost-1", "lost-10-fast", "rate-50", "rate-10-fast")
 
 
-def outcome(case: str, hand: str = "mid", delay: int = 0, **changed: Any) -> Outcome:
+def outcome(name: str, hand: str = "mid", delay: int = 0, **changed: Any) -> Outcome:
     still, dt_s = np.zeros(10), np.full(10, 1e-3)
-    played = Case(
-        case, Scenario(dt_s, still, still, still, np.zeros(10, dtype=np.uint8)),
-        quiet=case in ("hold", "long-hold", "stiff"), stiffer=case == "stiff",
-        ends=case.startswith(("rate-50", "rate-10")), beyond=case.endswith("-fast"),
+    case = Case(
+        name, Scenario(dt_s, still, still, still, np.zeros(10, dtype=np.uint8)),
+        must_be_quiet=name in ("hold", "long-hold", "stiff"), on_stiffer_object=name == "stiff",
+        must_latch=name.startswith(("rate-50", "rate-10")),
+        faster_than_trained=name.endswith("-fast"),
     )  # fmt: skip
     found: dict[str, Any] = {
-        "played": played, "hand": hand, "delay_samples": delay, "bounded": True,
+        "case": case, "hand": hand, "delay_samples": delay, "bounded": True,
         "max_depth_m": 0.01, "max_force_n": 5.0, "hf_speed_mps": 2e-4, "fidelity_percent": 2.0,
         "energy_out_j": -0.01,
         "trace": Trace(*[still] * 6, np.zeros(10, dtype=np.int32), 0),
         "model_only_n": still, "late": delay > 0,
-        "latched_s": 0.03 if played.ends else None, "ended": played.ends,
+        "latched_s": 0.03 if case.must_latch else None, "ended": case.must_latch,
     }  # fmt: skip
     return Outcome(**found | changed)
 
@@ -47,7 +48,7 @@ def losing(case: str, error_n: float = 0.1, **changed: Any) -> Outcome:
 
 def usual(*instead: Outcome) -> list[Outcome]:
     """All cases with three hands and two delays, those of `instead` in their places."""
-    others = {(item.case, item.hand, item.delay_samples): item for item in instead}
+    others = {(item.case_name, item.hand, item.delay_samples): item for item in instead}
     made = []
     for case, hand, delay in itertools.product(WHOLE + LOSING, ("mid", "firm", "light"), (0, 1)):
         make = losing if case in LOSING else outcome
@@ -86,8 +87,8 @@ def test_grades(found: Outcome, grade: Grade, words: str) -> None:
 
 def test_the_gravest_hand_speaks_for_a_case() -> None:
     cases = worst_by_case(usual(outcome("hold", "light", 1, hf_speed_mps=5e-3)))
-    assert (cases[0].outcome.case, cases[0].outcome.hand) == ("hold", "light")
-    assert [item.outcome.case for item in cases[-2:]] == ["rate-50", "rate-10-fast"]
+    assert (cases[0].outcome.case_name, cases[0].outcome.hand) == ("hold", "light")
+    assert [item.outcome.case_name for item in cases[-2:]] == ["rate-50", "rate-10-fast"]
     assert len(cases) == len(WHOLE + LOSING)
 
 

@@ -179,7 +179,7 @@ def test_the_closed_loop_has_the_scenes_device() -> None:
     plan = elastic_plan(500.0, 1000.0, device)
     found = stability(plan)
     assert {(item.delay_samples, item.late) for item in found.outcomes} == {(2, False), (3, True)}
-    hold = next(item for item in found.outcomes if item.case == "hold" and item.hand == "mid")
+    hold = next(item for item in found.outcomes if item.case_name == "hold" and item.hand == "mid")
     steps = np.diff(hold.trace.seen_m) / 40e-6
     np.testing.assert_allclose(steps, np.rint(steps), atol=1e-6)
     assert np.abs(steps).max() >= 1.0

@@ -44,7 +44,7 @@ def plan_of(mode: str) -> Plan:
 def outcomes(mode: str, loop: type[HandLoop] = HandLoop) -> dict[str, Outcome]:
     plan = plan_of(mode)
     found = sample_loss_outcomes(rendered(plan, build_and_load(plan), loop), DESIGN_HAND, 0)
-    return {outcome.case: outcome for outcome in found}
+    return {outcome.case_name: outcome for outcome in found}
 
 
 def faults(outcome: Outcome) -> tuple[str, ...]:
@@ -112,13 +112,13 @@ def test_what_is_lost_and_at_which_rates() -> None:
 def judged_after(change: Callable[[np.ndarray, np.ndarray], np.ndarray]) -> SampleLossEffects:
     """Losses of `lost-2`, its force changed; change takes force and ticks since the last loss."""
     plan, outcome = plan_of("off"), outcomes("off")["lost-2"]
-    lost = np.flatnonzero(outcome.played.scenario.dropped == cases.LOST)
+    lost = np.flatnonzero(outcome.case.scenario.dropped == cases.LOST)
     at = np.arange(len(outcome.trace.force_n))
     since = at - lost[np.maximum(np.searchsorted(lost, at, side="right") - 1, 0)]
     force_n = change(outcome.trace.force_n.copy(), since)
     trace = replace(outcome.trace, force_n=force_n)
     return compare_with_lossless(
-        plan, build_and_load(plan), outcome.played.scenario, trace, outcome.trace
+        plan, build_and_load(plan), outcome.case.scenario, trace, outcome.trace
     )
 
 

@@ -69,7 +69,7 @@ def test_every_case_is_bounded_quiet_and_faithful(name: str, kind: str) -> None:
     found = stability(plan)
     assert found.check.stable
     whole = [outcome for outcome in found.outcomes if outcome.losses is None]
-    assert len(whole) == len(CASES) * 4 and {each.case for each in whole} == CASES
+    assert len(whole) == len(CASES) * 4 and {each.case_name for each in whole} == CASES
     for outcome in whole:
         assert outcome.bounded, outcome.as_dict()
         _is_quiet_and_faithful(outcome, quiet_mps)
@@ -77,21 +77,21 @@ def test_every_case_is_bounded_quiet_and_faithful(name: str, kind: str) -> None:
     assert len(lossy) == 16 * 4
     for outcome in lossy:
         judged = grade_outcome(outcome)
-        rare = outcome.case.startswith(("rate-50", "rate-10"))
+        rare = outcome.case_name.startswith(("rate-50", "rate-10"))
         assert judged.grade == (Grade.ENDS if rare else judged.grade), judged.words
-        assert judged.grade != Grade.BAD, (outcome.case, judged.words)
+        assert judged.grade != Grade.BAD, (outcome.case_name, judged.words)
     assert not refusal_reason(plan, found.outcomes)
-    deep_m = max(outcome.max_depth_m for outcome in found.outcomes if outcome.case == "deep")
+    deep_m = max(outcome.max_depth_m for outcome in found.outcomes if outcome.case_name == "deep")
     assert deep_m < 1.3 * plan.model.trained.max_m
     _agrees_with_the_stiffer_object(found)
 
 
 def _is_quiet_and_faithful(outcome: Outcome, quiet_mps: float) -> None:
-    if outcome.case == "stiff":
+    if outcome.case_name == "stiff":
         assert outcome.hf_speed_mps <= quiet_mps, outcome.as_dict()
         return
     assert outcome.fidelity_percent <= 10.0, outcome.as_dict()
-    if outcome.case in ("hold", "long-hold"):
+    if outcome.case_name in ("hold", "long-hold"):
         assert grade_outcome(outcome).grade == Grade.GOOD, outcome.as_dict()
 
 
@@ -231,8 +231,8 @@ def test_slow_vibration_has_its_size(frequency_hz: float) -> None:
 def held(plan: Plan, hand: Hand, more_delay: int, name: str = "hold") -> Outcome:
     """The eleven holds, or another case."""
     found = closed_loop.rendered(plan, build_and_load(plan))
-    played = next(case for case in cases(plan, found.force, hand) if case.name == name)
-    return case_outcome(found, played, hand, more_delay)
+    case = next(case for case in cases(plan, found.force, hand) if case.name == name)
+    return case_outcome(found, case, hand, more_delay)
 
 
 def test_a_heavy_device_that_swings_up_slowly_is_seen() -> None:
@@ -242,7 +242,7 @@ def test_a_heavy_device_that_swings_up_slowly_is_seen() -> None:
     assert scene_loop(plan, LIGHT).spectral_radius(plan.stiffness_npm)[0] > 1.0
     outcome = held(plan, LIGHT, 1)
     assert grade_outcome(outcome).grade == Grade.BAD and outcome.vibration.grows
-    speeds = [outcome.trace.velocity_mps[part] for part in outcome.played.still]
+    speeds = [outcome.trace.velocity_mps[part] for part in outcome.case.hold_ticks]
     first = next(speed for speed in speeds if measure_vibration([speed], plan.dt_s).grows)
     power = np.abs(np.fft.rfft(first * np.hanning(len(first))))
     assert np.fft.rfftfreq(len(first), plan.dt_s)[power.argmax()] == pytest.approx(3.0, abs=0.7)
@@ -301,7 +301,8 @@ def test_past_positions_vibrate_between_the_depths_that_were_looked_at_before() 
     outcome = held(plan, LIGHT, 1)
     assert Fault.LOUD in grade_outcome(outcome).faults
     speeds = [
-        band_rms(outcome.trace.velocity_mps[part], plan.dt_s, 0.5) for part in outcome.played.still
+        band_rms(outcome.trace.velocity_mps[part], plan.dt_s, 0.5)
+        for part in outcome.case.hold_ticks
     ]
     near = [speed for share, speed in zip(HOLDS, speeds, strict=True) if 0.85 < share < 0.95]
     assert near and max(near) > 2e-3
