@@ -271,7 +271,7 @@ def test_each_hold_begins_with_a_nudge() -> None:
     begins = np.flatnonzero(np.diff(push_n) > 0.4 * NUDGE_N)
     assert len(begins) == len(HOLDS)
     assert push_n.sum() * plan.dt_s == pytest.approx(len(HOLDS) * NUDGE_N * NUDGE_S, rel=0.06)
-    assert all(push_n[part].max() < 1e-9 for part in found.still)
+    assert all(push_n[part].max() < 1e-9 for part in found.hold_ticks)
 
 
 def test_a_linear_loop_that_is_unstable_is_refused_whatever_the_closed_one_did() -> None:
