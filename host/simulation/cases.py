@@ -1,6 +1,6 @@
 """Cases of the closed loop: what a hand does, and what goes wrong meanwhile.
 
-Of those in which samples stay away, at every phase of the strokes.
+Sample-loss cases lose samples at every phase of a stroke.
 """
 
 import numpy as np
@@ -26,22 +26,21 @@ from springpot.host.simulation.scenarios import (
 
 TAKEN, LOST, LATE = 0, 1, 2  # sp_closed_loop_scenario.dropped
 SPEEDS = {"": 1.0, "-fast": 4.0}  # times the trained speed
-GOOD_TICKS_PER_LOST = (
-    7  # samples that come for one that does not; 6.4 make up for it (sp_silence.h)
-)
-MIN_LOSS_SPACING_S = 0.03  # between losses, at least: a force may be wrong for 10 ms after each
-_SECONDS, _CYCLES = 2.0, 1.5  # of a session, at least
-_LONGEST_CYCLE_S = 20.0  # of pressing and letting go: an object recorded slower is pressed faster
-_SHARE = 0.8  # of the trained depth
+# Good samples for each lost one: 6.4 pay back its debt (sp_silence.h), so no such case latches.
+GOOD_TICKS_PER_LOST = 7
+MIN_LOSS_SPACING_S = 0.03  # the force may be wrong for 10 ms after a loss, and then has to settle
+_SECONDS, _CYCLES = 2.0, 1.5  # minimum length of a session
+_LONGEST_CYCLE_S = 20.0  # of a stroke: an object that was recorded slower is pressed faster
+_SHARE = 0.8  # depth of a stroke, as a fraction of the trained one
 _MIN_STROKE_TICKS = 24
-_SPACINGS = 50  # that are tried
-# Lost, of so many; and whether a session ends at such a rate of samples.
+_SPACINGS = 50  # spacings of losses that are tried, to reach every phase
+# Lost samples, of how many; and whether the watchdog has to latch at that rate.
 _RATES = {"rate-90": (1, 10, False), "rate-50": (1, 2, True), "rate-10": (9, 10, True)}
 HOLDS = tuple(0.05 + 0.105 * i for i in range(11))  # of the trained depth: 5 to 110 %
 STIFF_HOLDS = (0.2, 0.5, 0.8)
 HOLD_S, STIFF_HOLD_S = 12.0, 1.5
-SHORT_HOLD_S = 3.0  # what is unstable has grown to its size by then; `emit` asks each time
-NUDGE_N, NUDGE_S = 0.5, 0.02  # at the beginning of each long hold: what rings, begins to
+SHORT_HOLD_S = 3.0  # for `emit`: an unstable loop has grown to its limit cycle by then
+NUDGE_N, NUDGE_S = 0.5, 0.02  # begins every long hold, so that an unstable loop starts to swing
 GLITCH_M = 0.005
 JITTER, DROPPED = 0.3, 0.1
 
