@@ -59,6 +59,7 @@ TEST(any_step_in_the_air_is_plausible)
     int notes = 0;
     CHECK(sp_guard_accept(&surface, &state, (sp_real)1, (sp_real)-2, &notes) == (sp_real)-2);
     CHECK(sp_guard_accept(&surface, &state, (sp_real)1, (sp_real)0, &notes) == (sp_real)0);
+    CHECK(sp_guard_accept(&surface, &state, (sp_real)1, (sp_real)-2, &notes) == (sp_real)-2);
     CHECK(notes == 0);
     state.last_good_m = (sp_real)-0.5;
     CHECK(sp_guard_accept(&surface, &state, (sp_real)1, (sp_real)0.01, &notes) == (sp_real)-0.5);

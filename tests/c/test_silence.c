@@ -118,3 +118,16 @@ TEST(the_watchdogs_own_time_is_not_latched_and_what_is_begins_anew)
     CHECK(sp_silence_no_sample(&exact, &state, (sp_real)2048) == (sp_real)1048577);
     CHECK(state.latched && state.silent_s == (sp_real)0 && state.debt_s == (sp_real)0);
 }
+
+/* Five timeouts of 20.5 ticks: at 102.5 nothing, a tick more is latched for one tick. */
+TEST(a_debt_of_five_timeouts_is_the_most)
+{
+    sp_silence_state state = {.debt_s = (sp_real)101.5 * TICK};
+    CHECK(sp_silence_no_sample(&exact, &state, TICK) == (sp_real)0 && !state.latched);
+    sp_silence_good_sample(&state, TICK);
+    state.debt_s = (sp_real)102.5 * TICK;
+    CHECK(sp_silence_no_sample(&exact, &state, TICK) == (sp_real)1 && state.latched);
+    sp_silence_state longer = {.debt_s = (sp_real)100.5 * TICK};
+    CHECK(sp_silence_no_sample(&exact, &longer, (sp_real)8 * TICK) == (sp_real)7);
+    CHECK(longer.latched);
+}
