@@ -30,8 +30,9 @@ class NoCompilerError(CompilerError):
 
 def cache_folder() -> Path:
     """Folder of built libraries: $XDG_CACHE_HOME/springpot, else ~/.cache/springpot."""
-    base = os.environ.get("XDG_CACHE_HOME")
-    return (Path(base) if base else Path.home() / ".cache") / "springpot"
+    base = Path(os.environ.get("XDG_CACHE_HOME", ""))
+    # The XDG specification: a relative path is invalid, and is ignored.
+    return (base if base.is_absolute() else Path.home() / ".cache") / "springpot"
 
 
 def packaged_compiler() -> tuple[str, ...]:

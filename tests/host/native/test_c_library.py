@@ -96,3 +96,11 @@ def test_what_belongs_to_another_user_is_not_loaded(which: str, source: Path) ->
     os.chown(parts(shared_library([source], []))[which], 12345, -1)
     with pytest.raises(CompilerError, match="belongs to user 12345"):
         shared_library([source], [])
+
+
+def test_a_relative_cache_is_ignored(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("HOME", str(tmp_path))
+    monkeypatch.setenv("XDG_CACHE_HOME", "here")
+    assert cache_folder() == tmp_path / ".cache" / "springpot"
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "there"))
+    assert cache_folder() == tmp_path / "there" / "springpot"
