@@ -31,9 +31,9 @@ GivenFeatures = Features | Sequence[float] | None
 _AGREES = 1e-4  # of the peak force: float32 leaves a tree now and then on the other side
 _SINGLE_PRECISION = 1e-3  # of the peak force: what the C may err by against `predict`
 _CHECKED_ROWS = 10_000
-# Of depths in m: scikit-learn takes values closer than 1e-7 for equal, 0.4 nm. The same for every
+# Of depths in m: scikit-learn takes values closer than 1e-7 for equal, 0.8 nm. The same for every
 # set: one that followed the depth gave a shallower test other features than its training.
-_SCALE = 256.0
+FEATURE_SCALE = 128.0
 # Of XGBoost and LightGBM.
 _EARLY_STOPPING = {"early_stopping_rounds", "early_stopping_round", "callbacks"}
 # Of 1 - R2 of the same regressor on right features, or of the mean force.
@@ -120,7 +120,7 @@ def from_ensemble(
     options = FitOptions(smooth_s=smooth_s)
     passive = fit_passive(data, options)
     metadata = {"regressor": type(regressor).__name__}
-    parts = (features, regressor_model.on_scaled(_SCALE))  # a power of two: exact
+    parts = (features, regressor_model.on_scaled(FEATURE_SCALE))  # a power of two: exact
     return assemble(KIND, name, data, options, data.rows_total, parts, passive, False, metadata)
 
 
@@ -194,4 +194,4 @@ def _features(given: GivenFeatures, dt_s: float) -> Features:
 
 
 def _scaled(data: TrainingSet, features: Features, rows: Any) -> Samples:
-    return (_SCALE * data.features(features, rows)).astype(np.float32).astype(np.float64)
+    return (FEATURE_SCALE * data.features(features, rows)).astype(np.float32).astype(np.float64)

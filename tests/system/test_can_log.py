@@ -8,8 +8,6 @@ import numpy as np
 import pytest
 from can_log import read_can_log
 
-from springpot.codegen.arrays import Samples
-
 DBC = """VERSION ""
 BU_: Rig
 BO_ 291 Tool: 4 Rig
@@ -37,23 +35,19 @@ def write_log(folder: Path, others: list[tuple[int, bool, str]], size: int = 4) 
     return folder / "drive.log"
 
 
-def largest_error_n(press: Samples) -> float:
-    return float(np.abs(press - FORCE_N[: len(press)]).max())
+OTHERS = [(291, True, "can0"), (292, False, "can0"), (291, False, "can1")]
 
 
-def test_an_extended_frame_of_the_same_number_is_another_message(tmp_path: Path) -> None:
-    log = write_log(tmp_path, [(291, True, "can0"), (292, False, "can0")])
-    press = read_can_log(str(log), str(tmp_path / "rig.dbc"), "Tool", 500.0)
-    assert len(press.force_n) == len(TIME_S) and largest_error_n(press.force_n) < 0.006
-    assert press.position_m.max() == pytest.approx(4e-3, abs=1e-6)
-
-
-def test_of_two_buses_one_is_chosen(tmp_path: Path) -> None:
-    log, database = str(write_log(tmp_path, [(291, False, "can1")])), str(tmp_path / "rig.dbc")
-    with pytest.raises(SystemExit, match=r"channels \['can0', 'can1'\]: choose one, --channel"):
-        read_can_log(log, database, "Tool", 500.0)
+@pytest.mark.parametrize("other", OTHERS, ids=str)
+def test_the_tool_alone_is_read(other: tuple[int, bool, str], tmp_path: Path) -> None:
+    """Neither an extended frame of its number, nor another message, nor a second bus."""
+    log, database = str(write_log(tmp_path, [other])), str(tmp_path / "rig.dbc")
+    if other[2] == "can1":
+        with pytest.raises(SystemExit, match=r"channels \['can0', 'can1'\]: choose one, --channel"):
+            read_can_log(log, database, "Tool", 500.0)
     press = read_can_log(log, database, "Tool", 500.0, channel="can0")
-    assert largest_error_n(press.force_n) < 0.006
+    assert np.abs(press.force_n - FORCE_N).max() < 0.006
+    assert press.position_m.max() == pytest.approx(4e-3, abs=1e-6)
 
 
 def test_short_frames_are_refused(tmp_path: Path) -> None:

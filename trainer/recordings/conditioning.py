@@ -1,4 +1,4 @@
-"""What a user asks for on import: delays, and steps that take out what a rig adds to samples."""
+"""Do what a user asks for on import: delays, and steps that take out what a rig adds to samples."""
 
 from collections.abc import Sequence
 from contextlib import suppress
@@ -245,7 +245,7 @@ def align_surfaces(
     """
     shared, note = list(recordings), ""
     if options.contact_force == "auto":
-        if len(recordings) > 1 and not any(each.place_m for each in recordings):
+        if len(recordings) > 1 and not any(recording.place_m for recording in recordings):
             shared, note = _average_surfaces(recordings)
         _require_known_surface(shared)
     return shared, note
@@ -253,8 +253,10 @@ def align_surfaces(
 
 def _average_surfaces(recordings: Sequence[Recording]) -> tuple[list[Recording], str]:
     """The recordings on the surface that all of their bounds allow, if there is one; a note."""
-    surfaces_m = np.array([each.details["contact_position_m"] for each in recordings])
-    uncertainties_m = np.array([each.details["contact_uncertainty_m"] for each in recordings])
+    surfaces_m = np.array([recording.details["contact_position_m"] for recording in recordings])
+    uncertainties_m = np.array(
+        [recording.details["contact_uncertainty_m"] for recording in recordings]
+    )
     low_m, high_m = (
         float((surfaces_m - uncertainties_m).max()),
         float((surfaces_m + uncertainties_m).min()),

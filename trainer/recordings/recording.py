@@ -173,7 +173,7 @@ class Recording:
 
     @property
     def signs_accepted(self) -> bool:
-        """Whether a person stated on import that the signs are right, whatever the data say."""
+        """Return whether a person stated on import that the signs are right."""
         return self.details.get("accepted_signs") is True
 
     @property

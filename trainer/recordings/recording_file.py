@@ -50,11 +50,11 @@ def read_recording(path: Path) -> Recording:
     if not (path.exists() or journal.exists()):
         raise DataError(f"{path}: no such file: {GIVE_RECORDING}")
     if path.suffix == JOURNAL_SUFFIX or not path.exists():
-        found, lost = read_journal(journal)
-        whole_s = f"{found.duration_s:.3f} s"
+        recording, lost = read_journal(journal)
+        whole_s = f"{recording.duration_s:.3f} s"
         message = f"recovered {whole_s} from the journal of an interrupted recording{lost}"
         caution(f"{journal}: {message}")
-        return replace(found, details={**found.details, "recovered": message})
+        return replace(recording, details={**recording.details, "recovered": message})
     try:
         require_regular(path)
         return read_hdf5(path)

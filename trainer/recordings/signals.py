@@ -184,16 +184,21 @@ def find_smoothing_s(recordings: Sequence[Recording], most_s: float) -> float:
     may be half as large as the noise, RMS. (As long as it flattened no peak by 3 %, impacts of
     50 ms were fitted with ten times the error of none.)
     """
-    longest_s = min(most_s, MAX_SMOOTHED_FRACTION * min(each.duration_s for each in recordings))
-    peak_n = max(float(np.abs(each.force_n).max()) for each in recordings)
+    longest_s = min(
+        most_s, MAX_SMOOTHED_FRACTION * min(recording.duration_s for recording in recordings)
+    )
+    peak_n = max(float(np.abs(recording.force_n).max()) for recording in recordings)
     strong = [
-        each for each in recordings if np.abs(each.force_n).max() >= _MIN_PEAK_FRACTION * peak_n
+        recording
+        for recording in recordings
+        if np.abs(recording.force_n).max() >= _MIN_PEAK_FRACTION * peak_n
     ]
     for halvings in range(_HALVINGS + 1):
         smooth_s = longest_s * 0.5**halvings
         if all(
-            _estimate_distortion_n(each, smooth_s) <= _MAX_DISTORTION * sensor_noise_n(each.force_n)
-            for each in strong
+            _estimate_distortion_n(recording, smooth_s)
+            <= _MAX_DISTORTION * sensor_noise_n(recording.force_n)
+            for recording in strong
         ):
             return smooth_s
     return 0.0

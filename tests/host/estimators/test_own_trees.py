@@ -118,7 +118,7 @@ def test_the_c_of_a_regressor_gives_its_predictions(regressor, kind, monkeypatch
     given_n, _ = require_same_bits(make_plan(model, scene("float64"), True), position_m)
     require_same_bits(make_plan(model, scene("float32"), True), wandering(1))
     values = feature_values(model.features, position_m, model.dt_s, np.arange(len(position_m)))
-    scale = own.compute_depth_scale(model.trained.max_m)
+    scale = own.FEATURE_SCALE
     differs = np.abs(given_n - np.maximum(fitted.predict(scale * values), 0.0)) / given_n.max()
     differs = differs[position_m > 0.1 * DEPTH_M]  # nearer to the surface the force fades in
     if isinstance(model.regressor, Forest):  # leaves of 16 bits; a scaler's rounding moves few rows

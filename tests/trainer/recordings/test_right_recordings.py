@@ -69,16 +69,14 @@ def test_one_sample_of_force_at_the_turn_in_a_dent_is_no_spike() -> None:
     assert "outlier" in kinds(position_m, force_n, 0.02)
 
 
-def test_an_object_that_lets_go_of_a_fast_tool_has_not_lost_its_force() -> None:
-    position_m = trapezoids(0.02, [1.0, 0.9, 0.8, 1.0], way_s=0.4, hold_s=0.2)
-    force_n = relaxing(position_m, 0.02, tau_s=0.3, elastic=0.1)
-    assert "gone" not in kinds(position_m, force_n, 0.02)
-
-
-def test_a_recording_may_end_in_the_first_sample_of_a_press() -> None:
-    position_m = np.append(trapezoids(0.02, [1.0, 0.8, 0.9]), 1e-3 * np.linspace(-1.0, 0.12, 20))
-    force_n = PEAK_N * np.tanh(np.maximum(position_m, 0.0) / (0.1 * DEPTH_M))
-    assert "outlier" not in kinds(position_m, force_n, 0.02)
+def test_fast_tools_meet_and_leave_objects_within_a_sample() -> None:
+    """One that relaxed lets go of its force; and a recording may end in a first sample."""
+    leaves_m = trapezoids(0.02, [1.0, 0.9, 0.8, 1.0], way_s=0.4, hold_s=0.2)
+    force_n = relaxing(leaves_m, 0.02, tau_s=0.3, elastic=0.1)
+    assert "gone" not in kinds(leaves_m, force_n, 0.02)
+    meets_m = np.append(trapezoids(0.02, [1.0, 0.8, 0.9]), 1e-3 * np.linspace(-1.0, 0.12, 20))
+    force_n = PEAK_N * np.tanh(np.maximum(meets_m, 0.0) / (0.1 * DEPTH_M))
+    assert "outlier" not in kinds(meets_m, force_n, 0.02)
 
 
 def test_a_slope_below_what_counts_as_contact_hides_no_surface() -> None:

@@ -62,7 +62,7 @@ def read_arrays(path: Path, kind: str, request: FileRequest) -> RawChannels:
     unit is missing or ambiguous, or lengths differ.
     """
     stored = _load(path, kind)
-    arrays = [array for found in stored for array in _split_vectors(*found)]
+    arrays = [array for parts in stored for array in _split_vectors(*parts)]
     if not arrays:
         raise DataError(
             f"{path}: holds no vectors of numbers (tables and objects of MATLAB cannot be read): "
@@ -75,8 +75,8 @@ def read_arrays(path: Path, kind: str, request: FileRequest) -> RawChannels:
     wanted = request.wanted if rate_hz is None else QUANTITIES[1:]
     chosen = {quantity: _choose(path, arrays, quantity, request) for quantity in wanted}
     if len({len(array.values) for array in chosen.values()}) > 1:
-        found = ", ".join(f"{array.name!r} {len(array.values)}" for array in chosen.values())
-        raise DataError(f"{path}: channels of different lengths ({found}): correct --map")
+        lengths = ", ".join(f"{array.name!r} {len(array.values)}" for array in chosen.values())
+        raise DataError(f"{path}: channels of different lengths ({lengths}): correct --map")
     units = {}
     for q, array in chosen.items():
         texts = {
@@ -106,21 +106,24 @@ def _choose(
 ) -> _Array:
     if column := request.columns.get(quantity):
         stated = str(column.header_or_number).strip("/")
-        found = [a for k, a in enumerate(arrays, 1) if stated in (a.name, str(k))]
+        candidates = [a for k, a in enumerate(arrays, 1) if stated in (a.name, str(k))]
         none = f"has no array {stated!r}"
     else:
-        found = [arrays[k] for k in guess_columns([array.label for array in arrays], quantity)]
+        candidates = [arrays[k] for k in guess_columns([array.label for array in arrays], quantity)]
         none = "has no array"
-    if len(found) != 1:
-        what = "may be " + ", ".join(repr(array.name) for array in found) if found else none
+    if len(candidates) != 1:
+        what = (
+            "may be " + ", ".join(repr(array.name) for array in candidates) if candidates else none
+        )
         shown = ", ".join(repr(array.name) for array in arrays[:_MAX_SHOWN])
         raise DataError(f"{path}: {quantity} {what}; it holds {shown}: pass --map {MAP_EXAMPLE}")
-    if found[0].scale_attribute:
+    if candidates[0].scale_attribute:
         raise DataError(
-            f"{path}, array {found[0].name!r}: its {found[0].scale_attribute} is not applied here: "
+            f"{path}, array {candidates[0].name!r}: its {candidates[0].scale_attribute} "
+            "is not applied here: "
             "read it in Python and pass the values to springpot.Recording.from_frame"
         )
-    return found[0]
+    return candidates[0]
 
 
 def _load(path: Path, kind: str) -> list[_Stored]:
@@ -190,7 +193,9 @@ def _read_hdf5(path: Path) -> list[_Stored]:
         elif node.dtype.kind in "fiu" and node.ndim <= 2:
             value, attributes = node[()], dict(node.attrs)
             others = [
-                a for a, its in _SCALE_DEFAULTS.items() if np.any(attributes.get(a, its) != its)
+                a
+                for a, default in _SCALE_DEFAULTS.items()
+                if np.any(attributes.get(a, default) != default)
             ]
             others += [
                 a for a in _FILL_ATTRIBUTES if a in attributes and np.any(value == attributes[a])
@@ -219,13 +224,13 @@ def frame_channels(frame: Any, name: str, columns: Mapping[Quantity, Hashable]) 
     units: dict[Quantity, Unit] = {}
     digit_s, rate_hz = 0.0, None
     for quantity, column in columns.items():
-        found = _find_label(labels, column)
-        if found is None:
+        label_and_unit = _find_label(labels, column)
+        if label_and_unit is None:
             rate_hz = parse_rate_hz(str(column)) if quantity == "time" else None
             if rate_hz is None:
                 raise UsageError(_missing_column_message(quantity, column, labels))
             continue
-        label, stated = found
+        label, stated = label_and_unit
         name_unit = split_unit(label, quantity)[1] if isinstance(label, str) else None
         where, values = f"{name}, {quantity}={str(column)!r}", _to_utc(frame[label])
         if quantity == "time" and values.dtype.kind in "mM":  # its type states the unit

@@ -87,7 +87,7 @@ ColumnMap = Mapping[Quantity, Column]
 
 @dataclass(frozen=True)
 class FileRequest:
-    """What a person states about a file; the reader guesses the rest.
+    """Hold what a person states about a file; the reader guesses the rest.
 
     decimal: the mark of decimals in text. place: headers of two columns, where the object was
     pressed.
@@ -139,10 +139,10 @@ def parse_rate_hz(text: str) -> float | None:
 
     Raises UsageError for 0 Hz and from 1 GHz on.
     """
-    found = _RATE.fullmatch(text)
-    if found is None:
+    match = _RATE.fullmatch(text)
+    if match is None:
         return None
-    rate_hz = float(found[1]) * (1000.0 if found[2] else 1.0)
+    rate_hz = float(match[1]) * (1000.0 if match[2] else 1.0)
     if not 0.0 < rate_hz < 1e9:
         raise UsageError(f"time={text}: {rate_hz:g} Hz is no rate: write for example time=1000Hz")
     return rate_hz

@@ -125,7 +125,7 @@ class _Table:
         return np.array([float(plain_number(cell, decimal) or "nan") for cell in texts])
 
     def is_empty(self, index: int) -> bool:
-        """Whether no row has anything in a column."""
+        """Return whether no row has anything in a column."""
         return not any(row[index].strip() for row in self._cells)
 
     def _join_groups(self) -> None:
@@ -159,11 +159,11 @@ class _Table:
             self.lines[layout.first_row :], delimiter=layout.delimiter, skipinitialspace=True
         )
         try:
-            for found in reader:
+            for cells in reader:
                 line = layout.first_row + reader.line_num
                 # A delimiter at the end of each row begins no cell.
-                ended = len(found) == layout.width + 1 and not found[-1].strip()
-                row = found[:-1] if ended else found
+                ended = len(cells) == layout.width + 1 and not cells[-1].strip()
+                row = cells[:-1] if ended else cells
                 if len(row) != layout.width and not any(map(str.strip, row)):
                     continue
                 if _is_text(row, layout):
@@ -213,7 +213,7 @@ class _Table:
         last = self._cells[-_LAST_ROWS:]
         stamps = [plain_number(row[index].strip(), self.layout.decimal) for row in last]
         exponents = [Decimal(stamp).as_tuple().exponent for stamp in stamps if stamp.strip()]
-        printed = [each for each in exponents if isinstance(each, int)]  # NaN has none
+        printed = [exponent for exponent in exponents if isinstance(exponent, int)]  # NaN has none
         digit = 10.0 ** min(_MAX_EXPONENT, *printed) if printed else 0.0
         return digit * abs(self.layout.units["time"].to_si)
 

@@ -92,7 +92,7 @@ class Layout:
     def guess(self) -> str:
         """Write how the file was understood, and which columns are not read."""
         labels = dict(enumerate(self.header))
-        found = ", ".join(
+        channels = ", ".join(
             f"{q} = column {i + 1} {f'{labels[i]!r} ' if labels.get(i) else ''}in "
             f"{self.units[q].text}"
             for q, i in self.columns.items()
@@ -100,7 +100,7 @@ class Layout:
         comma = ", decimal comma" if self.decimal == "comma" else ""
         unread = [repr(n) for k, n in labels.items() if n and k not in self.columns.values()]
         return (
-            f"{found}; {_DELIMITERS[self.delimiter]} between cells{comma}, numbers from row "
+            f"{channels}; {_DELIMITERS[self.delimiter]} between cells{comma}, numbers from row "
             f"{self.first_row + 1}" + f"; not read: {', '.join(unread[:_SHOWN])}" * bool(unread)
         )
 
@@ -113,7 +113,7 @@ def find_layout(path: Path, lines: Sequence[str], request: FileRequest) -> Layou
     """
     head, wanted, columns = lines[:_HEAD_LINES], request.wanted, request.columns
     stated = [columns[q].header_or_number for q in wanted if q in columns]
-    numbers = [each - 1 for each in stated if isinstance(each, int)]
+    numbers = [column - 1 for column in stated if isinstance(column, int)]
     if len(numbers) == len(wanted):
         return _find_layout_by_numbers(path, head, dict(zip(wanted, numbers, strict=True)), request)
     hidden = [name.casefold() for name in request.place]
@@ -121,15 +121,15 @@ def find_layout(path: Path, lines: Sequence[str], request: FileRequest) -> Layou
     for index in range(len(head)):
         for delimiter, row in _split_line(head, index):
             names = ["" if cell.casefold() in hidden else cell for cell in row]
-            found = {
+            candidates = {
                 q: indices for q in wanted if (indices := _match_columns(names, q, columns.get(q)))
             }
-            if len(found) == len(wanted) - 1 and "time" in wanted and "time" not in found:
+            if len(candidates) == len(wanted) - 1 and "time" in wanted and "time" not in candidates:
                 below = split_cells("".join(head[index + 1 : index + 2]), delimiter)
                 clocks = [i for i, cell in enumerate(below) if parse_clock_s(cell) is not None]
-                found |= {"time": clocks} if clocks and "time" not in columns else {}
-            if len(found) == len(wanted) <= len(row):
-                for quantity, indices in found.items():
+                candidates |= {"time": clocks} if clocks and "time" not in columns else {}
+            if len(candidates) == len(wanted) <= len(row):
+                for quantity, indices in candidates.items():
                     if len(indices) == 1:
                         continue
                     shown = ", ".join(f"{i + 1} {row[i]!r}" for i in indices[:_SHOWN])
@@ -138,11 +138,11 @@ def find_layout(path: Path, lines: Sequence[str], request: FileRequest) -> Layou
                         f"{path}, row {index + 1}: {quantity} may be column {shown}: choose by "
                         f"number, --map {quantity}={indices[0] + 1}:UNIT{place}"
                     )
-                chosen = {q: indices[0] for q, indices in found.items()}
+                chosen = {q: indices[0] for q, indices in candidates.items()}
                 return _build_layout(path, head, delimiter, row, index + 1, chosen, request)
             # A line about the test, "Load Cell;1 kN", has a channel's name, and fewer cells.
-            if (len(found), sum(map(bool, row))) > (len(best[0]), sum(map(bool, best[2]))):
-                best = (found, index, row)
+            if (len(candidates), sum(map(bool, row))) > (len(best[0]), sum(map(bool, best[2]))):
+                best = (candidates, index, row)
     raise _missing_columns_error(path, head, best, request)
 
 
@@ -265,13 +265,13 @@ def _parse_step_s(stated: Mapping[str, Cells]) -> float | None:
 
 def parse_clock_s(cell: str) -> Decimal | None:
     """Seconds since midnight of a clock's time, to its last digit; None for anything else."""
-    found = _CLOCK.fullmatch(cell.strip())
-    if not found:
+    match = _CLOCK.fullmatch(cell.strip())
+    if not match:
         return None
-    hours, minutes = int(found["h"] or 0), int(found["m"] or found["m2"])
-    if found["half"]:
-        hours = hours % 12 + 12 * (found["half"].upper() == "PM")
-    seconds = Decimal((found["s"] or found["s2"]).replace(",", "."))
+    hours, minutes = int(match["h"] or 0), int(match["m"] or match["m2"])
+    if match["half"]:
+        hours = hours % 12 + 12 * (match["half"].upper() == "PM")
+    seconds = Decimal((match["s"] or match["s2"]).replace(",", "."))
     return 3600 * hours + 60 * minutes + seconds
 
 
@@ -302,7 +302,7 @@ def _missing_columns_error(
             for k in range(max(first - 3, 0), first)
             for _, row_cells in _split_line(head, k)
         ]
-        index, row = max(above, key=lambda each: sum(map(bool, each[1])), default=(index, row))
+        index, row = max(above, key=lambda titled: sum(map(bool, titled[1])), default=(index, row))
     names = ", ".join(map(repr, row[:_SHOWN])) + ", ..." * (len(row) > _SHOWN)
     header = f" in row {index + 1}, which has {names}" * bool(row)
     missing = [q for q in request.wanted if q not in present]
@@ -328,17 +328,17 @@ def _missing_columns_error(
 
 
 def _specimen_hint(row: Cells) -> str:
-    """What to pass for columns of strain and stress, by the units that the header says."""
+    """Say what to pass for columns of strain and stress, by the units that the header says."""
     quantities: tuple[Quantity, ...] = ("position", "force")
-    found = {
+    specimen = {
         quantity: (cell, unit)
         for quantity in quantities
         for cell in reversed(row)
         if is_specimen_unit(unit := split_unit(cell, quantity)[1] or "", quantity)
     }
     how = (
-        specimen_remedy(found)
-        if found
+        specimen_remedy(specimen)
+        if specimen
         else "pass the specimen's height for a strain of 1, and its area times the unit of stress, "
         "--map position=COL:33mm,force=COL:18N for 33 mm, and 18 mm2 of a stress in MPa"
     )
@@ -373,13 +373,13 @@ def split_cells(line: str, delimiter: str) -> Cells:
         rows = list(csv.reader([line], delimiter=delimiter, skipinitialspace=True))
     except csv.Error:
         return []
-    found: Cells = []
+    split: Cells = []
     for cell in (cell.strip() for cell in rows[0]) if rows else ():
-        if delimiter == " " and found and cell.startswith(("[", "(")):
-            found[-1] += f" {cell}"  # "time [s]" is one cell
+        if delimiter == " " and split and cell.startswith(("[", "(")):
+            split[-1] += f" {cell}"  # "time [s]" is one cell
         else:
-            found.append(cell)
-    return found
+            split.append(cell)
+    return split
 
 
 def plain_number(cell: str, decimal: DecimalMark) -> str:

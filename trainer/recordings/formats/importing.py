@@ -39,7 +39,7 @@ _MAX_LISTED_FILES = 12  # files in a line
 
 @dataclass(frozen=True)
 class ImportOptions:
-    """What only some files need.
+    """Hold what only some files need.
 
     decimal: what marks decimals in a CSV file, None: guessed.
     conditioning: delays, mass, tare and contact point.
@@ -204,7 +204,7 @@ def import_set(
         raise join_refusals(map(str, refused))
     if others and not recordings:
         raise others[0]
-    rates = {f"{each.rate_hz:.5g}": each.name for each in recordings}
+    rates = {f"{recording.rate_hz:.5g}": recording.name for recording in recordings}
     if len(rates) > 1:
         shown = ", ".join(f"{hz} Hz ({name})" for hz, name in rates.items())
         notes.append(f"rates differ, and a model has one: {shown}: import with --resample-hz RATE")

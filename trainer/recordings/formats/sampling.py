@@ -85,8 +85,8 @@ def to_si(
     """
     shapes = {quantity: np.shape(samples) for quantity, samples in values.items()}
     if len(shapes["force"]) != 1 or len(set(shapes.values())) > 1:
-        found = ", ".join(f"{quantity} {shape}" for quantity, shape in shapes.items())
-        raise DataError(f"{others['source']}: {found}: give three 1-D arrays of one length")
+        sizes = ", ".join(f"{quantity} {shape}" for quantity, shape in shapes.items())
+        raise DataError(f"{others['source']}: {sizes}: give three 1-D arrays of one length")
     scaled = {quantity: values[quantity] * unit.to_si for quantity, unit in units.items()}
     stated = {quantity: unit.metadata() for quantity, unit in units.items()}
     if rate_hz is not None:

@@ -71,8 +71,8 @@ class Unit:
     column: str
 
     def metadata(self) -> dict[str, Any]:
-        found = asdict(self)
-        return {"unit": found.pop("text"), "from": found.pop("origin"), **found}
+        fields = asdict(self)
+        return {"unit": fields.pop("text"), "from": fields.pop("origin"), **fields}
 
 
 def is_unit(text: str, quantity: Quantity) -> bool:

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.lib.stride_tricks import sliding_window_view
@@ -59,7 +60,7 @@ def channel_findings(recording: Recording) -> Iterator[Finding]:
         ("position", recording.position_m, recording.force_n, 1e3, "mm"),
         ("force", recording.force_n, recording.position_m, 1.0, "N"),
     )
-    constant = [each for each in channels if np.ptp(each[1]) == 0.0]
+    constant = [channel for channel in channels if np.ptp(channel[1]) == 0.0]
     for channel, samples, _, scale, unit in constant:
         yield refusal(
             "constant", recording.name, f"{channel} is {scale * samples[0]:.6g} {unit} all along",
@@ -134,7 +135,7 @@ def level_findings(recording: Recording) -> Iterator[Finding]:
         return
     last_low = least - 1 + int(np.argmax(gaps))
     low_n, high_n = air_n[: last_low + 1], air_n[last_low + 1 :]
-    spread_n = max(float(np.ptp(np.quantile(each, (0.05, 0.95)))) for each in (low_n, high_n))
+    spread_n = max(float(np.ptp(np.quantile(level, (0.05, 0.95)))) for level in (low_n, high_n))
     is_high = force_n > 0.5 * (low_n[-1] + high_n[0])
     visits = runs(in_air)
     changes = sum(int(np.count_nonzero(np.diff(is_high[a:b]))) for a, b in visits)
@@ -150,7 +151,7 @@ def level_findings(recording: Recording) -> Iterator[Finding]:
         )  # fmt: skip
 
 
-def find_clipping(recording: Recording) -> list[dict[str, str]]:
+def find_clipping(recording: Recording) -> list[dict[str, Any]]:
     """Return the fields of findings: of clipped channels, or those that a correction has kept."""
     if CLIPPED_KEY in recording.details:
         return list(recording.details[CLIPPED_KEY])
@@ -359,7 +360,7 @@ def _find_force_loss(x: Samples, rise: Samples) -> Iterator[int]:
     )
 
     def is_deepest(begin: int, end: int) -> bool:
-        """Whether the deepest sample of a stroke is in these rows, and none before is deeper."""
+        """Return whether a stroke is deepest in these rows, and none before is deeper."""
         first, last = next(stroke for stroke in runs(x >= middle_m) if stroke[1] > begin)
         deepest = first + int(np.argmax(x[first:last]))
         return begin <= deepest < end and x[deepest] >= x[:first].max(initial=-np.inf) - bend_m

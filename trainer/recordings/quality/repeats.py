@@ -1,4 +1,4 @@
-"""What repeats: cycles of one recording, and presses; the delay and the noise that they show.
+"""Find what repeats: cycles of one recording, and presses; the delay and the noise that they show.
 
 Energy lost a cycle mixes the material's loss and the channels' skew. They part by frequency: the
 loss angle of soft solids changes slowly, about linearly with the logarithm of frequency; skew takes
@@ -203,7 +203,7 @@ def find_noise_floor(
     From repeated presses; else from cycles, which are found if they are not given; else from the
     force's noise. By what repeats of one session differ is no noise: the object remembers.
     """
-    groups = ((group, {each.start_s is not None and each.session for each in group})
+    groups = ((group, {recording.start_s is not None and recording.session for recording in group})
              for group in find_repeats(recordings))  # fmt: skip
     if repeats := [group for group, sessions in groups if len(sessions) > 1 or not all(sessions)]:
         number = " or ".join(map(str, sorted({len(group) for group in repeats})))
@@ -213,8 +213,8 @@ def find_noise_floor(
     pairs = zip(recordings, cycles or map(find_cycles, recordings), strict=True)
     if cyclic := [
         rms_n
-        for each, recording_cycles in pairs
-        if recording_cycles and (rms_n := _cycle_noise_n(each, recording_cycles))
+        for recording, recording_cycles in pairs
+        if recording_cycles and (rms_n := _cycle_noise_n(recording, recording_cycles))
     ]:
         number = f"{len(cyclic)} recordings" if len(cyclic) > 1 else "one recording"
         words = f"from the repeated cycles within {number}"
@@ -241,7 +241,7 @@ def find_repeats(recordings: Sequence[Recording]) -> list[list[Recording]]:
 
 
 def _is_same_press(one: Recording, other: Recording) -> bool:
-    """Whether one path was driven twice, or one force, at one place."""
+    """Return whether one path was driven twice, or one force, at one place."""
     same = one.place_m == other.place_m and abs(one.dt_s / other.dt_s - 1) < _RATE_TOLERANCE
     if not same or len(one.force_n) != len(other.force_n):
         return False
@@ -251,7 +251,7 @@ def _is_same_press(one: Recording, other: Recording) -> bool:
 
 def _repeat_noise_n(group: Sequence[Recording]) -> float:
     """RMS by which each differs from the mean of the k before, which adds a k-th to its noise."""
-    positions, forces = (np.stack([getattr(each, channel) for each in group])
+    positions, forces = (np.stack([getattr(recording, channel) for recording in group])
                          for channel in ("position_m", "force_n"))  # fmt: skip
     steady = _correct_positions(positions, forces)
     before = np.arange(1, len(group))[:, None]
@@ -281,7 +281,7 @@ def _cycle_noise_n(recording: Recording, cycles: Cycles) -> float | None:
 
 
 def _is_repeated(stack: Stack) -> bool:
-    """Whether samples (repeats, samples) are the same in every repeat."""
+    """Return whether samples (repeats, samples) are the same in every repeat."""
     deviation = stack - stack.mean(axis=0)
     return rms(deviation) < _REPEAT_TOLERANCE * float(np.ptp(stack))
 

@@ -24,9 +24,12 @@ from springpot.trainer.recordings.conditioning import (
 from springpot.trainer.recordings.contact_point import ContactPoint, find_contact
 from springpot.trainer.recordings.formats.units import format_map_option, split_factor
 from springpot.trainer.recordings.quality.channels import channel_findings, level_findings
-from springpot.trainer.recordings.quality.dissipation import Dissipation
 from springpot.trainer.recordings.quality.finding import Finding, join_refusals, refusal, warning
-from springpot.trainer.recordings.quality.lateness import format_lateness, lateness_findings
+from springpot.trainer.recordings.quality.loops import (
+    Dissipation,
+    format_lateness,
+    lateness_findings,
+)
 from springpot.trainer.recordings.quality.repeats import (
     Cycles,
     Skew,
@@ -88,8 +91,8 @@ class QualityReport:
     @cached_property
     def recordings(self) -> list[JsonObject]:
         """Figures of each recording."""
-        each = zip(self.checked, self.cycles, self.signs, strict=True)
-        return [_compute_figures(*own, self.skew) for own in each]
+        figures = zip(self.checked, self.cycles, self.signs, strict=True)
+        return [_compute_figures(*parts, self.skew) for parts in figures]
 
     @cached_property
     def figures(self) -> JsonObject:
@@ -99,7 +102,9 @@ class QualityReport:
             "noise_floor_n": None if floor.source == "sensor" else floor.rms_n,
             "sensor_noise_n": floor.rms_n if floor.source == "sensor" else None,
             "noise_floor": floor.words,
-            "repeats": [[each.name for each in group] for group in find_repeats(self.checked)],
+            "repeats": [
+                [recording.name for recording in group] for group in find_repeats(self.checked)
+            ],
             "skew_s": self.skew.delay_s if self.skew else None,
             "skew_uncertainty_s": self.skew.uncertainty_s if self.skew else None,
             "signs": self.sign_words,
@@ -108,14 +113,14 @@ class QualityReport:
     @property
     def sign_words(self) -> str:
         """Which way the channels point by the strongest evidence, and the loops of all."""
-        energies_j = sum(own.dissipation.energy_j for own in self.signs)
-        lost = Dissipation(energies_j, sum(own.dissipation.loops for own in self.signs))
+        energies_j = sum(signs.dissipation.energy_j for signs in self.signs)
+        lost = Dissipation(energies_j, sum(signs.dissipation.loops for signs in self.signs))
         strongest = max(self.signs, key=lambda signs: signs.evidence)
         return replace(strongest, dissipation=lost).words + format_lateness(self.checked)
 
     @property
     def refused(self) -> bool:
-        """Whether some finding says that no model can be made of this."""
+        """Return whether some finding says that no model can be made of this."""
         return _has_refusal(self.findings)
 
     def as_dict(self) -> JsonObject:
@@ -140,20 +145,20 @@ def check_recordings(given: Recordings) -> QualityReport:
     findings: list[Finding] = []
     checked, signs, cycles, intact = [], [], [], []
     for read in with_progress(resolve_recordings(given), "checking"):
-        recording, found = read, list(level_findings(read))
-        if not found:
-            recording, found = replace_spikes(read)
-            found += channel_findings(recording)
+        recording, faults = read, list(level_findings(read))
+        if not faults:
+            recording, faults = replace_spikes(read)
+            faults += channel_findings(recording)
         checked.append(recording)
         signs.append(find_signs(recording))
         cycles.append(find_cycles(recording))
         if not _has_refusal(
-            found
+            faults
         ):  # one cause, one line: a constant has no unit, a wrap turns signs
             # A sensor that stands still seems to drift, and to give energy; a force that is torn
             # or late is missed on the next way in.
-            stuck = any(finding.kind == "stuck" for finding in found)
-            stands = stuck or any(finding.kind == "clipping" for finding in found)
+            stuck = any(finding.kind == "stuck" for finding in faults)
+            stands = stuck or any(finding.kind == "clipping" for finding in faults)
             sign_faults = list(sign_findings(recording, signs[-1]))
             sign_faults = [
                 finding
@@ -161,16 +166,16 @@ def check_recordings(given: Recordings) -> QualityReport:
                 if not (stuck and finding.kind == "energy")
                 and not (stands and finding.kind == "exchanged")
             ]
-            found = [
-                finding for finding in found if not (sign_faults and finding.kind in _ALSO_TORN)
+            faults = [
+                finding for finding in faults if not (sign_faults and finding.kind in _ALSO_TORN)
             ] + sign_faults
-            spoiled = _has_refusal(found) or stuck  # a turned sign moves the contact
-            found += [] if spoiled else _depth_findings(recording)
-            intact += [] if _has_refusal(found) or spoiled else [recording]
-            found += unit_findings(recording)
-        findings += found
+            spoiled = _has_refusal(faults) or stuck  # a turned sign moves the contact
+            faults += [] if spoiled else _depth_findings(recording)
+            intact += [] if _has_refusal(faults) or spoiled else [recording]
+            faults += unit_findings(recording)
+        findings += faults
     findings += _compare_units(intact)
-    skew = estimate_skew([own for own in cycles if own])
+    skew = estimate_skew([cycle for cycle in cycles if cycle])
     late = list(skew_findings(checked, skew)) or lateness_findings(intact)
     findings += [*contact_findings(intact), *late]
     return QualityReport(checked, findings, cycles, signs, skew)
@@ -196,22 +201,22 @@ def _compare_units(recordings: Sequence[Recording]) -> Iterator[Finding]:
     """Refuse a recording whose stroke or force is many times that of the others."""
     if len(recordings) < 2:
         return
-    strokes_m = np.array([float(np.ptp(each.position_m)) for each in recordings])
-    peaks_n = np.array([float(np.ptp(each.force_n)) for each in recordings])
-    common_m = min(float(each.position_m.max()) for each in recordings)
+    strokes_m = np.array([float(np.ptp(recording.position_m)) for recording in recordings])
+    peaks_n = np.array([float(np.ptp(recording.force_n)) for recording in recordings])
+    common_m = min(float(recording.position_m.max()) for recording in recordings)
     if common_m <= 0.0:
         return
     forces_n = np.array([
-        float(np.median(np.abs(each.force_n[deep]))) if deep.any() else 0.0
-        for each in recordings
-        for deep in [np.abs(each.position_m / common_m - 0.75) <= 0.25]
+        float(np.median(np.abs(recording.force_n[deep]))) if deep.any() else 0.0
+        for recording in recordings
+        for deep in [np.abs(recording.position_m / common_m - 0.75) <= 0.25]
     ])  # fmt: skip
     for channel, sizes, peaks, others in (
         ("position", strokes_m, strokes_m, peaks_n),
         ("force", forces_n, peaks_n, strokes_m),
     ):
-        usual, highest, beside = (float(np.median(each[:-1] if len(each) == 2 else each))
-                                  for each in (sizes, peaks, others))  # fmt: skip
+        usual, highest, beside = (float(np.median(values[:-1] if len(values) == 2 else values))
+                                  for values in (sizes, peaks, others))  # fmt: skip
         if not (highest and beside):  # of what never moves or pushes its own finding says so
             continue
         for recording, size, peak, other in zip(recordings, sizes, peaks, others, strict=True):
@@ -250,12 +255,14 @@ def _first_that_mends(
     """
     for words, (options, zero) in remedies.items():
         with suppress(DataError, UsageError):
-            mended = [condition(each, options, zero)[0] for each in recordings]
+            mended = [condition(recording, options, zero)[0] for recording in recordings]
             align_surfaces(mended, options)
             judged = [
-                finding for each in mended for finding in sign_findings(each, find_signs(each))
+                finding
+                for recording in mended
+                for finding in sign_findings(recording, find_signs(recording))
             ]
-            deep = all(float(each.position_m.max()) > 0.0 for each in mended)
+            deep = all(float(recording.position_m.max()) > 0.0 for recording in mended)
             if deep and not _has_refusal(judged):
                 return words
     return "no option mends that: record from farther above the object, or correct the source"
@@ -300,8 +307,8 @@ def contact_findings(recordings: Sequence[Recording]) -> Iterator[Finding]:
     """Yield findings where position 0 should be the surface and is not, of all together."""
     contacts: list[RecordingContact] = []
     for recording in recordings:
-        if found := find_air_drift(recording):
-            drift = found[1]
+        if steadied := find_air_drift(recording):
+            drift = steadied[1]
             yield warning(
                 "drift", recording.name,
                 f"force without contact drifts by {60.0 * drift.slope_nps:.3g} +- "
@@ -317,7 +324,7 @@ def contact_findings(recordings: Sequence[Recording]) -> Iterator[Finding]:
                 "the force of a light press may err by its whole size",
                 "press more slowly at first, or with less noise of the force",
             )  # fmt: skip
-    for recording in (each for each in recordings if each.zero == "none"):
+    for recording in (recording for recording in recordings if recording.zero == "none"):
         with suppress(DataError):  # a tool that never leaves the object shows no surface
             contacts.append((recording, find_contact(recording)))
     # An object that remembers its last press is met where that left it.
@@ -329,7 +336,9 @@ def contact_findings(recordings: Sequence[Recording]) -> Iterator[Finding]:
         > max(contact.threshold_n, _MIN_TARE_FRACTION * recording.force_n.max())
     ]
     loads_n = [
-        tare_n for each, tare_n in tares if abs(tare_n) > _MIN_LOAD_FRACTION * each.force_n.max()
+        tare_n
+        for recording, tare_n in tares
+        if abs(tare_n) > _MIN_LOAD_FRACTION * recording.force_n.max()
     ]
     all_loaded = 0 < len(loads_n) == len(recordings)
     shared = all_loaded and np.ptp(loads_n) < _LOAD_TOLERANCE * np.abs(loads_n).max()
@@ -374,7 +383,7 @@ def _surface_findings(met: Sequence[RecordingContact]) -> Iterator[Finding]:
 
 
 def _is_moved_throughout(recording: Recording, contact: ContactPoint, other: Recording) -> bool:
-    """Whether a recording, moved so that it begins at 0, is more like another at equal depths.
+    """Return whether a recording is more like another if it is moved to begin at 0.
 
     Of a press that follows the last one soon, the first contact alone is late: memory of the object
     that any model has, and no reason for a word.
@@ -383,8 +392,8 @@ def _is_moved_throughout(recording: Recording, contact: ContactPoint, other: Rec
                     float(other.position_m.max()))  # fmt: skip
     levels_m = np.linspace(0.0, deepest_m, _COMPARED_LEVELS + 1)
     own_n, moved_n, other_n = (
-        _loading_force_n(each.position_m - shift_m, each.force_n, levels_m)
-        for each, shift_m in ((recording, 0.0), (recording, contact.position_m), (other, 0.0))
+        _loading_force_n(pressed.position_m - shift_m, pressed.force_n, levels_m)
+        for pressed, shift_m in ((recording, 0.0), (recording, contact.position_m), (other, 0.0))
     )
     seen = np.isfinite(own_n + moved_n + other_n)
     if not seen.any():

@@ -15,7 +15,7 @@ SPIKES_KEY = "outliers"  # of a recording's details: what was found in each chan
 
 @dataclass(frozen=True)
 class SpikeRule:
-    """What a spike is: a few samples that leave their surroundings in one step, and come back.
+    """Define a spike: a few samples that leave their surroundings in one step, and come back.
 
     position_samples, force_samples: at most in a row; a longer run of force may be an impact.
     position_fraction, force_fraction: of the channel's range: a spike is as far off at least.
@@ -79,19 +79,19 @@ def replace_spikes(recording: Recording) -> tuple[Recording, list[Finding]]:
         ("position", position_rows, 1e3 * position_m, "mm"),
         ("force", force_rows, force_n, "N"),
     )
-    found = [
+    spikes = [
         f"{len(rows)} of {len(values)} samples of {channel} jump away, the first at "
         f"{rows[0] * recording.dt_s:.4g} s to {values[rows[0]]:.4g} {unit}"
         for channel, rows, values, unit in channels
         if len(rows)
     ]
-    if not found:
+    if not spikes:
         return recording, []
     if max(len(position_rows), len(force_rows)) > _RULE.max_fraction * len(force_n):
         spoiled = ("too many to be replaced", "mend the sensor or its cable, and record again")
-        return recording, [refusal("outlier", name, what, *spoiled) for what in found]
+        return recording, [refusal("outlier", name, what, *spoiled) for what in spikes]
     details, repaired_n = (
-        {**recording.details, SPIKES_KEY: found},
+        {**recording.details, SPIKES_KEY: spikes},
         _interpolate_rows(force_n, force_rows),
     )
     repaired = replace(recording, position_m=repaired_m, force_n=repaired_n, details=details)
@@ -106,7 +106,9 @@ def _find_position_spikes(position_m: Samples, force_n: Samples) -> Indices:
     spikes, last = np.zeros(len(position_m), dtype=bool), len(position_m) - 1
     for run in _find_outlier_runs(position_m, _RULE.position_samples, _RULE.position_fraction):
         inside = run[-1] + 1 if run[0] == 0 else run[0] - 1
-        step_m, step_n = (float(each[run[0]] - each[inside]) for each in (position_m, force_n))
+        step_m, step_n = (
+            float(channel[run[0]] - channel[inside]) for channel in (position_m, force_n)
+        )
         follows = step_m * step_n > 0.0 and abs(step_n) > _RULE.position_fraction * float(
             np.ptp(force_n)
         )
@@ -131,7 +133,9 @@ def _find_force_spikes(position_m: Samples, force_n: Samples) -> Indices:
             is_pushed = around_m.max() in position_m[rows] and 0.0 < force_n[run].max() <= peak_n
         else:
             first, inside = (0, run[-1] + 1) if run[0] == 0 else (last, run[0] - 1)
-            step_m, step_n = (float(each[first] - each[inside]) for each in (position_m, force_n))
+            step_m, step_n = (
+                float(channel[first] - channel[inside]) for channel in (position_m, force_n)
+            )
             follows = step_m * step_n > 0.0 and abs(step_m) > _RULE.end_fraction * travel_m
             beside_n = force_n[run[-1] + 1 :][:2] if run[0] == 0 else force_n[: run[0]][-2:]
             is_pushed = follows or np.ptp(beside_n) > _RULE.force_fraction * np.ptp(force_n)
@@ -143,7 +147,7 @@ def _find_force_spikes(position_m: Samples, force_n: Samples) -> Indices:
 
 
 def _come_with_motion(position_m: Samples, rows: list[int]) -> bool:
-    """Whether events come at one place of the travel, where the tool is only a part of its time."""
+    """Return whether events come at one place, where the tool is only a part of its time."""
     band_m = _RULE.band_fraction * float(np.ptp(position_m))
     at_m = np.sort(position_m[rows])
     inside = np.searchsorted(at_m, at_m + band_m, side="right") - np.arange(len(at_m))
@@ -177,7 +181,7 @@ def _find_outlier_runs(samples: Samples, longest: int, share: float) -> list[Ind
     own_steps = np.median(sliding_window_view(own_steps, 4 * reach), axis=1)[: len(samples)]
     floor = max(_RULE.noise_sigmas * noise, share * float(np.ptp(typical)))
     far = np.abs(samples - typical)
-    found = []
+    outliers = []
     for begin, end in runs(
         far > np.maximum(floor, _RULE.step_ratio * np.maximum(motion, own_steps))
     ):
@@ -189,14 +193,14 @@ def _find_outlier_runs(samples: Samples, longest: int, share: float) -> list[Ind
         )
         if len(beside) == 2:
             if far[beside].max() < _RULE.beside_fraction * far[run].min():
-                found.append(run)
+                outliers.append(run)
             continue
         # At an end there is one side: the step away from it is compared with those inside.
         away = steps[end - 1 if begin == 0 else begin - 1]
         inside = steps[end : end + 2 * reach] if begin == 0 else steps[: begin - 1][-2 * reach :]
         if away > max(_RULE.step_ratio * inside.max(initial=0.0), floor):
-            found.append(run)
-    return found
+            outliers.append(run)
+    return outliers
 
 
 def _interpolate_rows(samples: Samples, rows: Indices) -> Samples:

@@ -1,4 +1,4 @@
-"""Whether the units of a recording make a press that a rig can make and an object can answer."""
+"""Check that the units of a recording make a press that a rig can make and an object can answer."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -97,7 +97,7 @@ def unit_findings(recording: Recording) -> Iterator[Finding]:
 
 
 def _is_quasi_static(recording: Recording, summary: PressSummary) -> bool:
-    """Whether a low rate is that of a slow test, and no number of a sample or of milliseconds.
+    """Return whether a low rate is that of a slow test, and stamps are no numbers of samples.
 
     Those are whole numbers, slow logs have digits behind the point; what was never printed, 0,
     shows neither. Digits that are all 0 are printed by a format: over hours it is doubted too.
