@@ -123,7 +123,7 @@ static void step_terms(const sp_fit_terms *t, sp_fit_work *w, double u, const do
     }
     for (uint32_t k = 0; k < t->n_constant + t->n_depth; k++) {
         for (uint32_t j = 0; j < t->n_nodes; j++, h++) {
-            *h = w->kept[k] * *h + w->gain[k] * w->rise[j];
+            *h = sp_flush_denormal(w->kept[k] * *h + w->gain[k] * w->rise[j]);
         }
     }
     for (uint32_t k = 0; k < t->n_stops; k++) {
