@@ -254,7 +254,10 @@ def frame_channels(frame: Any, name: str, columns: Mapping[Quantity, Hashable]) 
 
 
 def _column_names(frame: Any) -> list[Hashable]:
-    """Names of all columns. Raises UsageError for what has none."""
+    """Return the names of all columns. Raises UsageError for what has none, and a lazy table."""
+    for method in ("collect", "compute"):  # of polars and Spark, of dask
+        if hasattr(frame, method):
+            raise UsageError(f"{type(frame).__name__}: not computed yet: give its .{method}()")
     names = frame.dtype.names if isinstance(frame, np.ndarray) else getattr(frame, "columns", None)
     names = getattr(frame, "column_names", None) or names
     if names is None and hasattr(frame, "keys"):

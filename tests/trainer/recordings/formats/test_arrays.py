@@ -10,7 +10,7 @@ from support.files.columns import write_columns
 from support.in_process import spring
 
 import springpot
-from springpot.codegen.errors import DataError
+from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.recordings.conditioning import Conditioning
 from springpot.trainer.recordings.formats.column_map import parse_map
 from springpot.trainer.recordings.formats.importing import ImportOptions, import_file
@@ -238,3 +238,11 @@ def test_values_in_another_file_are_not_read(tmp_path: Path) -> None:
         file.create_dataset("position_m", shape=(64,), dtype="f8", external=other)
     with pytest.raises(DataError, match="position_m is stored in another file"):
         import_file(path)
+
+
+def test_a_lazy_table_is_refused_with_what_computes_it() -> None:
+    class LazyFrame(dict[str, object]):
+        def collect(self) -> None: ...
+
+    with pytest.raises(UsageError, match=r"LazyFrame: not computed yet: give its \.collect\(\)"):
+        Recording.from_frame(LazyFrame(), time="t", position="x", force="f")
