@@ -44,7 +44,7 @@ def code_lines(text: str) -> int:
 # two per cent of air, and change once a release, in a commit of their own.
 @pytest.mark.parametrize(
     ("files", "max_lines"),
-    [("codegen/*.py", 5250), ("trainer/*.py", 7550), ("host/*.py", 9450), ("tests/*.py", 16500)],
+    [("codegen/*.py", 5350), ("trainer/*.py", 7600), ("host/*.py", 9700), ("tests/*.py", 17300)],
 )
 def test_lines_of_code(files: str, max_lines: int) -> None:
     assert sum(map(code_lines, tracked(files))) <= max_lines
@@ -52,7 +52,7 @@ def test_lines_of_code(files: str, max_lines: int) -> None:
 
 def test_lines_of_c_and_templates() -> None:
     sources = tracked("runtime_c/*.[ch]", "codegen/*.j2")
-    assert sum(text.count("\n") for text in sources) <= 8100
+    assert sum(text.count("\n") for text in sources) <= 8250
 
 
 def test_comments_and_docstrings_are_free() -> None:
@@ -60,7 +60,7 @@ def test_comments_and_docstrings_are_free() -> None:
 
 
 def test_files_of_the_product() -> None:
-    assert len(tracked(*PYTHON)) <= 208
+    assert len(tracked(*PYTHON)) <= 212
 
 
 def test_documents() -> None:
