@@ -38,14 +38,17 @@ from support.paths import ROOT
 
 from springpot import Fit, train
 from springpot.codegen.make_plan import make_plan
+from springpot.codegen.scene import Target
 from springpot.codegen.native.compiler import machine_metadata
 from springpot.host.bench.bench import code_hash
 from springpot.host.bench.measure import bench_scene, hot_ns, measure_sizes, prediction_errors
 from springpot.host.native.scene_library import build_and_load
+from springpot.host.native.toolchain import missing_tools
 from springpot.host.simulation.objects import FOREIGN_OBJECTS, OBJECTS
 from springpot.trainer.recordings.quality.repeats import find_noise_floor
 
 MACH1_FILE = Path(__file__).parents[1] / "data" / MACH1 / "Dynamic_data.txt"
+TARGET: Target = "cortex-m4f"
 KIN_STRUCTURES = ("paper", "left-out-depth")  # of the five that are much alike
 KINDS: dict[str, tuple[str, dict[str, Any]]] = {
     PASSIVE: ("hammerstein", {}),
@@ -98,7 +101,7 @@ def measured(fit: Fit, training: Recordings, test: Recordings) -> dict[str, Any]
         raise ValueError(f"the force is not finite ({percent})")
     chosen = {"chosen": fit.metadata["chosen"]} if "chosen" in fit.metadata else {}
     slopes = {name: value for name, value in errors.items() if name.startswith("slope_")}
-    sizes = measure_sizes(fit.model, "float32", "cortex-m4f")
+    sizes = measure_sizes(fit.model, "float32", TARGET)
     return {"percent": percent, "tick_ns": tick_ns, **slopes, **chosen, **sizes}
 
 
@@ -150,6 +153,8 @@ def main() -> None:
         if not asked.objects or cell[0] in asked.objects.split(",")
         if not asked.structures or cell[1] in asked.structures.split(",")
     ]
+    if asked.write and (missing := missing_tools(TARGET)):
+        parser.error(f"--write: {missing}")
     if asked.write and (wanted != list(all_cells()) or asked.seed != SEED):
         parser.error("--write: README's figures are of all cells, with the seed as it is")
     os.environ |= {"OMP_NUM_THREADS": "1", "LOKY_MAX_CPU_COUNT": "1"}  # more wait for each other
