@@ -38,8 +38,8 @@ from support.paths import ROOT
 
 from springpot import Fit, train
 from springpot.codegen.make_plan import make_plan
-from springpot.codegen.scene import Target
 from springpot.codegen.native.compiler import machine_metadata
+from springpot.codegen.scene import Target
 from springpot.host.bench.bench import code_hash
 from springpot.host.bench.measure import bench_scene, hot_ns, measure_sizes, prediction_errors
 from springpot.host.native.scene_library import build_and_load
