@@ -66,10 +66,10 @@ class ObjectTangent:
 def compute_passive_tangent(
     stage: HammersteinStage, base_m: float, span_m: float, max_n: float
 ) -> ObjectTangent:
-    """Return the tangent of a passive model at rest at each depth, from a tick's own tables.
+    """Linearise a passive model at rest at each depth, for the stability of the closed loop.
 
-    base_m, span_m: where the trained depth begins, and its length, m. Depths count while what
-    never relaxes is below max_n, N: above, the clamp opens the loop.
+    base_m, span_m: where the trained depth begins, and its length, m. Depths whose force at rest
+    exceeds max_n, N, are left out: the clamp keeps the force constant there, so its slope is 0.
     """
     config = stage.config
     u_per_m = float(config.u_per_m)
@@ -106,7 +106,8 @@ def compute_passive_tangent(
         for step in stage.steps
     ], axis=1)  # fmt: skip
     is_held = depths <= _HELD_DEPTHS[-1]
-    counts = static_n + float(config.bias_n) < max_n
-    counts[0] = True
+    is_below_clamp = static_n + float(config.bias_n) < max_n
+    is_below_clamp[0] = True  # a tangent needs a depth
     branch_npm = evaluate_slopes(stage.branches)
-    return ObjectTangent(spring_npm[counts], branch_npm[counts], decay[counts], is_held[counts])
+    kept = is_below_clamp
+    return ObjectTangent(spring_npm[kept], branch_npm[kept], decay[kept], is_held[kept])

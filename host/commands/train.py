@@ -219,7 +219,10 @@ def _score_rows(result: JsonObject) -> dict[str, str]:
 
 
 def _law(result: JsonObject) -> str:
-    """List what the passive model has beside curves, branches and stops."""
+    """List the laws of the passive model beside its curves, branches and stops, and its start.
+
+    As in "flow, damage; a surface that recovers while the tool is away".
+    """
     surface = "; a surface that recovers while the tool is away" if result["recovers"] else ""
     remembers = ""
     if result["starts_conditioned"]:

@@ -75,6 +75,8 @@ void sim_damaged_init(void *material, double stiffer, double step_s)
     }
 }
 
+/* One step with the tool at tool_m: the surface follows the tool, or recovers to where the force is
+ * 0 if the tool has left it; then the material relaxes. Returns the force on the tool, N. */
 double sim_damaged_step(void *material, double tool_m)
 {
     sim_damaged *damaged = material;

@@ -88,6 +88,8 @@ void sim_elastomer_init(void *material, double stiffer, double step_s)
     *elastomer = (sim_elastomer){.stiffer = stiffer, .step_s = step_s};
 }
 
+/* One step with the tool at tool_m: the surface follows the tool, or recovers to where the force is
+ * 0 if the tool has left it; then the material relaxes. Returns the force on the tool, N. */
 double sim_elastomer_step(void *material, double tool_m)
 {
     sim_elastomer *elastomer = material;

@@ -116,6 +116,8 @@ static double force_at(const void *step, double depth_m)
     return force_n;
 }
 
+/* Move the surface to depth_m, and relax every Maxwell mode for a step towards the mean of the
+ * branch's curve over that step. */
 static void move_surface(sim_material *material, double depth_m)
 {
     material->stretch_m = stretch_at(material, depth_m);

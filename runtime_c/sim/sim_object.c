@@ -91,6 +91,8 @@ int sim_object_init(sim_object *state, uint32_t object, uint32_t variant, double
     return SIM_OK;
 }
 
+/* Lift the tool off, and put it down at x and y, m, on an object that is at rest. Only the layer
+ * with lumps differs from place to place. */
 int sim_object_place(sim_object *state, double x_m, double y_m)
 {
     if (state == NULL) {

@@ -67,6 +67,8 @@ void sim_porous_init(void *material, double stiffer, double step_s)
     *porous = (sim_porous){.stiffer = stiffer, .step_s = step_s};
 }
 
+/* One step with the tool at tool_m: the surface follows the tool, or recovers to where the force is
+ * 0 if the tool has left it; then the material relaxes. Returns the force on the tool, N. */
 double sim_porous_step(void *material, double tool_m)
 {
     sim_porous *porous = material;

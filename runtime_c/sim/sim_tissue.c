@@ -71,6 +71,8 @@ static double tissue_force_n(const void *material, double depth_m)
     return tissue->stiffer * (after_n - branch_share() * sum_n);
 }
 
+/* One step with the tool at tool_m: the surface follows the tool, or recovers to where the force is
+ * 0 if the tool has left it; then the material relaxes. Returns the force on the tool, N. */
 double sim_tissue_step(void *material, double tool_m)
 {
     sim_tissue *tissue = material;

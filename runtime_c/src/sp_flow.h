@@ -39,7 +39,9 @@ static inline void sp_flow_rest(sp_real u, uint32_t n, sp_real *before, sp_real 
     }
 }
 
-/* Half the rise of each function since the last tick. before: the functions at the last tick. */
+/* Half the rise of each function b since the last tick: one half acts before the relaxation, the
+ * other after it, so that a tick is of second order in dt. before: the functions at the last tick.
+ */
 static inline void sp_flow_half_increments(sp_real u, sp_real *before, sp_real *rises)
 {
     sp_real now[SP_FLOW_FUNCTIONS];
@@ -50,7 +52,8 @@ static inline void sp_flow_half_increments(sp_real u, sp_real *before, sp_real *
     }
 }
 
-/* Advance one branch by a tick. loss: (p - 1) rate dt. Returns h. */
+/* Advance one branch by a tick: half the rise of b, the exact solution of h' = -rate |h|^(p - 1) h
+ * over dt, and the other half. loss: (p - 1) rate dt; cubic: p is 3, else 5. Returns h. */
 static inline sp_real sp_flow_relax(sp_real h, sp_real half, sp_real loss, uint32_t cubic)
 {
     const sp_real held = sp_clamp_state(h + half);

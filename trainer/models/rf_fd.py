@@ -74,10 +74,11 @@ def build_lag_features(dt_s: float, window_s: float | None) -> Lags:
 def fit_rf_fd(
     name: str, data: TrainingSet, options: FitOptions, validation: Sequence[Recording] = ()
 ) -> Fit:
-    """Kind `rf-fd`: the paper's forest on fractional derivatives (section IV-B).
+    """Fit kind `rf-fd`: the paper's forest on fractional derivatives (section IV-B).
 
-    With `past_positions` on ten past positions ([24]), its control: known to act with negative
-    damping.
+    With `past_positions` on ten past positions instead, the baseline that the paper compares with
+    (its reference [24]), which acts with negative damping. The passive model is fitted beside it
+    for depths beyond the trained ones, where trees are constant.
     """
     features: Features
     if options.past_positions:

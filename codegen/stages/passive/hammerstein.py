@@ -239,10 +239,12 @@ class HammersteinStage(Stage):
 
 
 def hammerstein_stage(model: Hammerstein, ticks: SceneTicks, follows: str) -> HammersteinStage:
-    """Fold the poles' gains into the branches; the stops' first halves belong to the spring.
+    """Turn a fitted passive model into the tables that a tick evaluates.
 
-    The branches are padded to whole vectors of the ticks, with curves of 0. The surface of the
-    ticks, if there is one, recovers if the model's does.
+    The gains of the poles are folded into the branches' curves, which are padded to whole vectors.
+    A stop is P(u) - P(play): P(u) is added to the spring's curve, and a tick subtracts P(play).
+    follows: the depth of a tick that the model is evaluated at, "penetration" or "clipped". A
+    model without a surface may pull.
     """
 
     def curves_of(material: Hammerstein) -> dict[str, Reals]:

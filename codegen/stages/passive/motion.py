@@ -37,9 +37,13 @@ class PassiveMotion:
     """
 
     def __init__(self, stage: "HammersteinStage", u: Scalar) -> None:
+        """Begin at rest at u, or as training ended if u is near where that was."""
         config, real, start = stage.config, stage.spring.dtype.type, stage.start
-        stands_at = start.position(u) if start else None
-        u, start = (u, None) if stands_at is None else (stands_at, start)
+        start_u = start.position(u) if start else None
+        if start_u is None:
+            start = None  # too far away: at rest
+        else:
+            u = start_u
         self._set_stage(stage, u)
         held_n = start.held_n if start else np.zeros(config.n_branches, dtype=real)
         self._branch_state = [
@@ -85,7 +89,12 @@ class PassiveMotion:
         self._before = evaluate_curves(self._curves, location)[0, 1:]
 
     def along(self, u: Reals) -> tuple[Reals, Reals]:
-        """Force of ticks with the tool at u, (n,), N, and where the model is then, (n,)."""
+        """Return the force of ticks with the tool at u, (n,), N, and the model's u, (n,).
+
+        A chunk is tried as if the tool stayed on the object, which is fast. If the object lets go
+        within it, the state is restored, only the ticks before that are made again, and the ticks
+        without contact follow one by one. `copy` is enough: no array is changed in place.
+        """
         if self._stage.surface is None:
             return self._advance_in_contact(u), u
         force_n, at = np.empty_like(u), u.copy()
@@ -95,7 +104,7 @@ class PassiveMotion:
             before = copy(self)
             contact_n = self._advance_in_contact(part)
             n_contact = self._count_contact_ticks(before, part, contact_n)
-            if n_contact < len(part):  # as far as it does, again
+            if n_contact < len(part):  # the object lets go: restore, and stop before
                 self.__dict__.update(before.__dict__)
                 contact_n = self._advance_in_contact(part[:n_contact])
             force_n[done : done + n_contact] = contact_n
