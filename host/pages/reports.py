@@ -59,7 +59,7 @@ def time_figure(recording: Recording, predicted_n: Samples) -> str:
     time_s = recording.dt_s * np.arange(len(predicted_n))
     lower.plot(time_s, predicted_n - recording.force_n, color="tab:blue", lw=0.8)
     lower.axhline(0.0, color=MUTED, lw=0.6)
-    lower.set(xlabel="time, s", ylabel="C - measured, N")
+    lower.set(xlabel="time, s", ylabel="model - measured, N")
     return svg_text(figure)
 
 
@@ -70,7 +70,7 @@ def loop_figure(recording: Recording, predicted_n: Samples) -> str:
     axes = figure.subplots()
     depth_mm = 1e3 * recording.position_m
     axes.plot(depth_mm, recording.force_n, color="black", lw=0.9, label="measured")
-    axes.plot(depth_mm, predicted_n, color="tab:red", lw=0.8, ls="--", label="C")
+    axes.plot(depth_mm, predicted_n, color="tab:red", lw=0.8, ls="--", label="model (C)")
     axes.set(xlabel="depth, mm", ylabel="force, N")
     axes.legend(loc="upper left", frameon=False)
     return svg_text(figure)
@@ -87,7 +87,7 @@ def error_figure(pairs: Sequence[Validated]) -> str:
         error_n = (predicted_n - recording.force_n)[::every]
         axes.plot(depth_mm, error_n, ",", color="tab:blue", rasterized=True)
     axes.axhline(0.0, color=MUTED, lw=0.6)
-    axes.set(xlabel="depth, mm", ylabel="C - measured, N")
+    axes.set(xlabel="depth, mm", ylabel="model - measured, N")
     return svg_text(figure)
 
 

@@ -271,7 +271,7 @@ def draw_forces(axes: "Axes", recording: Recording, predicted_n: Samples) -> Non
     """Draw measured force and that of the C, (n,), N, against time."""
     time_s = recording.dt_s * np.arange(len(predicted_n))
     axes.plot(time_s, recording.force_n, color="black", lw=1.2, label="measured")
-    axes.plot(time_s, predicted_n, color="tab:red", lw=1.0, ls="--", label="C")
+    axes.plot(time_s, predicted_n, color="tab:red", lw=1.0, ls="--", label="model (C)")
     axes.set(xlabel="time, s", ylabel="force, N")
     axes.set_title(recording.name, loc="left", fontsize=9)
     axes.legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), frameon=False, ncols=2)

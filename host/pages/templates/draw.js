@@ -98,7 +98,7 @@ class Pictures {
     for (let depth_m = 0; depth_m <= 1.31 * this.sizes.depth_m; depth_m += tick_step(this.sizes.depth_m)) {
       const y = surface + depth_m / m_per_pixel;
       line(context, [[width - 8, y], [width, y]], colour("--scale"));
-      write(context, `${Number((1e3 * depth_m).toPrecision(4))} mm`, width - 12, y, "right");
+      write(context, `${Number((1e3 * depth_m).toPrecision(4))} mm`, width - 12, y - 7, "right");
     }
   }
 
@@ -116,7 +116,8 @@ class Pictures {
     context.beginPath();
     for (const [x, y] of [[0, height], ...layer(0), [width, height]]) context.lineTo(x, y);
     context.fill();
-    for (let z = 22; z < height - surface; z += 26) line(context, layer(z), colour("--layer"));
+    const step_m = tick_step(this.sizes.depth_m) / 2, pixels = step_m / this.m_per_pixel;
+    for (let z = pixels; z < height - surface; z += pixels) line(context, layer(z), colour("--layer"));
   }
 
   // Its lower end is at y; a ghost is an outline.
@@ -170,7 +171,7 @@ class Pictures {
     const box = { left: LEFT, top: TOP, width: width - LEFT, height: height - TOP - 22 };
     const y = panel(context, box, sizes.min_n, 1.1 * sizes.max_n, "force, N");
     const x = (depth_m) => LEFT + ((depth_m - sizes.free_m) / (most_m - sizes.free_m)) * box.width;
-    for (let depth_m = 0; depth_m < 0.85 * most_m; depth_m += tick_step(most_m))
+    for (let depth_m = 0; x(depth_m) < width - 90; depth_m += tick_step(most_m))
       write(context, `${Number((1e3 * depth_m).toPrecision(4))}`, x(depth_m), height - 18, "center", "top");
     write(context, "depth, mm", width, height - 18, "right", "top");
     const curve = (depth_m, force_n, from, to, tint, wide) => {

@@ -18,7 +18,7 @@ async function show(index) {
   find("object-name").textContent = entry.name;
   find("what").textContent = entry.what;
   find("selftest").textContent = scene.proof();
-  find("hash").textContent = entry.hash;
+  find("hash").textContent = entry.hash.slice(0, 12);
   start();
 }
 
