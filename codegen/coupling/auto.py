@@ -45,6 +45,7 @@ _SOFTEST = [
     for damping_nspm in _DAMPINGS_NSPM
 ]
 _SEARCH_TOLERANCE = 1.01  # of the stiffest
+_QUIET_TOLERANCE = 1.05  # of the stiffest that is quiet
 _N_DEPTHS = 6  # of the search; its choice is judged at all of them
 
 
@@ -152,14 +153,37 @@ class _ProxySearch:
             stiffest = self._find_stiffest_for(softest, quiet.stiffness_npm if quiet else 0.0)
             if stiffest is None:
                 continue
-            if self._margin(_soften(stiffest)).vibration_mps <= QUIET_MPS:
+            if self._is_quiet(stiffest):
                 quiet = stiffest
-            elif loud is None or loud.stiffness_npm < stiffest.stiffness_npm:
+                continue
+            if loud is None or loud.stiffness_npm < stiffest.stiffness_npm:
                 loud = stiffest
+            quiet = self._find_quiet(stiffest, quiet) or quiet
         stiffest = quiet or loud
         if stiffest is None or is_unit_error(_soften(stiffest)):
             return None
         return _soften(stiffest)
+
+    def _is_quiet(self, proxy: Coupling) -> bool:
+        return self._margin(_soften(proxy)).vibration_mps <= QUIET_MPS
+
+    def _find_quiet(self, loud: Coupling, than: Coupling | None) -> Coupling | None:
+        """Return the stiffest that is quiet below a loud one; None if none is stiffer than `than`.
+
+        Dropped as a whole, a loud proxy left the choice to one 24 times as soft, on a device that
+        was only less late.
+        """
+        than_npm = than.stiffness_npm if than else float(_STIFFNESSES_NPM[0])
+        low = replace(loud, stiffness_npm=_SEARCH_TOLERANCE * than_npm)
+        if low.stiffness_npm >= loud.stiffness_npm or not self._is_quiet(low):
+            return None
+        while loud.stiffness_npm > _QUIET_TOLERANCE * low.stiffness_npm:
+            middle_npm = math.sqrt(low.stiffness_npm * loud.stiffness_npm)
+            middle = replace(low, stiffness_npm=middle_npm)
+            low, loud = (middle, loud) if self._is_quiet(middle) else (low, middle)
+        softer = low.stiffness_npm * np.geomspace(0.1, 1.0, _STEPS_PER_DECADE)
+        stable = (self._is_stable(replace(low, stiffness_npm=float(k))) for k in softer)
+        return low if all(stable) else None
 
     def find_calmest(self) -> Coupling:
         """Return the softest proxy that swings least, for an object that none holds."""
