@@ -106,8 +106,7 @@ def compute_passive_tangent(
         for step in stage.steps
     ], axis=1)  # fmt: skip
     is_held = depths <= _HELD_DEPTHS[-1]
-    is_below_clamp = static_n + float(config.bias_n) < max_n
-    is_below_clamp[0] = True  # a tangent needs a depth
+    kept = static_n + float(config.bias_n) < max_n
+    kept[0] = True  # a tangent needs a depth
     branch_npm = evaluate_slopes(stage.branches)
-    kept = is_below_clamp
     return ObjectTangent(spring_npm[kept], branch_npm[kept], decay[kept], is_held[kept])

@@ -30,7 +30,7 @@ _FILE_SCOPE = (
     (re.compile(r"^ +(N_\w+) = ", re.MULTILINE), "SP_SCENE_"),
 )
 _MACRO = re.compile(r"#define (\w+)")
-_COLUMNS = 100
+COLUMNS = 100  # of a line of emitted C
 _BREAK = re.compile(r"(?:,|=|\+|-|\?|:|&&|\|\||[=!<>]=) ")
 _CONTINUES = re.compile(r"(?:[,(=+?:-]|&&|\|\|)$")
 _NO_STATEMENT = re.compile(r'"|/\*|^ \*|^#|\\$')
@@ -118,7 +118,7 @@ def wrap_code(text: str) -> str:
         statement.append(line)
         if _CONTINUES.search(line):
             continue
-        long = any(len(part) > _COLUMNS for part in statement)
+        long = any(len(part) > COLUMNS for part in statement)
         prose = any(_NO_STATEMENT.search(part) for part in statement)
         wrapped += _wrap_statement(statement) if long and not prose else statement
         statement = []
@@ -129,8 +129,8 @@ def _wrap_statement(lines: Sequence[str]) -> Iterator[str]:
     indent = len(lines[0]) - len(lines[0].lstrip())
     rest = " " * indent + " ".join(line.strip() for line in lines).replace("( ", "(")
     aligned = [indent + 4]  # column at which a line goes on, one for each open bracket
-    while len(rest) > _COLUMNS:
-        ends = [mark.end() for mark in _BREAK.finditer(rest, 0, _COLUMNS + 1)]
+    while len(rest) > COLUMNS:
+        ends = [mark.end() for mark in _BREAK.finditer(rest, 0, COLUMNS + 1)]
         if not ends or ends[-1] <= aligned[-1]:
             break
         line, rest = rest[: ends[-1]].rstrip(), rest[ends[-1] :]

@@ -7,6 +7,7 @@ that this scene does not call are left out.
 import re
 
 from springpot.codegen.emit.c_text import (
+    COLUMNS,
     drop_unused,
     has_block,
     render_block,
@@ -23,7 +24,6 @@ from springpot.codegen.stages.stage import RegressorStage, Stage
 from springpot.runtime_c.paths import INCLUDE
 
 ABI_VERSION = 1
-_WIDTH = 100
 _MANIFEST = "@MANIFEST@"  # the short manifest replaces it at the end
 LATCHED_S = 0.05  # after which a latched force is 0
 
@@ -154,4 +154,4 @@ def _render_selftest(plan: Plan) -> str:
 
 
 def _heading(title: str) -> str:
-    return f"/* {'-' * (_WIDTH - 7 - len(title))} {title} */"
+    return f"/* {'-' * (COLUMNS - 7 - len(title))} {title} */"

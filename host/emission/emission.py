@@ -37,7 +37,10 @@ from springpot.host.emission.scene_file import (
     scene_to_json,
 )
 from springpot.host.native.scene_library import SceneLibrary, read_manifest
-from springpot.host.native.toolchain import SOFT_DOUBLES, measure_footprint
+from springpot.host.native.toolchain import (
+    SOFT_DOUBLES,
+    measure_footprint,
+)
 from springpot.host.output import print_line
 from springpot.host.stability.check import Check, check
 from springpot.host.stability.linear import require_stable
@@ -121,7 +124,7 @@ def write_emission(plan: Plan, scene: Scene, model: Model, folder: Path) -> None
 
 def _built(plan: Plan, aside: Path, folder: Path, write_s: float) -> Emission:
     notices = [*rate_notices(plan), *coupling_notices(plan), *_unchecked(plan)]
-    footprint = compile_s = checked = None
+    footprint = selftest_bytes = compile_s = checked = None
     unmeasured = ""
     try:
         begin = time.perf_counter()
@@ -135,6 +138,8 @@ def _built(plan: Plan, aside: Path, folder: Path, write_s: float) -> Emission:
             )
         try:
             footprint = measure_footprint(aside, plan.scene.runtime.target)
+            whole = measure_footprint(aside, plan.scene.runtime.target, selftest=True)
+            selftest_bytes = whole.flash_bytes - footprint.flash_bytes
         except NoCompilerError as error:
             unmeasured = str(error)
             notices.append(f"flash and stack could not be measured: {error}")
@@ -152,6 +157,7 @@ def _built(plan: Plan, aside: Path, folder: Path, write_s: float) -> Emission:
         manifest=metadata,
         hash=metadata["hash"],
         footprint=footprint,
+        selftest_bytes=selftest_bytes,
         unmeasured=unmeasured,
         ram_bytes=state_bytes(plan),
         write_s=write_s,

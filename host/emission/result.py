@@ -23,6 +23,8 @@ _OF_MANIFEST = ("units", "left_out", "orders", "coupling", "outside", "accept_un
 class Emission:
     """Result of `emit`. footprint, compile_s, check: None without a compiler; notices say why.
 
+    selftest_bytes: flash that the self-test adds.
+
     unmeasured: why there is no footprint, and what to install; empty where there is one.
 
     >>> emission = emit("c", model=model)
@@ -35,6 +37,7 @@ class Emission:
     manifest: JsonObject
     hash: str
     footprint: Footprint | None
+    selftest_bytes: int | None
     unmeasured: str
     ram_bytes: int
     write_s: float
@@ -50,11 +53,6 @@ class Emission:
     def flash_bytes(self) -> int | None:
         """Code, constants and initialised data of the scene; None without a compiler."""
         return self.footprint.flash_bytes if self.footprint else None
-
-    @property
-    def selftest_bytes(self) -> int | None:
-        """Flash that the self-test adds; None without a compiler."""
-        return self.footprint.selftest_bytes if self.footprint else None
 
     @property
     def stack_bytes(self) -> int | None:

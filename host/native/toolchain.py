@@ -86,16 +86,17 @@ def missing_tools(target: str) -> str:
 class Footprint:
     """Bytes of the scene's translation unit; stack_bytes is None where unreported.
 
-    flash_bytes: code, constants and initialised data. selftest_bytes: what the self-test adds.
+    flash_bytes: code, constants and initialised data.
     """
 
     flash_bytes: int
     stack_bytes: int | None
-    selftest_bytes: int
 
 
-def measure_footprint(folder: Path, target: str) -> Footprint:
-    """Compile an emitted folder's C for the target and read the sizes.
+def measure_footprint(folder: Path, target: str, selftest: bool = False) -> Footprint:
+    """Compile an emitted folder's C for the target, without its self-test, and read the sizes.
+
+    selftest: with it.
 
     Raises NoCompilerError with what to install, CompilerError where the compiler refuses.
     """
@@ -104,29 +105,21 @@ def measure_footprint(folder: Path, target: str) -> Footprint:
         raise NoCompilerError(missing_tools(target))
     with tempfile.TemporaryDirectory() as scratch:
         built = Path(scratch) / "scene.o"
-        arguments = [*flags("SP_CFLAGS"), *tools.flags, "-c", str(folder / source),
+        arguments = [*flags("SP_CFLAGS"), *tools.flags, *([] if selftest else [_NO_SELFTEST]),
+                     "-c", str(folder / source),
                      "-o", str(built)]  # fmt: skip
-        run_compiler(arguments, source, tools.compiler)
-        whole_bytes = _measure_flash(built, tools)
         try:
-            bare = [*arguments, _NO_SELFTEST]
-            run_compiler([*bare, "-fcallgraph-info=su"], source, tools.compiler)
+            run_compiler([*arguments, "-fcallgraph-info=su"], source, tools.compiler)
         except CompilerError:  # clang has no call graph
-            run_compiler(bare, source, tools.compiler)
-        flash_bytes = _measure_flash(built, tools)
+            run_compiler(arguments, source, tools.compiler)
+        sizes = subprocess.run(
+            [tools.size, "-A", "-d", str(built)], capture_output=True, text=True, check=True
+        ).stdout
         info = next(Path(scratch).glob("*.ci"), None)
         return Footprint(
-            flash_bytes=flash_bytes,
+            flash_bytes=sum(map(int, _FLASH_SIZES.findall(sizes))),
             stack_bytes=deepest_stack(info.read_text(encoding="utf-8")) if info else None,
-            selftest_bytes=whole_bytes - flash_bytes,
         )
-
-
-def _measure_flash(built: Path, tools: Toolchain) -> int:
-    sizes = subprocess.run(
-        [tools.size, "-A", "-d", str(built)], capture_output=True, text=True, check=True
-    ).stdout
-    return sum(map(int, _FLASH_SIZES.findall(sizes)))
 
 
 def deepest_stack(call_graph: str) -> int | None:

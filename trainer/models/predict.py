@@ -24,7 +24,7 @@ _WARN_DEPTH_RATIO, WARN_SPEED_RATIO = (
     4.0,
 )  # times the trained depth and speed: from here on a line warns
 # Times the longest training recording: no branch is slower than that, so that a force which still
-# relaxes then is told from one at rest by chance.
+# relaxes then cannot be distinguished from one at rest.
 _WARN_HOLD_RATIO = 2.0
 _HOLD_BAND, _MIN_HOLD_DEPTH = 0.02, 0.1  # of the trained depth: a hold moves by less, and is deeper
 SPEED_WINDOW_S = 0.01  # of motion to a speed: an encoder's step is no speed

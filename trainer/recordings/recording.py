@@ -4,8 +4,8 @@ import hashlib
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from importlib import import_module
 from math import dist
+from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any, Literal, cast, get_args
 
 import numpy as np
@@ -29,6 +29,7 @@ _WINDOWS_DEVICES = {"con", "prn", "aux", "nul"} | {
     f"{port}{number}" for port in ("com", "lpt") for number in range(1, 10)
 }
 _UNSAFE_CHARACTERS = re.compile(r"[^\w.+-]+")
+_FROM_FRAME = "springpot.trainer.recordings.formats.importing:recording_from_frame"
 _MAX_SPAN_M = 1.0  # no soft object is pressed farther
 SIGN_RULE = (
     "position: penetration from the undeformed surface, positive into the object; "
@@ -142,9 +143,8 @@ class Recording:
         ...                      force="F:N")
         Recording('frame', 3 samples at 1000 Hz, 0 to 2 mm, 0 to 9 N)
         """
-        # By name: the reader of tables makes recordings, and imports this file.
-        importing = import_module("springpot.trainer.recordings.formats.importing")
-        return cast(Recording, importing.recording_from_frame(frame, name, **options))
+        # By name, as kinds are: the reader of tables makes recordings, and imports this file.
+        return cast(Recording, resolve_name(_FROM_FRAME)(frame, name, **options))
 
     def to_frame(self) -> Any:
         """Make a pandas table of time_s, position_m, force_n, the place and further channels.

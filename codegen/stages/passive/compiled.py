@@ -58,7 +58,7 @@ class CompiledMotion(PassiveMotion):
 
 
 def build_tables(stage: "HammersteinStage") -> CData:
-    """The sp_fit_model of a stage in float64 with vectors of one branch."""
+    """Build the sp_fit_model of a stage in float64 with vectors of one branch."""
     library, config, none = fit_library(), stage.config, np.zeros(0)
     flow, damage, surface = stage.flow, stage.damage, stage.surface
     loss = {step.by_depth: step.loss for step in stage.steps}

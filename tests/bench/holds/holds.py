@@ -50,6 +50,7 @@ NUDGE_N, NUDGE_S, NUDGED_AT_S = 0.5, 0.02, 1.0
 GRID_HOLD_S, RANDOM_HOLD_S = 4.0, 8.0
 LOUD_MPS, SHAKES_MPS = 1e-3, 20e-3
 LOW_HZ = 0.5
+NOISE_SEED = 1  # of the encoder, the same in every hold
 FOAM_STROKE, FOAM_NOISE_N = 0.35, 0.005
 GRID_DEPTHS = np.append(np.arange(0.05, 1.0, 0.1), 1.1)
 RANDOM_DEPTHS = np.array([0.1, 0.35, 0.6, 0.85, 1.1])
@@ -148,7 +149,7 @@ class HeldScene:
         self._plan, self._library = plan, library
         self._c = load_c([HERE / "held_device.h"], [HERE / "held_device.c"], library.real)
 
-    def speed_mps(self, hand: HeldBy, depth_fraction: float, seed: int, hold_s: float) -> float:
+    def speed_mps(self, hand: HeldBy, depth_fraction: float, hold_s: float) -> float:
         """Return the RMS speed of the tool in the last second of a hold, m/s."""
         dt_s = self._plan.dt_s
         n_press, n_hold = round(PRESS_S / dt_s), round(hold_s / dt_s)
@@ -162,7 +163,7 @@ class HeldScene:
         velocity_mps = np.empty(n_hold)
         state, array = self._library.new_state(), self._c.array
         self._c.c.held_device_run(
-            self._device(hand, seed), self._c.pointer(self._library.address("step")),
+            self._device(hand), self._c.pointer(self._library.address("step")),
             self._c.pointer(state.address), n_press, array(pressed_m), n_hold, array(nudge_n),
             array(velocity_mps),
         )  # fmt: skip
@@ -173,7 +174,7 @@ class HeldScene:
     ) -> tuple[Samples, dict[str, Any]]:
         """Return the speed of each hand and depth, (hands, depths), and where it is greatest."""
         speeds_mps = np.array(
-            [[self.speed_mps(hand, depth, 1, hold_s) for depth in depths] for hand in hands]
+            [[self.speed_mps(hand, depth, hold_s) for depth in depths] for hand in hands]
         )
         hand, depth = np.unravel_index(speeds_mps.argmax(), speeds_mps.shape)
         return speeds_mps, {
@@ -182,7 +183,7 @@ class HeldScene:
             "depth_fraction": float(depths[depth]),
         }
 
-    def _device(self, hand: HeldBy, seed: int) -> Any:
+    def _device(self, hand: HeldBy) -> Any:
         device = self._plan.loop_device
         mass_kg = hand.mass_kg + device.mass_kg
         damping_nspm = hand.damping_nspm + device.viscous_nspm
@@ -198,7 +199,7 @@ class HeldScene:
                 "step_m": 1e-6 * device.resolution_um,
                 "noise_m": 1e-6 * device.noise_um,
                 "delay_ticks": device.delay_samples + hand.late,
-                "seed": seed,
+                "seed": NOISE_SEED,
             },
         )
 

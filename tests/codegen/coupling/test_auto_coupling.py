@@ -44,13 +44,15 @@ def chosen(stiffness_npm: float, rate_hz: float, device: LoopDevice) -> auto.Cou
 
 @pytest.mark.parametrize(
     "seed",
-    [*range(9), *(pytest.param(k, marks=pytest.mark.slow) for k in (*range(9, 20), 125)),
+    [*range(9), 11006, 11100,
+     *(pytest.param(k, marks=pytest.mark.slow) for k in (*range(9, 20), 125, 10105)),
      *(pytest.param(k, marks=pytest.mark.long) for k in range(20, 500) if k != 125)],
 )  # fmt: skip
 def test_a_better_loop_is_never_felt_softer(seed: int) -> None:
     """More rate or damping, or less delay: 5 % is what rounding and the search's steps do.
 
-    More mass: a heavier device needs more damping in the proxy, which passes on more noise.
+    More mass: a heavier device needs more damping in the proxy, which passes on more noise. Seeds
+    above 11000: a proxy that was loud at its stiffest was dropped, and one far softer taken.
     """
     rng = np.random.default_rng(seed)
     stiffness_npm, rate_hz, device = drawn(rng)

@@ -30,7 +30,7 @@ from springpot.trainer.models.training_set import build_training_set
 
 @pytest.mark.parametrize("ratio", [16.0, 1.0 / 16.0])
 def test_terms_times_weights_are_the_force_of_the_model_that_they_make(ratio: float) -> None:
-    """Of all kinds of terms, at a third of the samples; the two are different C."""
+    """Compare terms of all kinds at a third of the samples with the model: two pieces of C."""
     depth_m = np.concatenate([press(1.0, DEPTH_M, 2), 0.6 * press(3.0, DEPTH_M, 2)])
     data = build_training_set([Recording("x", depth_m, depth_m, DT_S)], 0.0)
     plain = replace(plain_terms(data, 9), bias=(1.0, -1.0))

@@ -1,4 +1,4 @@
-"""What objects and machines do that looks like a fault has no finding; what is late has one."""
+"""Right recordings that look like faults have no finding; late force has one."""
 
 import numpy as np
 import pytest
@@ -80,7 +80,7 @@ def test_fast_tools_meet_and_leave_objects_within_a_sample() -> None:
 
 
 def test_a_slope_below_what_counts_as_contact_hides_no_surface() -> None:
-    """Of 0.025 N/mm, beside hum of 0.04 N; twice as steep it is the slope that is named."""
+    """A slope of 0.025 N/mm is less than hum of 0.04 N; one twice as steep is named."""
     position_m = trapezoids(0.004, [1.0, 0.9, 0.8, 1.0], way_s=1.2)
     position_m = np.where(position_m < 0.0, 3.0 * position_m, position_m)
     time_s = 0.004 * np.arange(len(position_m))
@@ -112,6 +112,6 @@ def test_a_force_that_ends_outside_of_where_it_began_is_late(late_s: float) -> N
     report = springpot.check_recordings(recording)
     late = [finding for finding in report.findings if finding.kind == "alignment"]
     assert len(late) == (late_s > 0.0)
-    least_s = 1e-3 * float(late[0].what.split()[-4]) if late else 0.0
-    most_s = 1e-3 * float(report.sign_words.split()[-3])
-    assert 0.1 * late_s <= least_s <= late_s <= most_s < late_s + 0.01
+    min_s = 1e-3 * float(late[0].what.split()[-4]) if late else 0.0
+    max_s = 1e-3 * float(report.sign_words.split()[-3])
+    assert 0.1 * late_s <= min_s <= late_s <= max_s < late_s + 0.01

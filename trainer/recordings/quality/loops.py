@@ -37,7 +37,7 @@ class Dissipation:
 
     @property
     def words(self) -> str:
-        """How often the loop turns, which way, and how much that takes."""
+        """Say how often the loop turns, which way, and how much energy that takes."""
         if not self.loops:
             return "no closed loop shows its loss"
         turn = "clockwise, dissipating" if self.energy_j >= 0 else "anticlockwise, giving"
@@ -46,7 +46,7 @@ class Dissipation:
 
 
 def measure_dissipation(x: Samples, f: Samples) -> Dissipation:
-    """Over as many loops as some level of the travel closes, or over one press."""
+    """Integrate over as many loops as some level of the travel closes, or over one press."""
     low_m, span, crossings = float(x.min()), float(np.ptp(x)), np.empty(0, dtype=np.intp)
     for level_m in (low_m + level * span for level in _CUT_LEVELS):
         rises = np.flatnonzero((x[:-1] < level_m) & (x[1:] >= level_m))
@@ -65,7 +65,7 @@ def measure_dissipation(x: Samples, f: Samples) -> Dissipation:
 
 
 def _integrate_loops(x: Samples, f: Samples, begin: int, end: int, loops: int) -> Dissipation:
-    """Work along the path, force counted from its first value.
+    """Integrate the work along the path, with force counted from its first value.
 
     Drift g that grows evenly adds the integral of g t/T dx = g (x(T) - mean of x), where more than
     one loop shows it; a delay d adds d times the integral of x' f' dt; noise of deviation s in each
@@ -132,10 +132,10 @@ def measure_lateness(recording: Recording) -> tuple[float, float | None]:
         if len(before) and recording.zero == "none" and _SURFACE_KEY not in recording.details:
             row = before[-1]
             onsets_s.append(dt_s * (in_row - row + x[row] / (x[row + 1] - x[row])))
-    least_s = float(np.quantile(late_s, rule.quantile)) if len(late_s) >= rule.visits else 0.0
+    min_delay_s = float(np.quantile(late_s, rule.quantile)) if len(late_s) >= rule.visits else 0.0
     known = len(onsets_s) >= rule.visits and min(onsets_s) > 0.0
-    most_s = min(onsets_s) + rule.samples * dt_s if known else None
-    return least_s if least_s > rule.samples * dt_s else 0.0, most_s
+    max_delay_s = min(onsets_s) + rule.samples * dt_s if known else None
+    return min_delay_s if min_delay_s > rule.samples * dt_s else 0.0, max_delay_s
 
 
 def _cross(
@@ -149,8 +149,8 @@ def _cross(
 
 def lateness_findings(recordings: Sequence[Recording]) -> Iterator[Finding]:
     """Yield a finding where force of most recordings ends outside of where it began."""
-    least_s = [measure_lateness(recording)[0] for recording in recordings]
-    late_s = [seconds for seconds in least_s if seconds > 0.0]
+    min_delays_s = [measure_lateness(recording)[0] for recording in recordings]
+    late_s = [delay_s for delay_s in min_delays_s if delay_s > 0.0]
     if 2 * len(late_s) > len(recordings):
         where = recordings[0].name if len(recordings) == 1 else f"{len(late_s)} recordings"
         yield warning(
@@ -163,8 +163,7 @@ def lateness_findings(recordings: Sequence[Recording]) -> Iterator[Finding]:
 
 
 def format_lateness(recordings: Sequence[Recording]) -> str:
-    """Words on how late force may be, where the surface shows it; else empty."""
-    most_s = [
-        most for recording in recordings if (most := measure_lateness(recording)[1]) is not None
-    ]
-    return f"; force is at most {1e3 * min(most_s):.2g} ms late" if most_s else ""
+    """Say how late force may be, where the surface shows it; else nothing."""
+    bounds_s = [measure_lateness(recording)[1] for recording in recordings]
+    max_delays_s = [bound_s for bound_s in bounds_s if bound_s is not None]
+    return f"; force is at most {1e3 * min(max_delays_s):.2g} ms late" if max_delays_s else ""
