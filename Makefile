@@ -81,7 +81,8 @@ dist: $(STAMP)
 # requirements.lock: every version and hash that the targets here install, for every system.
 lock: $(STAMP)
 	$(BIN)/pip install --quiet --disable-pip-version-check uv
-	echo setuptools | $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --extra test \
+	echo setuptools | $(BIN)/uv pip compile --quiet --universal --python-version 3.11 \
+	  $(foreach extra,train report can m2cgen scale study docs,--extra $(extra)) --group dev \
 	  --generate-hashes --no-header --no-annotate -o requirements.lock pyproject.toml -
 
 # Licences of everything that is installed here; .ci/packages refuses copyleft in what is required.

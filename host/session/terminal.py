@@ -100,14 +100,12 @@ def stopping_on_sigterm() -> Iterator[None]:
 @contextlib.contextmanager
 def reading_keys() -> Iterator[Callable[[], str]]:
     """Yield what returns the keys pressed since its last call; none without a terminal."""
-    try:
-        import termios
-        import tty
-    except ModuleNotFoundError:  # Windows
-        termios = None  # type: ignore[assignment]
-    if termios is None or not sys.stdin.isatty():
+    if sys.platform == "win32" or not sys.stdin.isatty():
         yield str
         return
+    import termios
+    import tty
+
     before = termios.tcgetattr(sys.stdin)
     tty.setcbreak(sys.stdin)
     try:

@@ -87,12 +87,7 @@ class Recording:
     def __post_init__(self) -> None:
         require_recording_name(self.name)
         object.__setattr__(self, "zero", parse_zero(self.zero))
-        number = isinstance(self.dt_s, int | float | np.number) and not isinstance(self.dt_s, bool)
-        if not number or not (np.isfinite(self.dt_s) and self.dt_s > 0.0):
-            raise DataError(
-                f"{self.name}: dt_s={self.dt_s!r} is not a time step: give seconds, above 0"
-            )
-        object.__setattr__(self, "dt_s", float(self.dt_s))
+        object.__setattr__(self, "dt_s", _to_time_step_s(self.name, self.dt_s))
         for channel in ("position_m", "force_n"):
             object.__setattr__(self, channel, to_readonly_float64(getattr(self, channel), channel))
         channels = {"position": self.position_m, "force": self.force_n, **self.channels}
@@ -200,6 +195,13 @@ class Recording:
         for values in (np.float64(self.dt_s), self.position_m, self.force_n, *place):
             digest.update(np.ascontiguousarray(values, dtype="<f8").tobytes())
         return digest.hexdigest()
+
+
+def _to_time_step_s(name: str, dt_s: Any) -> float:
+    number = isinstance(dt_s, int | float | np.number) and not isinstance(dt_s, bool)
+    if not number or not (np.isfinite(dt_s) and dt_s > 0.0):
+        raise DataError(f"{name}: dt_s={dt_s!r} is not a time step: give seconds, above 0")
+    return float(dt_s)
 
 
 def parse_zero(given: Any) -> Zero:

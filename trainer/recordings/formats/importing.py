@@ -73,6 +73,7 @@ def import_file(
     if resample_hz is not None and not 0.0 < resample_hz < np.inf:
         raise UsageError(f"--resample-hz: {resample_hz} is not a rate: give a number above 0")
     options, zero = options or ImportOptions(), parse_zero(zero)
+    x, y = options.place_m or (None, None)  # metres, or the names of two columns
     if path.is_dir():
         raise DataError(f"{path}: a folder: name its files, such as {path}/*.csv")
     try:
@@ -86,22 +87,19 @@ def import_file(
         if is_own_format:
             recording, notes = read_recording(path), ["a springpot recording"]
         else:
-            match options.place_m:
-                case (str() as x, str() as y):
-                    request = FileRequest(mapping or {}, options.decimal, (x, y))
-                case _:
-                    request = FileRequest(mapping or {}, options.decimal)
+            request = FileRequest(mapping or {}, options.decimal)
+            if isinstance(x, str) and isinstance(y, str):
+                request = replace(request, place=(x, y))
             raw = _read_file(path, request)
             recording = to_recording(raw, safe_recording_name(path.stem), resample_hz)
             notes = [raw.details["columns"], *recording.details["notes"]]
     except OSError as error:
         raise DataError(f"{path}: {error.strerror}: give a file that can be read") from None
     recording, messages = condition(recording, options.conditioning, zero)
-    match options.place_m:
-        case (float() | int() as x_m, float() | int() as y_m):
-            recording = replace(recording, place_x_m=float(x_m), place_y_m=float(y_m))
-        case (x, y) if recording.place_m is None:
-            raise DataError(f"{path}: no header has columns {x!r} and {y!r}: correct --place")
+    if isinstance(x, float | int) and isinstance(y, float | int):
+        recording = replace(recording, place_x_m=float(x), place_y_m=float(y))
+    elif options.place_m is not None and recording.place_m is None:
+        raise DataError(f"{path}: no header has columns {x!r} and {y!r}: correct --place")
     return recording, f"{path}: {'; '.join([*notes, *messages])}"
 
 
