@@ -65,6 +65,7 @@ def make_plan(model: Model, scene: Scene, accept_unsafe: bool = False) -> Plan:
 
 
 def _build_plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
+    """Resolve model and scene at one rate: the model's stages, limits, coupling."""
     ticks = SceneTicks(
         dt_s=_select_time_step(model, scene),
         dtype=np.float32 if scene.runtime.number == "float32" else np.float64,
@@ -121,6 +122,7 @@ def _build_plan(model: Model, scene: Scene, accept_unsafe: bool) -> Plan:
 
 
 def _select_time_step(model: Model, scene: Scene) -> float:
+    """Return the seconds of a tick: the scene's rate if the model is exact there, else its own."""
     trained_hz, rate_hz = 1.0 / model.dt_s, scene.runtime.rate_hz
     if rate_hz is not None and model.exact_at_any_rate:
         return 1.0 / rate_hz  # poles are exact at any rate
@@ -154,6 +156,7 @@ def compute_tangent(
 def _select_coupling(
     scene: Scene, stiffness_npm: float, tangent: ObjectTangent, dt_s: float
 ) -> CouplingChoice:
+    """Return the coupling that the scene states, or the one that "auto" finds for it."""
     stated = scene.coupling
     if stated.mode == "auto":
         smoothing = _compute_alpha(scene, dt_s) or 1.0
@@ -171,6 +174,7 @@ def _compute_alpha(scene: Scene, dt_s: float) -> float | None:
 
 
 def _outside_note(model: Model, scene: Scene) -> str:
+    """Say what the force does beyond the trained depth, and why."""
     if scene.guard.outside == "zero":
         return (
             "zero: stated in the scene; the force ends over the first "
@@ -186,9 +190,10 @@ def _outside_note(model: Model, scene: Scene) -> str:
 def find_max_stiffness_npm(
     stages: Stages, model: Model, trained: RangeConfig, ticks: SceneTicks, max_n: float
 ) -> float:
-    """Maximum secant over 5 % of the depth, pressed from rest at any depth, N/m.
+    """Return the greatest stiffness that the model shows a hand, N/m.
 
-    Of a force up to the maximum, which is all that a hand feels.
+    The secant over 5 % of the depth, pressed from rest at any depth at several speeds; of a force
+    up to the clamp, which is all that a hand feels.
     """
     base_m = float(trained.min_m)
     span_m = float(trained.max_m) - base_m

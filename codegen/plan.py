@@ -41,7 +41,7 @@ class LeftOut:
 
 
 def find_unused_orders(model: Model, dtype: RealType) -> list[LeftOut]:
-    """List the fractional orders that no split uses."""
+    """List the fractional orders that the forest never splits on: their filters are left out."""
     if model.features is None or model.regressor is None:
         return []
     features = model.features
@@ -192,6 +192,7 @@ def member_offset(plan: Plan, name: str) -> int:
 
 
 def _compute_layout(plan: Plan) -> tuple[dict[str, int], int]:
+    """Return where each curve of a material lies in the tables of a model with a map of places."""
     sizes = {REAL: plan.dtype(0).itemsize, U32: 4, DOUBLE: 8}
     offsets = {}
     total, widest = 0, 1

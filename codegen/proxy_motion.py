@@ -100,7 +100,7 @@ class VirtualCoupling:
         return self.proxy[0]
 
     def force(self, x: Scalar, v: Scalar, model_n: Scalar) -> Scalar:
-        """Force at the tool, N; then moves the proxy."""
+        """Return the force at the tool, N, and move the proxy by a tick (sp_couple.h)."""
         config = self._config
         self.start_proxy(x, v)
         assert self.proxy is not None
@@ -127,10 +127,11 @@ class _ProxyStepper:
         self._placed = trace.proxy_starts
 
     def verify(self, pressed: Reals, model_n: Reals, begin: int, end: int) -> int:
-        """Step through ticks begin .. end; correct `pressed`; return the first unverified tick.
+        """Step the proxy through ticks begin .. end with forces that were computed on a prediction.
 
-        model_n: (ticks,), force on the prediction. Ticks after a wrong one are stepped too: their
-        motion is the next prediction.
+        Corrects `pressed` and returns the first tick whose prediction was wrong: from there on the
+        forces have to be computed again. model_n: (ticks,). Ticks after a wrong one are stepped
+        too: their motion is the next prediction.
         """
         verified = end
         for i in range(begin, end):

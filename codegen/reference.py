@@ -79,7 +79,7 @@ def run_reference(
 def _find_place_changes(
     plan: Plan, motion: ToolMotion, contact: Flags, places: PlaceTicks
 ) -> PlaceTicks:
-    """Rows from which a place is felt: once the tool is off the object, or the history restarts."""
+    """Find the rows from which a new site is felt: when the tool is off, or after a restart."""
     if plan.passive is None or plan.passive.placed is None:
         return ()
     change_rows = np.append(np.union1d(np.flatnonzero(~contact), motion.starts), len(contact))
@@ -112,10 +112,10 @@ class OutputStage:
         self, guarded: Guarded, followed: ToolMotion, pressed: Reals, model_n: Reals,
         contact: Flags, notes: Notes,
     ) -> Reals:  # fmt: skip
-        """Force of each tick, (n,), N; adds its notes to `notes`, (n,).
+        """Return the rendered force of each tick, (n,), N: coupling, smoothing, limits, silences.
 
-        Of the rows of `fill_missed_ticks`, (rows,): pressed, where the model looks, m, the
-        model's force, N, and whether there is contact.
+        Adds its notes to `notes`, (n,). Of the rows of `fill_missed_ticks`, (rows,): pressed, where
+        the model looks, m, the model's force, N, and whether there is contact.
         """
         model_n = apply_onset_and_fade(self._plan, pressed, model_n)
         force_n = np.zeros(len(notes), dtype=model_n.dtype)
@@ -167,17 +167,14 @@ class OutputLimiter:
         self._ramp = self._real(1)
 
     def hold(self, latched: Scalar, fall: Scalar, share: Scalar) -> tuple[Scalar, int]:
-        """Return a tick without a good sample; fall: how much of it was latched.
-
-        Force, N, and notes.
-        """
+        """Return force, N, and notes of a tick without a good sample; fall: latched fraction."""
         self.last_force_n = share * self.last_force_n
         if latched:
             return self._fall(fall), LATCHED
         return self.last_force_n, HELD
 
     def force(self, latched: Scalar, force: Scalar) -> tuple[Scalar, int]:
-        """Force at a good sample, N, and notes."""
+        """Return force, N, and notes of a tick with a good sample: ramp, clamp and slew limit."""
         if latched:
             return self._fall(self._real(1)), LATCHED
         note = 0

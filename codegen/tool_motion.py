@@ -107,9 +107,10 @@ class ToolMotion:
 
 
 def fill_missed_ticks(plan: Plan, samples: Guarded) -> ToolMotion:
-    """Before each sample a row for every tick missed, along an even way.
+    """Put a row before each sample for every tick that was missed, along an even way.
 
-    With the estimated velocity of a coupling: at a constant acceleration from the velocity before.
+    The C makes the missed ticks up so, to keep the model's time. With the estimated velocity of a
+    coupling: at a constant acceleration from the velocity before.
     """
     accepted = np.flatnonzero(samples.ticks)
     ticks = samples.ticks[accepted]
@@ -140,7 +141,7 @@ def select_rows(of_ticks: Reals, row: NDArray[np.int64], missed: Flags) -> Reals
 def _estimate_velocity(
     plan: Plan, position: Reals, rows: NDArray[np.int64], ticks: NDArray[np.int64], starts: Starts
 ) -> Reals:
-    """Fill the rows that were missed; velocity of the tool at every row, m/s."""
+    """Return the tool's velocity at every row, m/s, and fill the rows that were missed."""
     assert plan.velocity is not None
     real = position.dtype.type
     velocity = np.zeros_like(position)
@@ -158,7 +159,7 @@ def _estimate_velocity(
 
 
 def _fill_gap(plan: Plan, position: Reals, end: int, since: int, begin: Reals | None) -> None:
-    """Rows missed before the sample at row `end`; begin: the step, m, that the tool came with."""
+    """Fill the rows missed before the sample at row `end`; begin: the tool's step there, m."""
     real = position.dtype.type
     step = (position[end] - position[end - since]) / real(since)
     ticks_left = np.arange(since - 1, 0, -1).astype(real)

@@ -94,7 +94,7 @@ def select_coupling(
 
 
 def _object_to_bare(bare: LoopMargin) -> str:
-    """Say why something has to stand between the hand and the model; "" if nothing has to."""
+    """Return why the bare loop does not do, so that a coupling is needed; "" if it does."""
     if bare.gain_margin <= STIFFNESS_MARGIN_OFF:
         return f"less than {STIFFNESS_MARGIN_OFF:g}"
     if not bare.is_stable:
@@ -118,6 +118,7 @@ class _ProxySearch:
         device: LoopDevice,
         smoothing: float,
     ) -> None:
+        """Prepare the loops that each candidate is tried in: every checked hand and its delays."""
         searched = tangent.select_depths(_N_DEPTHS)
         self._dt_s, self._noise_m = dt_s, compute_noise_m(device)
         # What the object makes of the encoder's noise by itself no coupling has to better.
@@ -140,13 +141,13 @@ class _ProxySearch:
             )
 
     def find_stiffest(self) -> Coupling | None:
-        """Return the stiffest of which all down to a tenth are stable too, softened by GAIN_MARGIN.
+        """Return the stiffest quiet proxy that is stable, as is every softer one down to a tenth.
 
-        Damping has a window: the object's force is held for a tick, which drives the proxy like a
-        negative damper of K dt/2, and the tool's held force bounds it from above. Beyond a gap
-        there may be a far stiffer branch, of couplings that only pass the object's own loop on:
-        they are stable in part of their range alone, and vibrate with an encoder's steps.
-        None if no damping is stable even with the softest spring.
+        It is softened by GAIN_MARGIN. Damping has a window: the object's force is held for a tick,
+        which drives the proxy like a negative damper of K dt/2, and the tool's held force bounds it
+        from above. Beyond a gap there may be a far stiffer branch, of couplings that only pass the
+        object's own loop on: they are stable in part of their range alone, and vibrate with an
+        encoder's steps. None if no damping is stable even with the softest spring.
         """
         quiet = loud = None
         for softest in _SOFTEST:
@@ -168,10 +169,10 @@ class _ProxySearch:
         return self._margin(_soften(proxy)).vibration_mps <= QUIET_MPS
 
     def _find_quiet(self, loud: Coupling, than: Coupling | None) -> Coupling | None:
-        """Return the stiffest that is quiet below a loud one; None if none is stiffer than `than`.
+        """Return the stiffest quiet proxy softer than `loud` and stiffer than `than`, or None.
 
-        Dropped as a whole, a loud proxy left the choice to one 24 times as soft, on a device that
-        was only less late.
+        By bisection; mass and damping stay. When a loud proxy was dropped as a whole, the choice
+        fell on one 24 times as soft, on a device that was only less late.
         """
         than_npm = than.stiffness_npm if than else float(_STIFFNESSES_NPM[0])
         low = replace(loud, stiffness_npm=_SEARCH_TOLERANCE * than_npm)
@@ -191,7 +192,11 @@ class _ProxySearch:
         return min(plausible, key=lambda proxy: max(self._radii(proxy)))
 
     def _find_stiffest_for(self, softest: Coupling, than_npm: float) -> Coupling | None:
-        """Return the stiffest of one mass and damping; None if it is not stiffer than that."""
+        """Return the stiffest stable proxy of one mass and damping; None below `than_npm`.
+
+        Stable means: with every softer spring down to a tenth as well. From the top of a grid down;
+        then by bisection up to the next point of the grid.
+        """
         step = cache(lambda k: replace(softest, stiffness_npm=float(_STIFFNESSES_NPM[k])))
         top = last = len(_STIFFNESSES_NPM) - 1
         lowest = np.searchsorted(_STIFFNESSES_NPM[1:], _SEARCH_TOLERANCE * than_npm, "right")

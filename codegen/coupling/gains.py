@@ -112,6 +112,7 @@ def is_unit_error(coupling: Coupling) -> bool:
 
 
 def _is_plausible(coupling: Coupling) -> bool:
+    """Return False for gains that only a wrong unit explains (`require_plausible_damping`)."""
     k, b, m = coupling.stiffness_npm, coupling.damping_nspm, coupling.mass_kg
     # A proxy may be lighter than the paper's, for its step is exact: that is no wrong unit.
     mass_kg = max(m, Coupling.mass_kg) if coupling.mode == "proxy" else m

@@ -69,7 +69,7 @@ class LinearLoop:
         return radius
 
     def max_stiffness_npm(self) -> float:
-        """Stiffest object up to which the loop is stable with all softer ones, N/m.
+        """Return the stiffness, N/m, up to which the loop is stable with every softer object too.
 
         1e7 where it is with all; 0 where it is not even with the softest.
         """
@@ -86,7 +86,11 @@ class LinearLoop:
         return 1e7
 
     def _tick(self, stiffness_npm: Samples) -> Matrices:
-        """One tick applied to each unit vector of the state: shape (n, states, states)."""
+        """Return the loop's matrix for each stiffness of the object: (n, states, states).
+
+        Its columns are one tick applied to each unit vector of the state: tool and its past, proxy,
+        the smoothed force and those that are under way to the motor.
+        """
         mode = self.coupling.mode
         states, n = 4 + 2 * (mode != "off") + 1 + self.device.delay_samples, len(stiffness_npm)
         unit = np.eye(states)
@@ -113,7 +117,7 @@ class LinearLoop:
     def _couple(
         self, x: Scalar, v: Scalar, x_p: Scalar, v_p: Scalar, model_n: Scalar
     ) -> tuple[Scalar, Scalar, Scalar]:
-        """sp_couple.h: force at the tool, then the proxy moved."""
+        """Step the coupling of sp_couple.h: return the force at the tool, and the moved proxy."""
         coupling = self.coupling
         k, b, m = coupling.stiffness_npm, coupling.damping_nspm, coupling.mass_kg
         phi = state_transition(k, b, m, self.dt_s)

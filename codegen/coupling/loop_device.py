@@ -74,7 +74,7 @@ ASSUMED_DEVICE = LoopDevice()
 
 
 def build_loop_device(device: Device, dt_s: float) -> LoopDevice:
-    """Return the device of a scene, with what is assumed where the scene does not state it."""
+    """Return the device that a scene states, with assumed figures where the scene is silent."""
     stated = {name: getattr(device, name) for name in ("mass_kg", "viscous_nspm", "coulomb_n")
               if getattr(device, name) is not None}  # fmt: skip
     late = device.delay_samples

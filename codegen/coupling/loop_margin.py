@@ -77,7 +77,10 @@ class LoopOnCircle:
         extra_delay: int,
         radius: float = 1.0,
     ) -> "LoopOnCircle":
-        """Build the loop with a hand. radius: 1 for stability; below, for a decay as fast."""
+        """Evaluate object, hand and delay at the points z of a circle, on which stability is read.
+
+        radius: 1 for stability; below 1, for loops whose every motion decays as fast as that.
+        """
         z = radius * np.exp(1j * _angles(dt_s))
         moved = _compute_compliance(hand, device, dt_s, z)
         delayed = moved * z ** -(device.delay_samples + extra_delay)
@@ -116,9 +119,10 @@ def compute_loop_margin(
     smoothing: float,
     hands: Sequence[tuple[Hand, int]] = CHECKED_HANDS,
 ) -> LoopMargin:
-    """Return the worst margin over `hands`, each with its samples of extra delay.
+    """Return by what factor the object could be stiffer before the loop of any hand is unstable.
 
-    smoothing: weight of the newest force, 1 for none.
+    The least over `hands`, each with its samples of extra delay; and the greatest vibration from
+    the encoder's noise. smoothing: weight of the newest force, 1 for none.
     """
     noise_m, held = compute_noise_m(device), tangent.is_held
     margins: list[LoopMargin] = []
@@ -176,10 +180,10 @@ def _compute_compliance(hand: Hand, device: LoopDevice, dt_s: float, z: Response
 
 
 def _couple(coupling: Coupling, dt_s: float, z: Response) -> tuple[Response, ...]:
-    """Transfer functions of sp_couple.h.
+    """Return the transfer functions of the virtual coupling (sp_couple.h) at each z.
 
-    Proxy over tool; proxy over the model's force, m/N; force over tool, N/m; force over the
-    model's force. Of "off": 0, 0, 0, 1.
+    Proxy over tool; proxy over the model's force, m/N; force over tool, N/m; force over the model's
+    force. Of "off": 0, 0, 0, 1.
     """
     if coupling.mode == "off":
         none = np.zeros_like(z)
@@ -209,7 +213,10 @@ def _couple(coupling: Coupling, dt_s: float, z: Response) -> tuple[Response, ...
 
 
 def _limit_gain(loop: Response) -> Samples:
-    """Least gain at which 1 + gain x loop is 0 on the circle, (rows,); loop: (rows, angles)."""
+    """Return the least gain at which 1 + gain x loop has a root on the circle, (rows,).
+
+    There the loop, stable below, begins to swing. loop: (rows, angles).
+    """
     real, imag = loop.real, loop.imag
     rise = imag[:, 1:] - imag[:, :-1]
     fraction = -imag[:, :-1] / np.where(rise == 0.0, 1.0, rise)

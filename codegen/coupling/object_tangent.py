@@ -49,7 +49,7 @@ class ObjectTangent:
         )
 
     def compute_response(self, z: Response) -> Response:
-        """Return force over depth at each z, N/m: (depths, z).
+        """Return the object's dynamic stiffness, force over depth at each z, N/m: (depths, z).
 
         A branch follows sp_poles.h: h = (1 - l) h + (1 - l/2) (b - b of the tick before).
         """

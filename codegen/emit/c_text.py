@@ -126,6 +126,7 @@ def wrap_code(text: str) -> str:
 
 
 def _wrap_statement(lines: Sequence[str]) -> Iterator[str]:
+    """Break a statement at its commas and operators into lines of at most 100 columns."""
     indent = len(lines[0]) - len(lines[0].lstrip())
     rest = " " * indent + " ".join(line.strip() for line in lines).replace("( ", "(")
     aligned = [indent + 4]  # column at which a line goes on, one for each open bracket

@@ -41,7 +41,7 @@ def emit_files(plan: Plan, selftest: bool = True) -> dict[str, str]:
 
 
 def _manifest(plan: Plan) -> JsonObject:
-    """Return all metadata of the emission, for people and tools."""
+    """Return the manifest: what was emitted from which model and scene, and with which limits."""
     return {
         **_short_manifest(plan),
         "sources": [f"{plan.scene.runtime.prefix}.c"],
@@ -99,7 +99,7 @@ def _map_extent(plan: Plan) -> JsonObject:
 
 
 def _short_manifest(plan: Plan) -> JsonObject:
-    """Short manifest, which the image itself reports (sp_manifest)."""
+    """Return the manifest that the compiled image holds and reports: hashes and limits alone."""
     trained = plan.model.trained
     return {
         "springpot": version("springpot"),

@@ -20,7 +20,7 @@ _DEPTH_FRACTIONS = (-0.05, 0.4, 0.15, 0.9, 1.0, 0.7, 1.1, 0.3, -0.02, 0.6, 0.0)
 
 
 def golden_positions(plan: Plan) -> NDArray[np.float32 | np.float64]:
-    """Positions, (n,), m, in the scene's number type: smooth legs, a glitch, NaNs and a jump."""
+    """Return the positions of the self-test, (n,), m: smooth strokes, a glitch, NaNs and a jump."""
     trained = plan.model.trained
     base_m = 0.0 if plan.contact else trained.min_m
     span_m = trained.max_m - base_m
@@ -37,7 +37,7 @@ def golden_positions(plan: Plan) -> NDArray[np.float32 | np.float64]:
 
 
 def golden_places(plan: Plan) -> list[tuple[int, tuple[float, float]]]:
-    """Return the place that is chosen before a tick of the first press; none without a map."""
+    """Return the site that the self-test chooses before a tick; none for a model without a map."""
     if not plan.has_places or (law := plan.model.hammerstein) is None or law.places is None:
         return []
     first_m, last_m = law.places.first_m, law.places.last_m
@@ -60,7 +60,7 @@ def probe_inputs(probe: Probe, dtype: RealType) -> Reals:
 
 
 def golden_arrays(plan: Plan) -> list[str]:
-    """Inputs and the reference's forces as bit patterns: a NaN has no literal."""
+    """Render the self-test's inputs and the reference's forces as bits: a NaN has no C literal."""
     positions = golden_positions(plan)
     columns = {"golden_position": positions}
     run = run_reference(plan, positions, places=golden_places(plan))

@@ -90,7 +90,7 @@ def state_types(plan: Plan) -> dict[str, None]:
 
 
 def _render_state(plan: Plan) -> str:
-    """Render the constants that a caller can check its loop against, and the state's members."""
+    """Render the constants a caller checks its loop against, and the members of sp_state."""
     rate_hz = 1.0 / plan.dt_s
     whole = abs(rate_hz - round(rate_hz)) < _WHOLE_HZ
     numbers = {

@@ -55,7 +55,7 @@ def render_step(plan: Plan) -> str:
 
 
 def _force_terms(plan: Plan) -> list[str]:
-    """List the terms of the model's force: variables that its parts declare."""
+    """List the C variables whose sum is the model's force: each part of the model declares one."""
     terms = []
     if plan.passive is not None:
         terms.append(f"{plan.passive.follows}_passive_n")
@@ -67,7 +67,7 @@ def _force_terms(plan: Plan) -> list[str]:
 
 
 def _find_used_depths(plan: Plan, text: str, always: bool) -> dict[str, bool]:
-    """Find which depths, and whether the position, the C of the parts reads; always: the depth."""
+    """Find which of position, penetration and clipped depth the parts' C reads; no others stay."""
     clipped, penetration = _mentions("clipped_m", text), _mentions("penetration_m", text)
     used = clipped or penetration
     return {
@@ -138,6 +138,7 @@ def render_constants(plan: Plan) -> str:
 
 
 def _render_selftest(plan: Plan) -> str:
+    """Render the self-test: the stored motion, its forces, and a probe of the features' sums."""
     return render_template(
         "selftest.c.j2",
         plan=plan,

@@ -72,7 +72,7 @@ class Places:
 def locate_in_grid(
     nodes: tuple[int, ...], first_m: Reals, per_step: Reals, place_m: Reals
 ) -> tuple[Real, ...]:
-    """sp_map_grid_coordinate: a place in steps from the first node, x and y, within the grid."""
+    """Return a site in steps from the grid's first node, clamped (sp_map_grid_coordinate)."""
     node_position = ((place_m - first_m) * per_step).tolist()
     real = per_step.dtype.type
     return tuple(
@@ -82,7 +82,7 @@ def locate_in_grid(
 
 
 def interpolate_amounts(amounts: Reals, first_m: Reals, per_step: Reals, place_m: Reals) -> Reals:
-    """sp_map_amounts: amount of each material at a place, (materials,)."""
+    """Return the amount of each material at a site, (materials,), bilinearly (sp_map_amounts)."""
     real = amounts.dtype.type
     steps = locate_in_grid(amounts.shape[:2], first_m, per_step, place_m)
     i, j = (min(int(at), nodes - 2) for at, nodes in zip(steps, amounts.shape[:2], strict=True))

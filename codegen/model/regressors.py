@@ -121,6 +121,7 @@ class Rbf(Regressor):
     tail_n: Samples
 
     def require_valid(self, n_features: int) -> None:
+        """Raise DataError, with field and reason, for shapes or numbers that C can not evaluate."""
         require_positive("scale", self.scale, (n_features,))
         for name in ("mean", "feature_min", "feature_max"):
             require_shape(name, getattr(self, name), (n_features,))
@@ -131,6 +132,7 @@ class Rbf(Regressor):
         require_shape("tail_n", self.tail_n, (n_features + 1,))
 
     def on_scaled(self, scale: float) -> "Rbf":
+        """Return the same function of features that are `scale` times smaller."""
         return replace(
             self,
             mean=self.mean / scale,

@@ -48,7 +48,7 @@ class CLibrary:
         return self.ffi.from_buffer(_ARRAYS[values.dtype.str[1:]], values)
 
     def struct(self, kind: str, values: Mapping[str, Array | float]) -> CData:
-        """A pointer to a C struct of numbers and arrays, which it keeps and may share."""
+        """Allocate a C struct from numbers and arrays; arrays are kept, and shared if possible."""
         members = {
             name: self.array(np.ascontiguousarray(value))
             if isinstance(value, np.ndarray)
@@ -69,9 +69,10 @@ class CLibrary:
 
 
 def declarations(headers: Sequence[Path], real: str = "") -> str:
-    """Cut what cffi reads out of headers; real: "float" or "double" where they use sp_real.
+    """Return the declarations for cffi that headers mark; real: the type of sp_real there.
 
-    Raises CompilerError for a header that begins declarations and does not end them.
+    real: "float" or "double". Raises CompilerError for a header that begins declarations and does
+    not end them.
     """
     parts = [f"typedef {real} sp_real;"] if real else []
     for header in headers:

@@ -153,7 +153,7 @@ def _unless_it_exists(library: Path) -> Iterator[None]:
 
 
 def _require_own(path: Path) -> None:
-    """Refuse what others can write, or wrote: a library of the cache runs in this process."""
+    """Refuse a cached library that others can write, or wrote: it would run in this process."""
     try:
         status = path.stat()
     except FileNotFoundError:
@@ -173,6 +173,7 @@ def _require_own(path: Path) -> None:
 
 
 def _key(sources: Sequence[Path], include: Sequence[Path], build_flags: Sequence[str]) -> str:
+    """Return a library's name in the cache: a hash of sources, compiler, flags and machine."""
     headers = [header for folder in include for header in sorted(folder.glob("*.h"))]
     digest = hashlib.sha256()
     for file in [*sources, *headers]:

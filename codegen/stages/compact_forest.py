@@ -63,7 +63,7 @@ class _Order:
 
 
 def compact_forest(forest: Forest, leaves: QuantisedLeaves) -> CompactForest:
-    """Lay out `forest` with its used features as slots 1, 2, ...
+    """Lay a forest out as the 4-byte nodes of sp_forest.h, its used features as slots 1 on.
 
     Raises UsageError where 4 bytes do not do.
     """
@@ -105,9 +105,10 @@ def compact_forest(forest: Forest, leaves: QuantisedLeaves) -> CompactForest:
 
 
 def _rank_thresholds(forest: Forest, columns: NDArray[np.int32]) -> tuple[tuple[Any, ...], Ints]:
-    """Sorted thresholds of each used feature, and the bin of each split, one for each node.
+    """Return the sorted thresholds of each used feature, and for each node the rank of its own.
 
-    Quantised features are their own bins: no thresholds are needed.
+    Ranks have 16 bits where thresholds have 32. Quantised features are their own ranks: no
+    thresholds are needed.
     """
     if forest.quantisation is not None:
         return (), np.clip(np.floor(forest.threshold), 0, MAX_BIN).astype(np.int64)
@@ -124,10 +125,11 @@ def _rank_thresholds(forest: Forest, columns: NDArray[np.int32]) -> tuple[tuple[
 
 
 def _sort_nodes(forest: Forest) -> _Order:
-    """Places of nodes: first levels by heap position; below, three levels of a subtree together.
+    """Order the nodes for the cache: first levels by heap position, below them subtrees together.
 
     All trees take the first levels in step, so that a vector reads one row of them; below, where
-    trees part, what is read next should lie in the cache line that was just read.
+    trees part, what is read next should lie in the cache line that was just read: three levels of a
+    subtree lie together.
     """
     depth_first, level = sort_by_level(forest)
     heap = np.zeros(len(depth_first), dtype=np.int64)

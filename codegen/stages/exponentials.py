@@ -97,7 +97,7 @@ class RecursiveStage(WeightedSumStage):
 
     @property
     def members(self) -> tuple[Member, ...]:
-        """States of all poles, the slow ones' own, and the depth of the tick before."""
+        """Return the members of sp_state: the poles' states, and the depth before."""
         n_poles, n_slow = len(self.weights), len(self.slow_loss)
         slow = (Member(f"double slow[{n_slow}]", (DOUBLE,) * n_slow),) if n_slow else ()
         return (
@@ -107,6 +107,7 @@ class RecursiveStage(WeightedSumStage):
         )
 
     def tables(self) -> list[str]:
+        """Render the C tables: losses of the poles, weights of each derivative."""
         n_poles, vector_width = self.weights.shape
         n_fast = len(self.loss)
         slow = [array_text("slow_loss", "double", self.slow_loss)] if len(self.slow_loss) else []
@@ -121,6 +122,7 @@ class RecursiveStage(WeightedSumStage):
         ]
 
     def reference(self, depth: Reals, starts: Starts) -> Reals:
+        """Return the derivatives along a depth, (n, features), as the C computes them."""
         result = np.zeros((len(depth), self.n_features), dtype=depth.dtype)
         for rows, samples in pad_history(depth, starts, 1):
             rises = np.diff(samples)
@@ -136,7 +138,10 @@ class RecursiveStage(WeightedSumStage):
 def recursive_stage(
     bank: RecursiveBank, used: Columns, dt_s: float, dtype: RealType
 ) -> RecursiveStage:
-    """Keep the columns `used`; order the poles fast first."""
+    """Make the C stage of fractional derivatives by recursive poles, of the orders `used` alone.
+
+    The poles are ordered fast first: slow ones are stepped in double.
+    """
     order = np.argsort(bank.tau_s)
     loss, gain = compute_loss_and_gain(bank.tau_s[order], dt_s)
     slow = bank.tau_s[order] > SLOW_TICKS * dt_s
@@ -174,6 +179,7 @@ class FastFirStage(WeightedSumStage):
         return (*window_members("history", "newest", self.length + 1), poles)
 
     def tables(self) -> list[str]:
+        """Render the C tables: the poles' factors and the weights of each derivative."""
         rows, width = self.weights.shape
         return [
             f"enum {{\n    N_WINDOW = {self.length + 1},\n    N_DIRECT = {self.n_direct},\n"
@@ -192,7 +198,7 @@ class FastFirStage(WeightedSumStage):
         return result
 
     def _terms(self, samples: Reals, n: int) -> Reals:
-        """Terms of n ticks, (n, direct + poles + 1), from `length` past samples and the n."""
+        """Return what n ticks sum, (n, direct + poles + 1): rises, poles, oldest sample."""
         rises = np.diff(samples)  # rises[i] is that of samples[i + 1]
         newest = self.length - 1
         direct = [rises[newest - k : newest - k + n] for k in range(self.n_direct)]
@@ -209,7 +215,7 @@ class FastFirStage(WeightedSumStage):
 
 @feature_stage.register
 def fast_fir_stage(bank: FastFirBank, used: Columns, dt_s: float, dtype: RealType) -> FastFirStage:
-    """Keep the columns `used` of the bank."""
+    """Make the C stage of a long window as recent samples and exponentials, for `used` orders."""
     n_direct = len(bank.weights) - len(bank.tau_ticks) - 1
     tail_length = bank.length - 1 - n_direct
     return FastFirStage(

@@ -46,6 +46,7 @@ class ForestStage(RegressorStage):
     dtype: RealType
 
     def tables(self) -> list[str]:
+        """Render the C tables: scale of the leaves, and the function of nested ifs."""
         leaves, steps = self.leaves, self.forest.quantisation
         lines = [
             f"enum {{\n    N_FEATURES = {self.n_features}\n}};",
@@ -94,6 +95,7 @@ class CompactForestStage(ForestStage):
         return simd + bins
 
     def tables(self) -> list[str]:
+        """Render the C tables: nodes, roots of the trees, thresholds, scale of the leaves."""
         forest = self.compact
         return [
             *super().tables(),
@@ -117,6 +119,7 @@ class CompactForestStage(ForestStage):
         ]
 
     def _thresholds(self) -> list[str]:
+        """Render the sorted thresholds, feature after feature, and where each feature's begin."""
         lists = self.compact.thresholds
         if not lists:
             return []

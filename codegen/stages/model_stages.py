@@ -54,7 +54,7 @@ def compute_model_force(
     contact: Flags,
     places: PlaceTicks = (),
 ) -> Reals:
-    """Force of the model's stages, (n,), N; 0 where there is no contact.
+    """Sum the forces of the model's parts along a motion, (n,), N; 0 where there is no contact.
 
     motion: "penetration" and "clipped", each (n,), m. contact: (n,). places: as in
     `HammersteinStage.reference`.
@@ -87,7 +87,10 @@ def clip_depth(config: RangeConfig, depth: Reals) -> tuple[Reals, Flags]:
 
 
 def build_stages(model: Model, scene: Scene, ticks: SceneTicks) -> Stages:
-    """Resolve the model's part; beyond the trained depth as `guard.outside` of the scene says."""
+    """Turn the model's parts into stages, each with its tables, its C and its reference.
+
+    Beyond the trained depth as `guard.outside` of the scene says.
+    """
     uses_fallback = scene.guard.outside == "fallback" and model.hammerstein is not None
     passive, excess = None, None
 

@@ -38,6 +38,7 @@ class RbfStage(RegressorStage):
     code = stage_code("rbf")
 
     def tables(self) -> list[str]:
+        """Render the C tables: scaling of the features, centres, weights, linear tail."""
         return [
             f"enum {{\n    N_CENTERS = {len(self.weights_n)}\n}};",
             "/* feature_min, feature_max, mean, 1/scale of each feature */",
@@ -48,6 +49,7 @@ class RbfStage(RegressorStage):
         ]
 
     def reference(self, features: Reals) -> Reals:
+        """Return the force at features (n, 2), (n,), N, by the operations of the C in numpy."""
         z = []
         for i in range(2):
             feature_min, feature_max, mean, per_scale = self.standard[i]
@@ -71,7 +73,10 @@ class RbfStage(RegressorStage):
 
 @regressor_stage.register
 def rbf_stage(rbf: Rbf, used: Columns, runtime: Runtime, dtype: RealType) -> RbfStage:
-    """Pad the centers. Raises UsageError for anything but two features."""
+    """Make the C stage of radial basis functions; centres are padded to whole vectors.
+
+    Raises UsageError for anything but two features.
+    """
     n, n_features = rbf.centers.shape
     if n_features != 2:
         raise UsageError(f"radial basis functions on {n_features} features: the C has two")

@@ -202,9 +202,10 @@ def segments(length: int, starts: Starts) -> list[tuple[int, int, bool]]:
 
 
 def pad_history(depth: Reals, starts: Starts, length: int) -> list[tuple[slice, Reals]]:
-    """Return rows of each stretch, and its samples, (length + rows,), m, with the past in front.
+    """Return for each stretch between restarts its rows, and its samples with the past in front.
 
-    Before a stretch the object has rested at its first sample, before the first one at 0.
+    (length + rows,), m. Before a stretch the object has rested at its first sample, before the
+    first one at 0.
     """
     zero = depth.dtype.type(0)
     padded = []

@@ -61,6 +61,7 @@ class FirStage(FeatureStage):
         return window_members("history", "newest", self.taps.shape[1])
 
     def tables(self) -> list[str]:
+        """Render the C table of the window's weights, for each derivative."""
         names = ", ".join(f"{order:g}" for order in self.orders)
         rows, length = self.taps.shape
         return [
@@ -78,6 +79,7 @@ class FirStage(FeatureStage):
         )
 
     def reference(self, depth: Reals, starts: Starts) -> Reals:
+        """Return the derivatives along a depth, (n, features), as the C computes them."""
         length = self.taps.shape[1]
         result = np.zeros((len(depth), self.n_features), dtype=depth.dtype)
         for rows, samples in pad_history(depth, starts, length - 1):
@@ -141,6 +143,7 @@ class LagsStage(FeatureStage):
         ]
 
     def reference(self, depth: Reals, starts: Starts) -> Reals:
+        """Return past positions as features, (n, lags), m."""
         longest = self._length - 1
         result = np.zeros((len(depth), self.n_features), dtype=depth.dtype)
         for rows, samples in pad_history(depth, starts, longest):
@@ -182,6 +185,7 @@ class PositionVelocityStage(FeatureStage):
         return window if self.weight is None else (*window, Member("sp_real clipped_mps", (REAL,)))
 
     def tables(self) -> list[str]:
+        """Render the C tables: 1/time of each window of the velocity, and its noise band."""
         weight = [] if self.weight is None else [constant_text("clipped_weight", self.weight)]
         return [
             f"enum {{\n    N_CLIPPED_STEPS = {len(self.per_step)}\n}};",
@@ -191,6 +195,7 @@ class PositionVelocityStage(FeatureStage):
         ]
 
     def reference(self, depth: Reals, starts: Starts) -> Reals:
+        """Return position and estimated velocity, (n, 2), by the operations of the C."""
         length = len(self.per_step)
         velocity = np.zeros_like(depth)
         for rows, samples in pad_history(depth, starts, length):

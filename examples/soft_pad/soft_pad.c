@@ -1,4 +1,4 @@
-/* springpot 0.1.0 ae559a7e4e006be95618e97ed68e1165a2ab75d1f5931c231c9724bdcbcb2cf8 */
+/* springpot 0.1.0 90501a223a959b39f477cac14b45c142b7a3442ef7e2c227fa0fa843048b5051 */
 /* pad: the whole scene with its self-test. soft_pad.h says how to call it.
  *
  * First the units, in the order of a tick: each is named by its file in springpot, without the
@@ -116,7 +116,9 @@ static inline void soft_pad_silence_good_sample(soft_pad_silence_state *state, f
     }
 }
 
-/* Record dt_s without a good sample. Returns for how many ticks of it the watchdog was latched. */
+/* Count dt_s without a good sample, and latch the watchdog where one silence is too long, or
+ * too much of the time is silent (a debt that good samples pay off). Returns for how many ticks
+ * of dt_s it was latched. */
 static inline float soft_pad_silence_no_sample(const soft_pad_silence_config *config,
                                                soft_pad_silence_state *state, float dt_s)
 {
@@ -145,8 +147,9 @@ static inline float soft_pad_silence_no_sample(const soft_pad_silence_config *co
     return latched_ticks < ticks ? latched_ticks : ticks;
 }
 
-/* Ticks missed before a sample that stands for dt_s. The watchdog timeout bounds the result even if
- * a stray write has corrupted the state, so that catching up always ends. */
+/* Whole ticks that were missed before a sample that stands for dt_s. The watchdog timeout
+ * bounds the result even if a stray write has corrupted the state, so that catching up always
+ * ends. */
 static inline uint32_t soft_pad_silence_missed_ticks(const soft_pad_silence_config *config,
                                                const soft_pad_silence_state *state, float dt_s)
 {
@@ -251,6 +254,7 @@ typedef struct {
     float max_m;
 } soft_pad_range_config;
 
+/* Position within the range of training, m; beyond it the nearest end, with a note. */
 static inline float soft_pad_range_clip(const soft_pad_range_config *config, float x, int *notes)
 {
     if (x > config->max_m) {
@@ -433,7 +437,8 @@ static inline float soft_pad_poles_step(float h, float loss, float rise)
     return soft_pad_flush_denormal(h + (rise - loss * h));
 }
 
-/* Advance poles that have an input each: g now, `before` at the last tick. */
+/* Advance Maxwell branches that have an input each: its elastic force g now, `before` at the
+ * last tick. */
 static inline void soft_pad_poles_separate(const float *loss, uint32_t n_poles, const float *g,
                                      float *before, float *h)
 {
@@ -453,8 +458,9 @@ static inline void soft_pad_poles_separate(const float *loss, uint32_t n_poles, 
  * dissipates for every r(u) > 0 (loss 0 to 1), as h relaxes towards g at the middle of the step.
  * The loss is linear between the nodes of the curves (sp_curve.h). */
 
-/* Advance poles that have an input each: g now, `before` at the last tick. loss:
- * [n_intervals + 1][n_poles], at the nodes; the last row repeats. */
+/* Advance Maxwell branches whose relaxation rate depends on depth, each with an input: its
+ * elastic force g now, `before` at the last tick. loss: [n_intervals + 1][n_poles], at the
+ * nodes; the last row repeats. */
 static inline void soft_pad_poles_by_depth(const float *loss, uint32_t n_poles,
                                            soft_pad_curve_position place, const float *g,
                                            float *before, float *h)
@@ -483,8 +489,9 @@ static inline void soft_pad_poles_by_depth(const float *loss, uint32_t n_poles,
  * it still pushes raises the surface in the next tick. That does no work on the tool, and the
  * stored energy falls (docs/explanation/model.md). */
 
-/* Compute to where the surface recovers in a tick from `from_u` under force_n. max_slope_n:
- * [n_intervals], upper bound of the force gained in each interval, N. */
+/* Depth to which a surface that the tool has left recovers in this tick, driven by the force
+ * force_n that is left in the branches. max_slope_n: [n_intervals], upper bound of the force
+ * gained in each interval, N. */
 static inline float soft_pad_surface_recovered_u(const float *max_slope_n, uint32_t n_intervals,
                                              float from_u, float force_n)
 {
@@ -503,7 +510,8 @@ static inline float soft_pad_surface_recovered_u(const float *max_slope_n, uint3
     return end / n_per_u;
 }
 
-/* Normalised depth that the model sees while the tool is at u. NaN passes. */
+/* Depth that the model sees while the tool is at u: that of the tool, or of the surface where
+ * the tool leaves faster than the surface recovers. NaN passes. */
 static inline float soft_pad_surface_model_u(const float *max_slope_n, uint32_t n_intervals,
                                          const soft_pad_surface_state *state, float u)
 {
@@ -525,6 +533,8 @@ static inline float soft_pad_surface_model_u(const float *max_slope_n, uint32_t 
 /* Onset: no force at or above the surface, the model's force from 1/onset_per_m (m) of depth on,
  * and a linear rise between. A forest does not give 0 at depth 0. */
 
+/* Scale the force by depth x near the surface, from 0 at the surface to all of it at
+ * 1/onset_per_m: contact begins without a step in force. */
 static inline float soft_pad_contact_onset(float onset_per_m, float x, float force_n)
 {
     const float fraction = x * onset_per_m;
@@ -598,7 +608,8 @@ SOFT_PAD_COLD float soft_pad_output_fall_latched(const soft_pad_output_config *c
     return state->last_n;
 }
 
-/* Force of the last call if it has the sign of `force_n`, else 0. */
+/* The last rendered force if it has the sign of `force_n`, else 0: from there a force may grow
+ * by a step, and fall at once. */
 static inline float soft_pad_output_last_along(const soft_pad_output_state *state, float force_n)
 {
     const float zero = 0.0f;
@@ -834,6 +845,8 @@ SOFT_PAD_COLD void soft_pad_catch_up(soft_pad_state *state, float position_m, fl
     }
 }
 
+/* One tick with a new sample: check the sample, make up for missed ticks, evaluate the model,
+ * limit the force. Returns notes or an error. */
 int soft_pad_step(soft_pad_state *state, float position_m, float velocity_mps, float *force_n)
 {
     if (state == NULL || force_n == NULL) {
@@ -884,6 +897,7 @@ int soft_pad_step(soft_pad_state *state, float position_m, float velocity_mps, f
     return notes;
 }
 
+/* Run soft_pad_step over n recorded samples. Returns the notes of all of them. */
 int soft_pad_run(soft_pad_state *state, uint32_t n, const float *position_m,
                  const float *velocity_mps, float *force_n)
 {
@@ -898,6 +912,8 @@ int soft_pad_run(soft_pad_state *state, uint32_t n, const float *position_m,
     return notes;
 }
 
+/* A tick without a new sample: hold the last force, or let it fall once the silence is too
+ * long. */
 int soft_pad_idle(soft_pad_state *state, float dt_s, float *force_n)
 {
     if (state == NULL || force_n == NULL) {
@@ -912,6 +928,7 @@ int soft_pad_idle(soft_pad_state *state, float dt_s, float *force_n)
     return soft_pad_hold_force(state, dt_s, 1.0f, force_n);
 }
 
+/* Begin with an object at rest and untouched. */
 void soft_pad_init(soft_pad_state *state)
 {
     if (state != NULL) {
@@ -920,6 +937,7 @@ void soft_pad_init(soft_pad_state *state)
     }
 }
 
+/* Begin anew after a latch or a pause; the site stays. */
 void soft_pad_reset(soft_pad_state *state)
 {
     soft_pad_init(state);
@@ -937,7 +955,7 @@ uint32_t soft_pad_state_size(void)
 
 const char *soft_pad_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"ae559a7e4e006be95618e97ed68e1165a2ab75d1f5931c231c9724bdcbcb2cf8\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"90501a223a959b39f477cac14b45c142b7a3442ef7e2c227fa0fa843048b5051\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */
@@ -1155,6 +1173,8 @@ static uint32_t soft_pad_to_bits(float number)
     return bits;
 }
 
+/* Run the stored motion and compare every force with the stored one, bit by bit: a compiler
+ * that reorders or fuses operations is seen. Returns 0, or 1 + the tick that differs. */
 int soft_pad_selftest(void)
 {
     soft_pad_state state;

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 ae559a7e4e006be95618e97ed68e1165a2ab75d1f5931c231c9724bdcbcb2cf8 */
+/* springpot 0.1.0 90501a223a959b39f477cac14b45c142b7a3442ef7e2c227fa0fa843048b5051 */
 /* springpot: the force of a recorded soft object, tick by tick.
  *
  * The loop of a haptic device, at the rate SOFT_PAD_RATE_HZ:

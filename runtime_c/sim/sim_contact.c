@@ -3,9 +3,9 @@
 
 #include <math.h>
 
-/* The tool leaves faster than the surface recovers: the surface follows on its own, at the depth
- * where no force is left. Clipping the force alone would let the tool drag, without work, a surface
- * that it does not touch. */
+/* Depth of a surface that recovers more slowly than the tool leaves: where no force is left.
+ * Clipping the force alone would let the tool drag, without work, a surface that it does not
+ * touch. */
 static double free_surface_m(sim_rising force_at, const void *material, sim_contact at_tool,
                              double surface_m, double deepest_m)
 {
@@ -19,6 +19,8 @@ static double free_surface_m(sim_rising force_at, const void *material, sim_cont
                     1e-10);
 }
 
+/* Depth of the surface and force on the tool, N, at tool_m: the surface follows the tool unless
+ * that would take a pull. */
 sim_contact sim_contact_solve(sim_rising force_at, const void *material, double tool_m,
                               double surface_m, double deepest_m)
 {

@@ -53,6 +53,8 @@ static double relaxed_branch_n(const sim_damaged *damaged, int branch, double af
     return memory_n + damaged->gain[branch] * (mean_n - memory_n);
 }
 
+/* Force at depth_m with the present damage (Ogden and Roxburgh 1999: softer below the greatest
+ * energy so far) and the relaxing branches, N. */
 static double damaged_force_n(const void *material, double depth_m)
 {
     const sim_damaged *damaged = material;
@@ -66,6 +68,7 @@ static double damaged_force_n(const void *material, double depth_m)
     return damaged->stiffer * force_n;
 }
 
+/* An object at rest that was never pressed. */
 void sim_damaged_init(void *material, double stiffer, double step_s)
 {
     sim_damaged *damaged = material;

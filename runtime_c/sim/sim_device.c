@@ -24,6 +24,7 @@ uint32_t sim_bench_size(void)
     return (uint32_t)sizeof(sim_bench);
 }
 
+/* A bench that presses an object by a motor under force control; delay_samples: 0 or 1. */
 int sim_bench_init(sim_bench *bench, uint32_t object, uint32_t variant, double stiffer,
                    uint64_t seed, uint32_t delay_samples, uint32_t substeps)
 {
@@ -52,6 +53,8 @@ int sim_bench_place(sim_bench *bench, double x_m, double y_m)
     return bench == NULL ? SIM_NULL : sim_object_place(&bench->object, x_m, y_m);
 }
 
+/* One step of the bench's force control: P and filtered D of the measured error, limited, a
+ * sample late if it is so set. */
 static void control(sim_bench *bench, double command_n, double measured_n)
 {
     double error_n = command_n - measured_n;
@@ -70,7 +73,8 @@ static void kick(sim_bench *bench, double step_s)
     bench->velocity_mps += step_s * braked_n / SIM_DEVICE_MASS_KG;
 }
 
-/* Half a kick, drift, half a kick: the integrator neither damps a stiff object nor feeds it. */
+/* Advance motor and object by a control step. Half a kick, drift, half a kick (leapfrog): the
+ * integrator neither damps a stiff object nor feeds it. */
 static void move(sim_bench *bench)
 {
     double step_s = bench->object.step_s;
@@ -82,6 +86,8 @@ static void move(sim_bench *bench)
     }
 }
 
+/* Record n samples of position and force, with their sensors' noise, while the bench follows
+ * command_n. */
 int sim_bench_record(sim_bench *bench, uint32_t n, const double *command_n, double *position_m,
                      double *force_n)
 {

@@ -53,6 +53,8 @@ static double excess_strain(const void *context, double elastic)
     return elastic + copysign(creep, stress) - step->strain;
 }
 
+/* Strain of the elastic network after a step, from the total stretch: an implicit step of
+ * creep, solved for its root. */
 static double elastic_strain(const sim_elastomer *elastomer, double stretch)
 {
     const creep_step step = {.strain = log(stretch) - elastomer->creep,
@@ -73,6 +75,7 @@ static double column_stretch(double depth_m)
     return 1.0 - fmin(depth_m, deepest_m) / height_m;
 }
 
+/* Force of the column pressed to depth_m at the end of this step, N. */
 static double column_force_n(const void *material, double depth_m)
 {
     const sim_elastomer *elastomer = material;

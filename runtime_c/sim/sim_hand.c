@@ -50,6 +50,7 @@ uint32_t sim_tool_size(void)
     return (uint32_t)sizeof(sim_tool);
 }
 
+/* Whether the device's figures are finite and of the right sign. */
 static int possible(const sim_tool_device *device)
 {
     return device->mass_kg > 0.0 && isfinite(device->mass_kg) && device->viscous_nspm >= 0.0 &&
@@ -59,6 +60,8 @@ static int possible(const sim_tool_device *device)
            isfinite(device->noise_m) && device->delay_samples <= SIM_MAX_DELAY;
 }
 
+/* A tool at rest at position_m in one of the three hands, with its device's mass, friction,
+ * delay and encoder. */
 int sim_tool_init(sim_tool *tool, uint32_t hand, const sim_tool_device *device, uint32_t substeps,
                   uint32_t noisy, uint64_t seed, double position_m)
 {
@@ -93,6 +96,8 @@ static double intended_at(const sim_tool *tool, double share, double intended_m)
     return tool->intended_m + share * (intended_m - tool->intended_m);
 }
 
+/* Position and velocity as the device reports them: encoder with noise, and the filtered
+ * differences of it; or the truth, if not noisy. */
 static void read_sensors(sim_tool *tool, double dt_s, double *position_m, double *velocity_mps)
 {
     if (tool->noisy == 0) {
@@ -110,6 +115,7 @@ static void read_sensors(sim_tool *tool, double dt_s, double *position_m, double
     *velocity_mps = tool->encoder_speed_mps;
 }
 
+/* Status for arguments that a step can not take. */
 static int refused(const sim_tool *tool, double dt_s, double hand, double force_n,
                    const double *position_m, const double *velocity_mps)
 {
@@ -122,7 +128,7 @@ static int refused(const sim_tool *tool, double dt_s, double hand, double force_
     return SIM_OK;
 }
 
-/* The force that acts in this tick, N. */
+/* Queue force_n and return the force that acts in this tick, N: the one of delay_samples ago. */
 static double acting(sim_tool *tool, double force_n)
 {
     if (tool->device.delay_samples == 0) {
@@ -134,6 +140,7 @@ static double acting(sim_tool *tool, double force_n)
     return acting_n;
 }
 
+/* Advance by dt_s while the hand pushes with push_n, and not to a position. */
 int sim_tool_push(sim_tool *tool, double dt_s, double push_n, double force_n, double *position_m,
                   double *velocity_mps)
 {
@@ -161,6 +168,7 @@ void sim_tool_truth(const sim_tool *tool, double *position_m, double *velocity_m
     *velocity_mps = tool->motion.velocity_mps;
 }
 
+/* Advance by dt_s while the hand, a spring and damper, is drawn to intended_m. */
 int sim_tool_step(sim_tool *tool, double dt_s, double intended_m, double force_n,
                   double *position_m, double *velocity_mps)
 {

@@ -25,6 +25,8 @@ static const struct {
 };
 enum { LUMPS = sizeof lumps / sizeof lumps[0] };
 
+/* Stiffness and relaxation time of the layer at a site, relative to its own: waves everywhere,
+ * and the lumps. */
 static void ground(double x_m, double y_m, double *stiffness, double *slower)
 {
     const double turn = 6.283185307179586 / hill_m;
@@ -38,6 +40,7 @@ static void ground(double x_m, double y_m, double *stiffness, double *slower)
     }
 }
 
+/* A layer at rest with the tool above its middle. */
 void sim_lump_init(void *material, double stiffer, double step_s)
 {
     sim_lump *lump = material;
@@ -47,6 +50,8 @@ void sim_lump_init(void *material, double stiffer, double step_s)
     sim_lump_place(lump, 0.0, 0.0);
 }
 
+/* Make column i of the foundation at rest: its stiffness and relaxation there, and how far the
+ * sphere's surface is above it. */
 static void put_column(sim_lump *lump, int i, double x_m, double y_m, double below_m)
 {
     double stiffness;
@@ -64,6 +69,7 @@ static void put_column(sim_lump *lump, int i, double x_m, double y_m, double bel
     lump->per_slope[i] = 1.0 / lump->slope[i];
 }
 
+/* Put a resting layer's columns under a sphere above x_m, y_m. */
 void sim_lump_place(sim_lump *lump, double x_m, double y_m)
 {
     int n = 0;
@@ -94,8 +100,9 @@ static void columns_hold(const sim_lump *lump, double *held_m)
     }
 }
 
-/* Every branch relaxes towards the mean of the step. Where a column would pull it follows the
- * sphere no farther than to no force. */
+/* One step with the sphere at tool_m; returns the force on it, N. Every branch relaxes towards
+ * the mean of the step. Where a column would pull it follows the sphere no farther than to no
+ * force. */
 double sim_lump_step(void *material, double tool_m)
 {
     sim_lump *lump = material;

@@ -31,6 +31,8 @@ static double mode_weight(int branch, int mode)
     return exp(-0.5 * deviation * deviation);
 }
 
+/* Static force of a branch at depth_m, relative to its force at the reference depth: a power
+ * law that steepens before the table. */
 static double branch_shape(int branch, double depth_m)
 {
     if (depth_m <= 0.0) {
@@ -41,6 +43,7 @@ static double branch_shape(int branch, double depth_m)
     return pow(depth_m / reference_m, exponent[branch]) / space;
 }
 
+/* A silicone at rest: distribute each branch's relaxation over Maxwell modes. */
 void sim_material_init(sim_material *material, const sim_material_config *config)
 {
     memset(material, 0, sizeof *material);
@@ -79,6 +82,8 @@ typedef struct {
     double offset_n[SIM_BRANCHES];
 } step_line;
 
+/* Force at the end of the step as a line in each branch's static force: modes that relax
+ * towards the mean of the step leave slope and offset. */
 static step_line line_of_step(const sim_material *material)
 {
     step_line line = {.material = material};
@@ -105,6 +110,7 @@ static double stretch_at(const sim_material *material, double depth_m)
     return fmin(fmax(stretch_m, -yield_m), yield_m);
 }
 
+/* Force at the end of the step if the surface is then at depth_m, N: branches and friction. */
 static double force_at(const void *step, double depth_m)
 {
     const step_line *line = step;
@@ -134,6 +140,7 @@ static void move_surface(sim_material *material, double depth_m)
     }
 }
 
+/* One step with the tool at tool_m; returns the force on the tool, N. */
 double sim_material_step(sim_material *material, double tool_m)
 {
     if (material->config.eyring_n > 0.0) {

@@ -52,6 +52,8 @@ static double step_silicone(void *material, double tool_m)
     return sim_material_step(material, tool_m);
 }
 
+/* Make one of the calibrated silicones at rest; in variant 1 stress speeds up its relaxation
+ * (Eyring). */
 static void init_silicone(sim_object *state, uint32_t object, uint32_t variant, double stiffer)
 {
     const sim_calibration *calibration = &sim_calibrations[object][variant];
@@ -66,6 +68,7 @@ static void init_silicone(sim_object *state, uint32_t object, uint32_t variant, 
     state->step = step_silicone;
 }
 
+/* Make an object at rest, stepped every dt_s in `substeps` steps. */
 int sim_object_init(sim_object *state, uint32_t object, uint32_t variant, double stiffer,
                     double dt_s, uint32_t substeps)
 {
@@ -112,6 +115,7 @@ void sim_object_substep(sim_object *state, double tool_m)
     state->force_n = state->step(&state->material, tool_m);
 }
 
+/* Whether none of n values is NaN or infinite. */
 int sim_all_finite(uint32_t n, const double *values)
 {
     for (uint32_t i = 0; i < n; i++) {
@@ -122,6 +126,7 @@ int sim_all_finite(uint32_t n, const double *values)
     return 1;
 }
 
+/* Move the tool evenly to position_m in a tick. */
 static void move_to(sim_object *state, double position_m)
 {
     double from_m = state->tool_m;
@@ -132,6 +137,7 @@ static void move_to(sim_object *state, double position_m)
     state->tool_m = position_m;
 }
 
+/* Move the tool through n positions, one a tick; force_n: what it then feels, N. */
 int sim_object_move(sim_object *state, uint32_t n, const double *position_m, double *force_n)
 {
     if (state == NULL || position_m == NULL || force_n == NULL) {

@@ -27,8 +27,9 @@ static double strain_at(const sim_porous *porous, int cell)
     return (porous->moved_m[cell] - porous->moved_m[cell + 1]) / cell_m;
 }
 
-/* The solid between two cells goes as fast as the fluid lets it: Darcy. Explicit: at the densest
- * the diffusion is nine times faster than at rest, and a step may be a quarter of its time. */
+/* Let fluid pass between neighbouring cells for a step: the solid goes as fast as the fluid
+ * lets it (Darcy). Explicit: at the densest the diffusion is nine times faster than at rest,
+ * and a step may be a quarter of its time. */
 static void drain(sim_porous *porous, double step_s)
 {
     double strain = strain_at(porous, 0);

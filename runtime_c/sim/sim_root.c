@@ -3,7 +3,8 @@
 
 #include <math.h>
 
-/* False position (Illinois): an end that stays for a second time counts half. */
+/* Root of a rising function between low and high, whose values are given. False position
+ * (Illinois): an end that stays for a second time counts half. */
 double sim_root(sim_rising value_at, const void *context, double low, double low_value, double high,
                 double high_value, double at_tolerance, double value_tolerance)
 {

@@ -42,6 +42,7 @@ static double branch_share(void)
     return spectrum * branch_width() / (1.0 + spectrum * log(longest_s / shortest_s));
 }
 
+/* A tissue at rest: equal branches, their times even in logarithm. */
 void sim_tissue_init(void *material, double stiffer, double step_s)
 {
     sim_tissue *tissue = material;
@@ -60,6 +61,8 @@ static double relaxed_n(const sim_tissue *tissue, int branch, double after_n)
     return memory_n + tissue->gain[branch] * (mean_n - memory_n);
 }
 
+/* Force with the surface at depth_m at the end of this step, N: elastic force less what the
+ * branches (quasi-linear viscoelasticity, Fung 1972) have relaxed. */
 static double tissue_force_n(const void *material, double depth_m)
 {
     const sim_tissue *tissue = material;

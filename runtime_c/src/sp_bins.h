@@ -13,8 +13,8 @@
 
 enum { SP_BINS_SEARCH_RADIUS = 31 /* thresholds on either side that are searched first */ };
 
-/* Count the thresholds below `feature` among the `count` ones from bin_index on; returns bin_index
- * plus that count. */
+/* Binary search without branches: count the thresholds below `feature` among the `count` ones
+ * from bin_index on; returns bin_index plus that count. */
 static inline uint32_t sp_bins_search(const float *thresholds, uint32_t bin_index, uint32_t count,
                                       float feature)
 {
@@ -27,8 +27,10 @@ static inline uint32_t sp_bins_search(const float *thresholds, uint32_t bin_inde
     return bin_index;
 }
 
-/* Update the bins of all features. thresholds: one feature after the other; feature i has those
- * from starts[i] to starts[i + 1]. bins: [n_features], of the last tick; then of this one. */
+/* Replace each feature by its rank among the forest's thresholds. A feature moves little in a
+ * tick, so a search near the last rank comes first. thresholds: one feature after the other;
+ * feature i has those from starts[i] to starts[i + 1]. bins: [n_features], of the last tick;
+ * then of this one. */
 static inline void sp_bins(const float *thresholds, const uint32_t *starts, uint32_t n_features,
                            const sp_real *features, uint32_t *bins)
 {

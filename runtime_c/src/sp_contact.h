@@ -5,6 +5,8 @@
 
 #include "sp_real.h"
 
+/* Scale the force by depth x near the surface, from 0 at the surface to all of it at
+ * 1/onset_per_m: contact begins without a step in force. */
 static inline sp_real sp_contact_onset(sp_real onset_per_m, sp_real x, sp_real force_n)
 {
     const sp_real fraction = x * onset_per_m;

@@ -40,7 +40,8 @@ static inline void sp_couple_release(sp_couple_state *state)
     state->set = 0;
 }
 
-/* Create the proxy at first contact; return its position, m. */
+/* Depth at which the model is evaluated: that of the proxy, a point mass that a spring and
+ * damper join to the tool. It is created at first contact. m. */
 static inline sp_real sp_couple_proxy_position(sp_couple_state *state, sp_real x, sp_real v)
 {
     if (!state->set) {
@@ -52,7 +53,8 @@ static inline sp_real sp_couple_proxy_position(sp_couple_state *state, sp_real x
     return state->proxy_m;
 }
 
-/* Compute the force at the tool, N, from the proxy's present state; then move the proxy. */
+/* Force of spring and damper on the tool, N; then move the proxy by a tick under that spring,
+ * that damper and the model's force (phi: the exact solution over dt). */
 static inline sp_real sp_couple_step(const sp_couple_config *config, sp_couple_state *state,
                                      sp_real x, sp_real v, sp_real model_n)
 {

@@ -21,8 +21,8 @@ static inline void sp_damage_rest(uint32_t n, sp_real u, sp_real *deepest)
     }
 }
 
-/* v/M of one curve, whose M is *deepest. healed: fraction of M - v by which M falls in this tick.
- */
+/* Update the greatest depth M of one curve and return v/M, the part of its force that damage
+ * leaves (Mullins effect). healed: fraction of M - v by which M falls in this tick. */
 static inline sp_real sp_damage_ratio(sp_real healed, sp_real v, sp_real *deepest)
 {
     const sp_real healed_v = *deepest - healed * (*deepest - v);
@@ -35,8 +35,8 @@ static inline sp_real sp_damage_ratio(sp_real healed, sp_real v, sp_real *deepes
     return ratio < (sp_real)1 ? ratio : (sp_real)1; /* below 1 anyway: a range for the analyser */
 }
 
-/* Advance n curves by a tick; the first n_linear have q = 1, the others 3. values: the curves at u.
- * Returns the sum of the forces, N. */
+/* Force of n damage curves, values (v/M)^q, N, after a tick to depth u: softer below the
+ * greatest depth so far. The first n_linear have q = 1, the others 3. */
 static inline sp_real sp_damage(const sp_real *healed, uint32_t n_linear, uint32_t n, sp_real u,
                                 const sp_real *values, sp_real *deepest)
 {

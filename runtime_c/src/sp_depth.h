@@ -13,8 +13,9 @@
 #include "sp_curve.h"
 #include "sp_number.h"
 
-/* Advance poles that have an input each: g now, `before` at the last tick. loss:
- * [n_intervals + 1][n_poles], at the nodes; the last row repeats. */
+/* Advance Maxwell branches whose relaxation rate depends on depth, each with an input: its
+ * elastic force g now, `before` at the last tick. loss: [n_intervals + 1][n_poles], at the
+ * nodes; the last row repeats. */
 static inline void sp_poles_by_depth(const sp_real *loss, uint32_t n_poles, sp_curve_position place,
                                      const sp_real *g, sp_real *before, sp_real *h)
 {
@@ -28,7 +29,8 @@ static inline void sp_poles_by_depth(const sp_real *loss, uint32_t n_poles, sp_c
     }
 }
 
-/* As above with states in double (sp_slow_poles.h). out: h in the scene's type. */
+/* As above with states in double (sp_slow_poles.h), for branches that relax by less than the
+ * rounding of float in a tick. out: h in the scene's type. */
 static inline void sp_slow_poles_by_depth(const sp_real *loss, uint32_t n_poles,
                                           sp_curve_position place, const sp_real *g,
                                           sp_real *before, double *h, sp_real *out)

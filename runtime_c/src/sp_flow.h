@@ -18,7 +18,8 @@
 
 enum { SP_FLOW_FUNCTIONS = 3 /* u, u^2, u^4 */ };
 
-/* Evaluate b of each function at u. */
+/* Evaluate the three fixed functions b(u) that drive nonlinear dashpots: u, u^2 and u^4,
+ * straight on beyond the depth of training. */
 static inline void sp_flow_inputs(sp_real u, sp_real *values)
 {
     const sp_real v = u > (sp_real)0 ? u : (sp_real)0;

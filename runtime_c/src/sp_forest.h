@@ -49,7 +49,9 @@ static inline uint32_t sp_forest_right(const sp_forest_node *node, const uint32_
     return (node->bin_index - bins[node->step & (SP_FOREST_SLOTS - 1)]) >> 31;
 }
 
-/* Sum over `trees` trees from `tree` on. `trees` is a constant where this is inlined. */
+/* Sum of the leaves that `trees` trees from `tree` on give for these bins, in leaf steps. The
+ * trees go down together, level by level, so that their loads overlap. `trees` is a constant
+ * where this is inlined. */
 static inline uint32_t sp_forest_traverse(const sp_forest *forest, uint32_t tree, uint32_t trees,
                                           const uint32_t *bins)
 {
@@ -94,7 +96,8 @@ static inline uint32_t sp_forest_traverse(const sp_forest *forest, uint32_t tree
     return sum;
 }
 
-/* bins: [SP_FOREST_SLOTS], all below 2^16, the first one 0. Returns leaf steps. */
+/* Sum of the leaves of all trees, in leaf steps. bins: [SP_FOREST_SLOTS], all below 2^16, the
+ * first one 0. */
 static inline uint32_t sp_forest_sum(const sp_forest *forest, const uint32_t *bins)
 {
     uint32_t sum = 0;

@@ -17,6 +17,7 @@ enum { SP_SIMD_NONE, SP_SIMD_AVX2, SP_SIMD_AVX512 };
 #if defined(__x86_64__) && defined(__GNUC__)
 #include "sp_forest_x86.h"
 
+/* Widest vector instructions that both this build and this processor have. */
 static inline uint32_t sp_forest_simd(void)
 {
     if (SP_SIMD >= SP_SIMD_AVX512 && __builtin_cpu_supports("avx512f") &&
@@ -36,6 +37,7 @@ static inline uint32_t sp_forest_sum_simd(const sp_forest *forest, const uint32_
 
 #else
 
+/* Widest vector instructions that both this build and this processor have. */
 static inline uint32_t sp_forest_simd(void)
 {
     return SP_SIMD_NONE;

@@ -25,6 +25,8 @@ SP_TARGET_AVX512 static inline __mmask16 sp_forest_right512(__m512i node, __m512
     return _mm512_cmpgt_epu32_mask(_mm512_permutexvar_epi32(node, bins), node);
 }
 
+/* Pass the top four levels of 16 trees at once; returns the index of the node below. Whole rows
+ * are loaded and chosen by masks. */
 SP_TARGET_AVX512 static inline __m512i sp_forest_enter512(const sp_forest *forest, uint32_t tree,
                                                           __m512i bins)
 {
@@ -51,6 +53,7 @@ SP_TARGET_AVX512 static inline __m512i sp_forest_enter512(const sp_forest *fores
     return _mm512_mask_add_epi32(at, d, at, _mm512_set1_epi32(1));
 }
 
+/* Sum of the leaves of all trees, in leaf steps: sp_forest_sum in vectors of 16 trees. */
 SP_TARGET_AVX512 static inline uint32_t sp_forest_avx512(const sp_forest *forest,
                                                          const uint32_t *bins)
 {
@@ -111,6 +114,7 @@ SP_TARGET_AVX2 static inline __m256i sp_forest_load256(const void *from)
     return _mm256_loadu_si256((const __m256i *)from);
 }
 
+/* Pass the top four levels of 8 trees at once; returns the index of the node below. */
 SP_TARGET_AVX2 static inline __m256i sp_forest_enter256(const sp_forest *forest, uint32_t tree,
                                                         sp_forest_ranks256 bins)
 {
@@ -137,6 +141,7 @@ SP_TARGET_AVX2 static inline __m256i sp_forest_enter256(const sp_forest *forest,
     return _mm256_sub_epi32(sp_forest_load256(forest->roots + tree), entry);
 }
 
+/* Sum of the leaves of all trees, in leaf steps: sp_forest_sum in vectors of 8 trees. */
 SP_TARGET_AVX2 static inline uint32_t sp_forest_avx2(const sp_forest *forest, const uint32_t *bins)
 {
     const sp_forest_ranks256 feature = {sp_forest_load256(bins), sp_forest_load256(bins + 8)};

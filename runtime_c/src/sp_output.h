@@ -67,7 +67,8 @@ SP_COLD sp_real sp_output_fall_latched(const sp_output_config *config, sp_output
     return state->last_n;
 }
 
-/* Force of the last call if it has the sign of `force_n`, else 0. */
+/* The last rendered force if it has the sign of `force_n`, else 0: from there a force may grow
+ * by a step, and fall at once. */
 static inline sp_real sp_output_last_along(const sp_output_state *state, sp_real force_n)
 {
     const sp_real zero = (sp_real)0;

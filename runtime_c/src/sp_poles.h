@@ -24,7 +24,8 @@ static inline void sp_poles_shared(const sp_real *loss, uint32_t n_poles, sp_rea
     }
 }
 
-/* Advance poles that have an input each: g now, `before` at the last tick. */
+/* Advance Maxwell branches that have an input each: its elastic force g now, `before` at the
+ * last tick. */
 static inline void sp_poles_separate(const sp_real *loss, uint32_t n_poles, const sp_real *g,
                                      sp_real *before, sp_real *h)
 {

@@ -10,6 +10,7 @@ typedef struct {
     sp_real max_m;
 } sp_range_config;
 
+/* Position within the range of training, m; beyond it the nearest end, with a note. */
 static inline sp_real sp_range_clip(const sp_range_config *config, sp_real x, int *notes)
 {
     if (x > config->max_m) {
@@ -23,8 +24,8 @@ static inline sp_real sp_range_clip(const sp_range_config *config, sp_real x, in
     return x;
 }
 
-/* Fade the force to 0 over 1/fade_per_m (m) beyond the range, for scenes that render nothing
- * outside. */
+/* Scale the force beyond the range of training down to 0 over 1/fade_per_m (m), for scenes that
+ * render nothing outside. */
 static inline sp_real sp_range_fade(const sp_range_config *config, sp_real fade_per_m, sp_real x,
                                     sp_real force_n)
 {

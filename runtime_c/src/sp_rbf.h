@@ -24,7 +24,9 @@ static inline sp_real sp_rbf_standardise(sp_real x, sp_real lower, sp_real upper
     return (inside - mean) * per_scale;
 }
 
-/* z: [2]; centers: [2][n_centers]; weights: [n_centers]; tail: [3]. Returns N. */
+/* Force of radial basis functions, N: cubes of the distance between the scaled features z and
+ * the centres, and a linear tail. z: [2]; centers: [2][n_centers]; weights: [n_centers]; tail:
+ * [3]. */
 static inline sp_real sp_rbf_force(const sp_real *z, const sp_real *centers, const sp_real *weights,
                                    uint32_t n_centers, const sp_real *tail)
 {

@@ -7,8 +7,8 @@
 
 #include "sp_number.h"
 
-/* Advance poles that share one input: h[n] = h[n-1] - loss h[n-1] + rise. out: h in the scene's
- * type. */
+/* Advance relaxations that share one input by a tick, in double: h = h - loss h + rise. A slow
+ * one loses less in a tick than float can tell. out: h in the scene's type. */
 static inline void sp_slow_poles(const double *loss, uint32_t n_poles, sp_real rise, double *h,
                                  sp_real *out)
 {
@@ -18,7 +18,7 @@ static inline void sp_slow_poles(const double *loss, uint32_t n_poles, sp_real r
     }
 }
 
-/* Advance poles that have an input each: g now, `before` at the last tick. */
+/* As above for branches that have an input each: g now, `before` at the last tick. */
 static inline void sp_slow_poles_separate(const double *loss, uint32_t n_poles, const sp_real *g,
                                           sp_real *before, double *h, sp_real *out)
 {

@@ -21,8 +21,9 @@ typedef struct {
     sp_real force_n; /* its force there */
 } sp_surface_state;
 
-/* Compute to where the surface recovers in a tick from `from_u` under force_n. max_slope_n:
- * [n_intervals], upper bound of the force gained in each interval, N. */
+/* Depth to which a surface that the tool has left recovers in this tick, driven by the force
+ * force_n that is left in the branches. max_slope_n: [n_intervals], upper bound of the force
+ * gained in each interval, N. */
 static inline sp_real sp_surface_recovered_u(const sp_real *max_slope_n, uint32_t n_intervals,
                                              sp_real from_u, sp_real force_n)
 {
@@ -41,7 +42,8 @@ static inline sp_real sp_surface_recovered_u(const sp_real *max_slope_n, uint32_
     return end / n_per_u;
 }
 
-/* Normalised depth that the model sees while the tool is at u. NaN passes. */
+/* Depth that the model sees while the tool is at u: that of the tool, or of the surface where
+ * the tool leaves faster than the surface recovers. NaN passes. */
 static inline sp_real sp_surface_model_u(const sp_real *max_slope_n, uint32_t n_intervals,
                                          const sp_surface_state *state, sp_real u)
 {

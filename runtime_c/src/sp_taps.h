@@ -13,7 +13,9 @@ enum {
     SP_TAPS_LANES = 16 /* windows are padded to a multiple of this, with taps of 0 */
 };
 
-/* taps: [n_features][length]; window: [length]; features: [n_features]. */
+/* Fractional derivatives as weighted sums over a window (Grunwald-Letnikov), added in a fixed
+ * order that vectors keep too. taps: [n_features][length]; window: [length]; features:
+ * [n_features]. */
 static inline void sp_taps(const sp_real *taps, const sp_real *window, uint32_t length,
                            uint32_t n_features, sp_real *features)
 {

@@ -17,7 +17,8 @@ static inline void sp_tool_velocity_rest(sp_tool_velocity_state *state, sp_real 
     state->velocity_mps = (sp_real)0;
 }
 
-/* weight: of the newest difference, dt/(dt + time constant). Returns m/s. */
+/* Velocity by differences through a low pass of first order, m/s. weight: of the newest
+ * difference, dt/(dt + time constant). */
 static inline sp_real sp_tool_velocity(sp_tool_velocity_state *state, sp_real rate_hz,
                                        sp_real weight, sp_real x)
 {

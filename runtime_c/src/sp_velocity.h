@@ -12,7 +12,9 @@
 
 #include "sp_real.h"
 
-/* window: newest first, length + 1 samples; per_step[j] = 1/((j + 1) dt), 1/s. Returns m/s. */
+/* Velocity by first-order adaptive windowing (Janabi-Sharifi, Hayward, Chen 2000), m/s: the
+ * slope over the longest window whose samples all lie within band_m of a line. window: newest
+ * first, length + 1 samples; per_step[j] = 1/((j + 1) dt), 1/s. */
 static inline sp_real sp_velocity_foaw(const sp_real *window, const sp_real *per_step,
                                        uint32_t length, sp_real band_m)
 {

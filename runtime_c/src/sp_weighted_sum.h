@@ -13,7 +13,8 @@ enum {
     SP_VECTOR_WIDTH = 4 /* lanes are padded to a multiple of this */
 };
 
-/* weights: [n_inputs][vector_width]; in: [n_inputs]; out: [vector_width]. */
+/* Product of a vector and a matrix whose rows fill whole vector registers. weights:
+ * [n_inputs][vector_width]; in: [n_inputs]; out: [vector_width]. */
 static inline void sp_weighted_sum(const sp_real *weights, const sp_real *in, uint32_t n_inputs,
                                    uint32_t vector_width, sp_real *out)
 {

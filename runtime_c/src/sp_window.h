@@ -17,7 +17,8 @@ static inline void sp_window_fill(sp_real *samples, uint32_t *newest, uint32_t l
     *newest = 0;
 }
 
-/* Push x; returns the window that begins with it. */
+/* Add x to a window stored twice, so that `length` samples, newest first, are always in one
+ * piece; returns where they begin. */
 static inline const sp_real *sp_window_push(sp_real *samples, uint32_t *newest, uint32_t length,
                                             sp_real x)
 {

@@ -69,7 +69,7 @@ class FlowBranches:
         return steep @ self.force_n.astype(np.float64)
 
     def advance(self, u: Reals, before: Reals, h: Reals) -> tuple[Reals, Reals, Reals]:
-        """Forces of ticks at u (n,), N, in the order of the C; and b and h after the last one."""
+        """Return the dashpots' forces of ticks at u (n,), N, and their state after them."""
         real = self.loss.dtype.type
         root = sqrt if real is np.float64 else np.sqrt
         functions = evaluate_flow_functions(u)
@@ -91,7 +91,7 @@ class FlowBranches:
 
 
 def build_flow_branches(flow: Flow, ticks: SceneTicks) -> FlowBranches:
-    """Return the branches of a model, those of power 3 first."""
+    """Return a model's nonlinear dashpots (sp_flow.h), those of power 3 first, as C does."""
     order = sort_by_power(flow)
     power, rate = flow.power[order], flow.rate_ps[order]
     degrees = flow.degree[order].tolist()
@@ -132,7 +132,7 @@ class DamageCurves:
         ]
 
     def advance(self, u: Reals, place: CurveLocation, deepest: Reals) -> tuple[Reals, Reals]:
-        """Return forces of ticks at u (n,), N, in the order of the C; and M after the last one."""
+        """Return the damage curves' forces of ticks at u (n,), N, and the greatest depths."""
         real, v = u.dtype.type, np.where(u > 0, u, u.dtype.type(0))[:, None]
         max_depth, ends = np.empty((len(u), len(deepest)), u.dtype), np.empty_like(deepest)
         for k, begin in enumerate(to_scalars(deepest)):
@@ -152,7 +152,7 @@ class DamageCurves:
 
 
 def build_damage_curves(damage: Damage, ticks: SceneTicks) -> DamageCurves:
-    """Return the curves of a model, those of power 1 first."""
+    """Return the damage curves (Mullins effect, sp_damage.h) of a model, those of power 1 first."""
     dtype = ticks.dtype
     order = sort_by_power(damage)
     heal_s = damage.heal_s[order]
@@ -192,7 +192,10 @@ class RecoveringSurface:
         ]
 
     def at(self, u: Scalar, before: Scalar, force_n: Scalar) -> Scalar:
-        """sp_surface_model_u: where the model is while the tool is at u; it was at `before`."""
+        """Return the surface's depth while the tool is at u: the tool's, or recovering.
+
+        `before`: its depth in the tick before (sp_surface_model_u).
+        """
         if not u < before:
             return u
         if not force_n > 0:
@@ -202,7 +205,7 @@ class RecoveringSurface:
         return u if u > back else back
 
     def may_leave(self, u: Reals, before: Reals, force_n: Reals) -> Flags:
-        """Ticks, (n,), in which the tool may come off: all with `at` above u, and few others.
+        """Find the ticks, (n,), in which the tool may leave the surface: all, and few others.
 
         Where the largest slope up to `before`, over that distance, takes more than the force.
         """
@@ -216,7 +219,7 @@ class RecoveringSurface:
         return to_scalars(self.max_slope_n)
 
     def _retract(self, before: Scalar, force_n: Scalar) -> Scalar:
-        """sp_surface_recovered_u: how far the surface comes back in a tick."""
+        """Return the depth to which a free surface recovers in a tick (sp_surface_recovered_u)."""
         real, max_slope_n = scalar_type(self.max_slope_n.dtype.type), self._max_slopes_n
         last = len(max_slope_n) - 1
         interval_position = (before if before > 0 else real(0)) * real(count_intervals(last + 1))
@@ -233,7 +236,7 @@ class RecoveringSurface:
 
 
 def build_surface(most_n: Samples, dtype: RealType) -> RecoveringSurface:
-    """Bound the stiffness of each piece, above which a step back could pull.
+    """Bound each piece's stiffness, so that the surface recovers without ever pulling.
 
     most_n: the most that the force rises at each node, (J,), N for u from 0 to 1.
     """

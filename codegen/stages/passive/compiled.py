@@ -28,7 +28,7 @@ class CompiledMotion(PassiveMotion):
     _tables: CData
 
     def along(self, u: Reals) -> tuple[Reals, Reals]:
-        """Force of ticks with the tool at u, (n,), N, and where the model is then, (n,)."""
+        """Return force, (n,), N, and depth of the surface, (n,), with the tool at u, (n,)."""
         library, force_n, model_u = fit_library(), np.empty_like(u), np.empty_like(u)
         arrays = {
             "before": self._before.copy(),
@@ -58,7 +58,7 @@ class CompiledMotion(PassiveMotion):
 
 
 def build_tables(stage: "HammersteinStage") -> CData:
-    """Build the sp_fit_model of a stage in float64 with vectors of one branch."""
+    """Build the C struct of a passive model, in float64, for the C of a fit (sp_fit.c)."""
     library, config, none = fit_library(), stage.config, np.zeros(0)
     flow, damage, surface = stage.flow, stage.damage, stage.surface
     loss = {step.by_depth: step.loss for step in stage.steps}

@@ -64,7 +64,7 @@ class StartMemory:
     surface: bool
 
     def position(self, tool_u: Scalar) -> Scalar | None:
-        """Return the u at which the model starts for a tool at tool_u; None: rests, too far from u.
+        """Return the depth u at which the model starts for a tool at tool_u; None: at rest.
 
         The next tick moves it to the tool. At a surface a tool above is let go in it, and one far
         below has come there slowly; without one the object would pull or push at either.
@@ -75,6 +75,7 @@ class StartMemory:
         return None if tool_u < least or tool_u > most else self.u
 
     def tables(self) -> list[str]:
+        """Render the state in which training ended as C tables, for scenes that start with it."""
         named = {"held": self.held_n, "flow": self.flow, "deepest": self.deepest, "play": self.play}
         return [
             "/* The object as the training presses left it, when its history restarts. */",
@@ -132,7 +133,7 @@ class HammersteinStage(Stage):
 
     @property
     def members(self) -> tuple[Member, ...]:
-        """Input and state of each branch, the slow ones' own, play of each stop, and the rest's."""
+        """Return the members of sp_state: inputs and forces of branches, sliders, the rest."""
         capacity, stops, name = self.config.n_branches, self.config.n_stops, self.follows
         slow = [
             Member(f"double {name}_{step.names.prefix}[{step.count}]", (DOUBLE,) * step.count)
@@ -152,7 +153,7 @@ class HammersteinStage(Stage):
 
     @property
     def curves(self) -> dict[str, Reals]:
-        """Arrays that a place scales, by their names in the C; all of them are linear in it."""
+        """Return the arrays that a site scales, by their names in C; all of them are linear."""
         arrays = {"spring": self.spring, "branches": self.branches, "stops": self.stops}
         if self.damage is not None:
             arrays["damage"] = self.damage.curves
@@ -163,7 +164,7 @@ class HammersteinStage(Stage):
         return {name: values for name, values in arrays.items() if values.size}
 
     def at(self, place_m: tuple[float, float] | None) -> "HammersteinStage":
-        """Return the stage as it is at a place, x and y, m; None: until one is chosen."""
+        """Return the stage with the curves of a site, x and y, m; None: of the first site."""
         if self.placed is None:
             return self
         mixed = self.placed.at(place_m or self.placed.start_m)
@@ -182,6 +183,7 @@ class HammersteinStage(Stage):
         )
 
     def tables(self) -> list[str]:
+        """Render the C tables: curves of spring and branches, losses, radii of the sliders."""
         stops = bool(self.config.n_stops)
         parts = [
             "/* Curves: values and slopes at the nodes, a column a branch (sp_curve.h). */",
@@ -242,9 +244,9 @@ def hammerstein_stage(model: Hammerstein, ticks: SceneTicks, follows: str) -> Ha
     """Turn a fitted passive model into the tables that a tick evaluates.
 
     The gains of the poles are folded into the branches' curves, which are padded to whole vectors.
-    A stop is P(u) - P(play): P(u) is added to the spring's curve, and a tick subtracts P(play).
-    follows: the depth of a tick that the model is evaluated at, "penetration" or "clipped". A
-    model without a surface may pull.
+    A stop (a slider with a spring: friction) is P(u) - P(play): P(u) is added to the spring's
+    curve, and a tick subtracts P(play). follows: the depth of a tick that the model is evaluated
+    at, "penetration" or "clipped". A model without a surface may pull.
     """
 
     def curves_of(material: Hammerstein) -> dict[str, Reals]:
@@ -300,6 +302,7 @@ def hammerstein_stage(model: Hammerstein, ticks: SceneTicks, follows: str) -> Ha
 def _build_surface(
     model: Hammerstein, slopes_n: Reals, flow: FlowBranches | None, dtype: RealType
 ) -> RecoveringSurface:
+    """Return the recovering surface of a model that never pulls; None for one that may."""
     most_n = slopes_n.sum(axis=0)
     if flow is not None:
         most_n = most_n + flow.slopes_n(model.nodes)

@@ -70,7 +70,7 @@ class MaxwellBranches:
         return [array_text(f"{self.names.prefix}_loss", c_type, self.loss)]
 
     def advance(self, rises: Reals, location: CurveLocation, h: Reals) -> Reals:
-        """Return states after each tick, (n, count), from h, (count,); rises (n, count)."""
+        """Return the branches' forces after each tick, (n, count); h: before; rises (n, count)."""
         if self.double:
             rises = rises.astype(np.float64)
         if not self.by_depth:
@@ -90,9 +90,10 @@ class MaxwellBranches:
 def group_branches(
     model: Hammerstein, ticks: SceneTicks
 ) -> tuple[tuple[MaxwellBranches, ...], Reals, Reals]:
-    """The branches by who steps them; in that order their slopes, (capacity, J), and memory, N.
+    """Group Maxwell branches by how C steps them: float or double, constant rate or by depth.
 
-    Those in float first, of constant rate first among them and filled up to whole vectors.
+    Returns the groups, and in their order the slopes, (capacity, J), and memory, N. Those in float
+    come first, of constant rate first among them and filled up to whole vectors.
     """
     dt_s, dtype = ticks.dt_s, ticks.dtype
     double = (model.slowest_s > SLOW_TICKS * dt_s) & (dtype is np.float32)

@@ -127,7 +127,7 @@ class PassiveMotion:
         return len(u)
 
     def _advance_detached(self, u: Reals, done: int, force_n: Reals, at: Reals) -> int:
-        """Tick by tick from `done` on until the tool is back; returns the first tick after.
+        """Advance tick by tick while the tool is off the surface; return the first tick back on it.
 
         In numbers and not in arrays: of one tick those take seven times as long.
         """
@@ -173,7 +173,7 @@ class PassiveMotion:
         return force_n
 
     def _add_extra_force_n(self, u: Reals, force_n: Reals | Scalar) -> Reals:
-        """Force of ticks at u with that of flow and damage, (n,), N."""
+        """Add the forces of nonlinear dashpots and damage to contact_n, (n,), N."""
         stage = self._stage
         if stage.flow is not None:
             flow_n, self._functions, self._flow = stage.flow.advance(u, self._functions, self._flow)
@@ -185,7 +185,7 @@ class PassiveMotion:
         return force_n
 
     def _static_force_n(self, u: Reals, spring_n: Reals) -> Reals:
-        """Force of spring, stops and bias, (n,), N; moves the plays."""
+        """Return the force of spring, sliders and bias at u, (n,), N; moves the sliders."""
         still_n: Reals = spring_n + self._stage.config.bias_n
         if not len(self._play):
             return still_n
@@ -221,7 +221,7 @@ class _DetachedTick:
         return np.array(self._before, dtype), states, np.array(self._play, dtype)
 
     def advance(self, u: Scalar) -> Scalar:
-        """Force of a tick with the model at u, N."""
+        """Return the force of one tick with the surface at u, N: by it the surface recovers."""
         interval, fraction = self._locate(u)
         still_n, *g = self._evaluate(self._curves[interval], fraction)
         rises = [now - last for now, last in zip(g, self._before, strict=True)]
@@ -257,7 +257,7 @@ def _relax_by_tick(
     step: MaxwellBranches, losses: list[list[Scalar]], states: list[Scalar],
     rises: list[Scalar], location: tuple[int, Scalar],
 ) -> None:  # fmt: skip
-    """`MaxwellBranches.advance` by one tick; changes the states."""
+    """Advance Maxwell branches by one tick, in place, in plain numbers."""
     rises = list(map(float, rises)) if step.double else rises
     (interval, fraction), real = location, type(rises[0])
     for k, (z, rise) in enumerate(zip(states, rises, strict=True)):
@@ -278,7 +278,7 @@ def _list_pieces(nodes: Reals) -> list[_Piece]:
 
 
 def _sum_branches(branch_n: Reals) -> Reals:
-    """Sum of the branches, (n,): four partial sums, as the C's vectors add them."""
+    """Sum the branches' forces, (n,), in four partial sums, in the order of the C's vectors."""
     s = np.zeros((VECTOR_WIDTH, len(branch_n)), dtype=branch_n.dtype)
     for first in range(0, branch_n.shape[1], VECTOR_WIDTH):
         vector = branch_n[:, first : first + VECTOR_WIDTH].T

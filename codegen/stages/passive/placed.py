@@ -63,6 +63,7 @@ class PlacedCurves:
         )
 
     def tables(self) -> list[str]:
+        """Render the C tables: each material's curves, and the amounts at every node."""
         materials = self.config.n_materials
         return [
             "/* A map: amounts at the nodes, and the curves of each material (sp_map.h). */",
@@ -84,11 +85,11 @@ class PlacedCurves:
         return first_m, per_step, np.array(place_m, dtype=first_m.dtype)
 
     def find_changes(self, asked: PlaceTicks, lets_in: Callable[[int], int]) -> PlaceTicks:
-        """Places that are felt, and the first row of each, from those that are asked for.
+        """Find the sites that are felt, and the first row of each, from those that were asked for.
 
-        asked: rows from which each is asked for, in order; lets_in: the first row from one on in
-        which the tool is off the object, or the history restarts. A place that is felt already
-        changes nothing.
+        A site changes only while the tool is off the object. asked: rows from which each is asked
+        for, in order; lets_in: the first row from one on in which the tool is off the object, or
+        the history restarts. A site that is felt already changes nothing.
         """
         changes = {0: self.start_m}
         steps = locate_in_grid(self.config.nodes, *self._grid(self.start_m))
@@ -100,7 +101,7 @@ class PlacedCurves:
         return list(changes.items())
 
     def at(self, place_m: tuple[float, float]) -> dict[str, Reals]:
-        """Curves at a place, m, by their names in the C."""
+        """Return the curves at a site, m, by their names in the C."""
         amount = interpolate_amounts(self.amounts, *self._grid(place_m))
         ends = np.cumsum([*self.sizes.values()])[:-1]
         curves = dict(
@@ -114,7 +115,10 @@ class PlacedCurves:
 def build_placed_curves(
     model: Hammerstein, curves_of: Callable[[Hammerstein], dict[str, Reals]], dtype: RealType
 ) -> PlacedCurves | None:
-    """Return the map of a model that has one; curves_of: the arrays of a model of one material."""
+    """Return the map of an object that differs from site to site; None for one that is the same.
+
+    curves_of: the arrays of a model of one material.
+    """
     places = model.places
     if places is None:
         return None

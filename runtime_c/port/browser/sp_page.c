@@ -25,6 +25,8 @@ void sp_page_set_device(double mass_kg, double viscous_nspm, double coulomb_n)
     moved = (sim_hand_device){mass_kg, viscous_nspm, coulomb_n};
 }
 
+/* Change the hand that holds the tool, and by how many ticks its device is late. Forces on
+ * their way stay. */
 void sp_page_set_hand(double mass_kg, double stiffness_npm, double damping_nspm, uint32_t delay)
 {
     hand = (sim_hand){mass_kg, stiffness_npm, damping_nspm};
@@ -35,6 +37,7 @@ void sp_page_set_hand(double mass_kg, double stiffness_npm, double damping_nspm,
     delay_samples = wanted;
 }
 
+/* Put a tool at rest at position_m, with no force on its way. */
 void sp_page_start(double position_m)
 {
     sp_init(&state);
@@ -45,7 +48,7 @@ void sp_page_start(double position_m)
     }
 }
 
-/* The force that acts in this tick, N. */
+/* Queue the newest force and return the one that is delay_samples old, which acts now, N. */
 static double acting_n(double newest_n)
 {
     sent_n[delay_samples] = newest_n;
@@ -56,7 +59,8 @@ static double acting_n(double newest_n)
     return found_n;
 }
 
-/* The hand intends to go evenly to to_m. */
+/* Advance hand and tool by a tick (leapfrog) while the hand's intended position goes evenly to
+ * to_m. */
 static void move_hand(double dt_s, double to_m, double force_n)
 {
     const uint32_t substeps = sim_hand_substeps(&hand, &moved, dt_s, SUBSTEPS);
@@ -71,6 +75,7 @@ static void move_hand(double dt_s, double to_m, double force_n)
     last_intended_m = to_m;
 }
 
+/* Close the loop for `rows` ticks: the scene gives a force, the hand moves under it. */
 void sp_page_run(uint32_t rows, double dt_s)
 {
     for (uint32_t i = 0; i < rows && i < SP_PAGE_ROWS; i++) {

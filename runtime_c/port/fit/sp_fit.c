@@ -61,6 +61,8 @@ void sp_fit_flow(uint32_t n, const double *u, const double *steps_s, uint32_t n_
                  double *columns);
 /* springpot declarations end */
 
+/* Force of the passive model at depth u, N, and its state one tick on: spring, branches,
+ * sliders, flow and damage, the sum that the emitted C makes. */
 static double next_force(const sp_fit_model *m, const sp_hammerstein_config *config,
                          const sp_hammerstein_tables *tables, sp_fit_state *s, double u)
 {
@@ -78,6 +80,8 @@ static double next_force(const sp_fit_model *m, const sp_hammerstein_config *con
     return force_n + sp_damage(m->healed, m->n_linear, m->n_damage, u, intact, s->deepest);
 }
 
+/* Simulate the model over n depths u (1 is the depth of training). Where the tool leaves faster
+ * than the surface recovers, model_u is the surface and the force 0. */
 void sp_fit_motion(const sp_fit_model *model, sp_fit_state *state, uint32_t n, const double *u,
                    double *force_n, double *model_u)
 {
@@ -96,7 +100,8 @@ void sp_fit_motion(const sp_fit_model *model, sp_fit_state *state, uint32_t n, c
     }
 }
 
-/* What each pole keeps of what it holds, and takes of a rise, in this tick. */
+/* Factors of this tick's recursion h = kept h + gain rise for each relaxation: constant ones
+ * are copied, those that depend on depth are interpolated at `place`. */
 static void set_poles(const sp_fit_terms *t, sp_fit_work *w, sp_curve_position place)
 {
     const double *at = t->depth_loss + place.interval * t->n_depth;
@@ -111,6 +116,8 @@ static void set_poles(const sp_fit_terms *t, sp_fit_work *w, sp_curve_position p
     }
 }
 
+/* Advance every regressor of the linear fit by a tick to depth u: for each relaxation a state a
+ * node of the curve, for each slider its play, for each damage curve the deepest depth. */
 static void step_terms(const sp_fit_terms *t, sp_fit_work *w, double u, const double *healed)
 {
     double *h = w->h;
@@ -143,6 +150,9 @@ static double *put(double *columns, double factor, const double *values, uint32_
     return columns + n;
 }
 
+/* Write the regressors of one row of the linear fit to columns; returns the place behind them.
+ * The unknown weights are forces at the nodes, so each term is the row of hat functions times
+ * its state. */
 static double *put_terms(const sp_fit_terms *t, const sp_fit_work *w, double u, double *columns)
 {
     const uint32_t nodes = t->n_nodes, constant = t->n_constant * nodes;
@@ -164,6 +174,8 @@ static double *put_terms(const sp_fit_terms *t, const sp_fit_work *w, double u, 
     return columns;
 }
 
+/* Build the matrix of the linear fit: run the regressors over n depths and write a row at each
+ * index of `rows`. A pause between two recordings is one step with factors of its own. */
 void sp_fit_columns(const sp_fit_terms *terms, sp_fit_work *work, uint32_t n, const double *u,
                     uint32_t n_rows, const int32_t *rows, double *columns)
 {
@@ -184,6 +196,8 @@ void sp_fit_columns(const sp_fit_terms *terms, sp_fit_work *work, uint32_t n, co
     }
 }
 
+/* Columns of the nonlinear dashpots (sp_flow.h) at the indices of `rows`: the state of each
+ * branch over n depths, whose weights the fit looks for. */
 void sp_fit_flow(uint32_t n, const double *u, const double *steps_s, uint32_t n_flow,
                  uint32_t n_cubic, const double *loss_ps, const uint8_t *function,
                  double *flow_before, double *h, uint32_t n_rows, const int32_t *rows,

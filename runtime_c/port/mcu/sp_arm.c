@@ -19,6 +19,8 @@ void sp_arm_reset(void);
 static uint32_t turns_per_period; /* turns of SysTick in a period: it counts to 2^24 only */
 static uint32_t turn;
 
+/* Start the core's timer so that a period of the scene is 2^k of its turns: its counter has 24
+ * bits. */
 void sp_arm_start_systick(float core_hz, float period_s)
 {
     uint32_t counts = (uint32_t)(core_hz * period_s + 0.5f);
@@ -31,6 +33,7 @@ void sp_arm_start_systick(float core_hz, float period_s)
     SYST_CSR = SYST_ON;
 }
 
+/* Interrupt of the timer: count its turns, and tell the port of each whole period. */
 static void on_systick(void)
 {
     turn++;
@@ -48,7 +51,8 @@ static void on_fault(void)
     }
 }
 
-/* Before main: nothing here may use the FPU, memcpy or a static variable. */
+/* Entry after a reset: enable the FPU, copy initialised data, clear the rest, call main. It
+ * runs before main: nothing here may use the FPU, memcpy or a static variable. */
 void sp_arm_reset(void)
 {
     CPACR |= FULL_ACCESS_FPU;

@@ -62,6 +62,7 @@ static inline uint32_t counter(void)
     return count;
 }
 
+/* Count of executed instructions since the start, 64 bits. */
 static uint64_t whole_counter(void)
 {
     uint32_t high, low, again;
@@ -84,6 +85,7 @@ static int overflowed(void)
 }
 #endif
 
+/* Make one recorded call of the scene and count its instructions. */
 static return_row execute_call(const call_row *call)
 {
     return_row row = {0};
@@ -102,6 +104,8 @@ static return_row execute_call(const call_row *call)
     return row;
 }
 
+/* Run recorded calls on an emulated board: read rows from a file of the host (semihosting),
+ * write force, notes and instructions of each back. */
 int main(void)
 {
     static const char in[] = "calls.bin", out[] = "returns.bin";

@@ -26,6 +26,7 @@ static void set_timer(uint64_t when)
     MTIMECMP_HIGH = (uint32_t)(when >> 32);
 }
 
+/* Time of the board's timer, 64 bits in two halves: read again if the upper one has changed. */
 static uint64_t now(void)
 {
     uint32_t high, low;
@@ -51,6 +52,7 @@ static void on_timer(void)
     sp_port_on_period();
 }
 
+/* Entry of every interrupt and fault of this RISC-V board. */
 __attribute__((interrupt("machine"), aligned(4))) void sp_virt_trap(void)
 {
     uint32_t cause;

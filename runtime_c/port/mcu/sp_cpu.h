@@ -2,6 +2,7 @@
 #ifndef SP_CPU_H
 #define SP_CPU_H
 
+/* Keep interrupts back: what follows is seen whole by them or not at all. */
 static inline void sp_cpu_disable_interrupts(void)
 {
 #if defined(__arm__)
@@ -11,6 +12,7 @@ static inline void sp_cpu_disable_interrupts(void)
 #endif
 }
 
+/* Let interrupts in again. */
 static inline void sp_cpu_enable_interrupts(void)
 {
 #if defined(__arm__)

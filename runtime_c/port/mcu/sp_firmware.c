@@ -8,6 +8,8 @@ int main(void);
 
 static sp_state scene;
 
+/* One period of the loop: read the tool, compute the force (or hold it, where no sample came),
+ * set the motor. */
 static void tick(void)
 {
     float position_m = 0.0f;
@@ -21,6 +23,8 @@ static void tick(void)
     sp_hand_force((float)force_n);
 }
 
+/* Check this compiler by the self-test, then run a tick a period. A board that fails the test
+ * keeps a force of 0. */
 int main(void)
 {
     const int is_sound = sp_selftest() == 0;

@@ -11,6 +11,7 @@ void sp_port_start(float period_s)
     sp_cpu_enable_interrupts();
 }
 
+/* Periods since the last call; 2 or more means that ticks were missed. */
 uint32_t sp_port_take_elapsed_periods(void)
 {
     sp_cpu_disable_interrupts();
@@ -20,6 +21,7 @@ uint32_t sp_port_take_elapsed_periods(void)
     return passed;
 }
 
+/* Sleep until an interrupt, unless a period has passed already. */
 void sp_port_sleep(void)
 {
     /* Held back, so that nothing comes between the look and the sleep. */

@@ -14,6 +14,8 @@ enum {
     SP_SEMIHOSTING_DONE = 0x20026 /* reasons of exit */
 };
 
+/* Ask the debugger or emulator for an operation on the host (Arm's semihosting; RISC-V has
+ * taken it over). */
 static inline uint32_t sp_semihosting(uint32_t operation, uintptr_t argument)
 {
 #if defined(__arm__)

@@ -16,6 +16,7 @@ static inline uint64_t sp_clock_ns(void)
     return count / hz * 1000000000u + count % hz * 1000000000u / hz;
 }
 
+/* Sleep until the monotonic clock says until_ns. Returns 0 or an error number. */
 static inline int sp_clock_sleep_until(uint64_t until_ns)
 {
     static const uint64_t spun_ns = 600000; /* a timer of high resolution is that late at most */
@@ -47,6 +48,7 @@ static inline uint64_t sp_clock_ns(void)
 }
 
 #if defined(__APPLE__) /* which has no clock_nanosleep */
+/* Sleep until the monotonic clock says until_ns. Returns 0 or an error number. */
 static inline int sp_clock_sleep_until(uint64_t until_ns)
 {
     uint64_t now_ns;
@@ -58,6 +60,7 @@ static inline int sp_clock_sleep_until(uint64_t until_ns)
     return 0;
 }
 #else
+/* Sleep until the monotonic clock says until_ns. Returns 0 or an error number. */
 static inline int sp_clock_sleep_until(uint64_t until_ns)
 {
     const struct timespec until = {.tv_sec = (time_t)(until_ns / 1000000000u),

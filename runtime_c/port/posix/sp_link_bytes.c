@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+/* Slot for the next sample; where all are taken the oldest goes. */
 sp_motion *sp_link_next_slot(sp_motion *motions, uint32_t capacity, int count)
 {
     if ((uint32_t)count < capacity) {
@@ -22,6 +23,7 @@ static HANDLE handle_of(int fd)
     return (HANDLE)(intptr_t)fd;
 }
 
+/* Wait until the descriptor has bytes, max_ns at most. Returns above 0 if it has. */
 int sp_link_wait(int fd, uint64_t max_ns)
 {
     static const uint64_t look_ns = 250000;
@@ -54,6 +56,7 @@ static int failed(void)
                : SP_LINK_GONE;
 }
 
+/* Wait until the descriptor has bytes, max_ns at most. Returns above 0 if it has. */
 int sp_link_wait(int fd, uint64_t max_ns)
 {
     const struct timespec left = {.tv_sec = (time_t)(max_ns / 1000000000u),

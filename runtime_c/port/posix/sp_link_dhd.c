@@ -90,6 +90,8 @@ static void watch_call(device *self, uint64_t begin_ns)
     }
 }
 
+/* Ask the device, once in STATUS_EVERY readings, whether its forces are still on and its button
+ * is pressed. */
 static void poll_status(device *self)
 {
     const sp_dhd *dhd = &self->dhd;
@@ -103,7 +105,8 @@ static void poll_status(device *self)
     self->pressed = dhd->get_button(0, (char)dhd->id) > 0;
 }
 
-/* Whether the SDK gave numbers. */
+/* Store position and velocity of the three axes if the SDK gave numbers; returns whether it
+ * did. */
 static int store_if_finite(device *self, const double *at_m, const double *at_mps)
 {
     for (int i = 0; i < AXES; i++) {
@@ -119,6 +122,8 @@ static int store_if_finite(device *self, const double *at_m, const double *at_mp
     return 1;
 }
 
+/* Read position and velocity along the pressed axis through the SDK. Returns 1 with a new
+ * sample, 0 without, or what ended the loop. */
 static int read_device(sp_link *link, uint64_t now_ns, sp_motion *motion, uint32_t capacity)
 {
     device *self = (device *)link;
@@ -159,7 +164,8 @@ static int read_device(sp_link *link, uint64_t now_ns, sp_motion *motion, uint32
     return self->tripped ? SP_LINK_TRIPPED : fresh;
 }
 
-/* What draws the tool to its line along an axis, a step above the last such force at most. */
+/* Spring force that keeps the tool on its line along another axis, N. It grows by a step a tick
+ * at most, wherever the tool is when it is seen again. */
 static double wall_n(const device *self, int axis, double share)
 {
     const sp_dhd *dhd = &self->dhd;
@@ -183,6 +189,8 @@ static double guide_force_n(device *self, uint64_t now_ns, int axis)
     return self->wall_n[axis] + (axis == UP ? share * self->dhd.weight_n : 0.0);
 }
 
+/* Send the force along the pressed axis, and the guide's along the others. Returns 0 if it was
+ * taken, 1 if not, or that the device is gone or tripped. */
 static int write_device(sp_link *link, uint64_t now_ns, double force_n)
 {
     device *self = (device *)link;
@@ -216,6 +224,7 @@ static int write_device(sp_link *link, uint64_t now_ns, double force_n)
     return put < 0;
 }
 
+/* Enable forces again, from 0. */
 static void reset_device(sp_link *link, uint64_t now_ns)
 {
     device *self = (device *)link;
@@ -232,6 +241,7 @@ uint32_t sp_link_dhd_size(void)
     return (uint32_t)sizeof(device);
 }
 
+/* Make the link of a Force Dimension device in the caller's memory. */
 sp_link *sp_link_dhd_init(void *memory, const sp_dhd *dhd)
 {
     device *self = (device *)memory;

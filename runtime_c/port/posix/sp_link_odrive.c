@@ -90,7 +90,8 @@ static void put_u32(uint8_t *bytes, uint32_t value)
     memcpy(bytes, &value, sizeof value);
 }
 
-/* One frame from the drive. */
+/* Take one CAN frame from the drive: a heartbeat tells its health, an encoder frame is a
+ * sample, a torque frame what the motor pushes. */
 static void handle_frame(odrive *self, uint32_t id, const uint8_t *data, uint32_t size)
 {
     const sp_odrive *drive = &self->drive;
@@ -129,6 +130,7 @@ static void handle_frame(odrive *self, uint32_t id, const uint8_t *data, uint32_
     }
 }
 
+/* Read all frames that have come. Returns the number of samples, or what ended the loop. */
 static int read_odrive(sp_link *link, uint64_t now_ns, sp_motion *motions, uint32_t capacity)
 {
     odrive *self = (odrive *)link;
@@ -147,6 +149,8 @@ static int read_odrive(sp_link *link, uint64_t now_ns, sp_motion *motions, uint3
     return count < 0 ? SP_LINK_GONE : self->tripped ? SP_LINK_TRIPPED : self->fresh;
 }
 
+/* Send one CAN frame to the drive. Returns 0, 1 where the system had no room, or that the bus
+ * is gone. */
 static int send_frame(odrive *self, uint32_t command, const uint8_t *data)
 {
     const uint32_t id = self->drive.node << 5 | command;
@@ -156,6 +160,7 @@ static int send_frame(odrive *self, uint32_t command, const uint8_t *data)
     return put < 0 ? SP_LINK_GONE : put < (int)sizeof frame;
 }
 
+/* Send one step of the arming: limits, torque mode, or closed loop. */
 static int send_arming(odrive *self, uint32_t command)
 {
     uint8_t data[BYTES] = {0};
@@ -171,7 +176,8 @@ static int send_arming(odrive *self, uint32_t command)
     return send_frame(self, command, data);
 }
 
-/* What is left of the arming, in order: 0, 1 where there was no room for all, or negative. */
+/* Send the steps of the arming that are left, in order. Returns 0, 1 where there was no room
+ * for all, or negative. */
 static int go_on_arming(odrive *self, uint64_t now_ns)
 {
     int put = 0;
@@ -185,6 +191,7 @@ static int go_on_arming(odrive *self, uint64_t now_ns)
     return put;
 }
 
+/* Send the force as a motor torque, and what is left of the arming before it. */
 static int write_odrive(sp_link *link, uint64_t now_ns, double force_n)
 {
     odrive *self = (odrive *)link;
@@ -202,6 +209,7 @@ static int write_odrive(sp_link *link, uint64_t now_ns, double force_n)
     return put;
 }
 
+/* Arm the drive again after a trip. */
 static void reset_odrive(sp_link *link, uint64_t now_ns)
 {
     odrive *self = (odrive *)link;
@@ -217,6 +225,7 @@ uint32_t sp_link_odrive_size(void)
     return (uint32_t)sizeof(odrive);
 }
 
+/* Make the link of an ODrive in the caller's memory. */
 sp_link *sp_link_odrive_init(void *memory, int fd, const sp_odrive *drive)
 {
     odrive *self = (odrive *)memory;

@@ -28,6 +28,8 @@ typedef struct {
 enum { CAPACITY = 4096, MAX_READINGS = 16 };
 static const uint64_t command_again_ns = 50000000;
 
+/* Send the pending command (again): the device acts once for a sequence number and acknowledges
+ * every copy. */
 static void send_command(serial *self, uint64_t now_ns)
 {
     uint8_t bytes[SP_WIRE_MAX_BYTES];
@@ -37,6 +39,8 @@ static void send_command(serial *self, uint64_t now_ns)
     (void)sp_link_write_bytes(self->link.fd, bytes, count);
 }
 
+/* Take one frame from the device: the acknowledgement of a command, or a sample, which goes to
+ * motions. Returns the number of samples. */
 static int take_frame(serial *self, const sp_wire_frame *frame, uint64_t now_ns, sp_motion *motions,
                       uint32_t capacity, int count)
 {
@@ -60,6 +64,8 @@ static int take_frame(serial *self, const sp_wire_frame *frame, uint64_t now_ns,
     return 1;
 }
 
+/* Read all bytes that have come and decode their frames; repeat a command that was not
+ * acknowledged. Returns the number of samples, or what ended the loop. */
 static int read_serial(sp_link *link, uint64_t now_ns, sp_motion *motions, uint32_t capacity)
 {
     serial *self = (serial *)link;
@@ -85,6 +91,7 @@ static int read_serial(sp_link *link, uint64_t now_ns, sp_motion *motions, uint3
     return self->tripped ? SP_LINK_TRIPPED : fresh;
 }
 
+/* Send a force. Returns 0, 1 where the system took it in part only, or that the device is gone. */
 static int write_serial(sp_link *link, uint64_t now_ns, double force_n)
 {
     serial *self = (serial *)link;
@@ -100,6 +107,7 @@ static int write_serial(sp_link *link, uint64_t now_ns, double force_n)
     return put < (int)count;
 }
 
+/* Ask the device to leave its trip. */
 static void reset_serial(sp_link *link, uint64_t now_ns)
 {
     serial *self = (serial *)link;
@@ -115,6 +123,7 @@ uint32_t sp_link_serial_size(void)
     return (uint32_t)sizeof(serial);
 }
 
+/* Make the link of a serial device in the caller's memory. */
 sp_link *sp_link_serial_init(void *memory, int fd, double surface_m, float watchdog_s,
                              float rate_hz, uint32_t next_sequence)
 {

@@ -41,6 +41,8 @@ static void reset_nothing(sp_link *link, uint64_t now_ns)
     (void)now_ns;
 }
 
+/* A simulated hand's sample: it presses along a cosine between 0 and depth_m, against the force
+ * that was sent last. */
 static int read_hand(sp_link *link, uint64_t now_ns, sp_motion *motion, uint32_t capacity)
 {
     (void)capacity;
@@ -67,6 +69,7 @@ uint32_t sp_link_sim_size(void)
     return (uint32_t)sizeof(hand);
 }
 
+/* Make the link of a simulated hand in the caller's memory. */
 sp_link *sp_link_sim_init(void *memory, void *tool, double dt_s, double depth_m,
                           double frequency_hz)
 {
@@ -83,6 +86,7 @@ sp_link *sp_link_sim_init(void *memory, void *tool, double dt_s, double depth_m,
     return &self->link;
 }
 
+/* The next sample of a recorded motion; nothing acts on it. */
 static int read_replay(sp_link *link, uint64_t now_ns, sp_motion *motion, uint32_t capacity)
 {
     (void)capacity;
@@ -112,6 +116,7 @@ uint32_t sp_link_replay_size(void)
     return (uint32_t)sizeof(replay);
 }
 
+/* Make the link that replays n recorded samples. */
 sp_link *sp_link_replay_init(void *memory, uint64_t n, const double *position_m,
                              const double *velocity_mps)
 {

@@ -13,6 +13,8 @@ static const uint64_t first_sample_ns = 200000000; /* longest wait for it before
  * silence much later. */
 static const uint64_t max_open_ns = 2000000;
 
+/* Take over what the host's thread has asked for since the last tick: another link, a reset, a
+ * pause. */
 static void accept_requests(sp_loop *self)
 {
     sp_link *next = atomic_exchange(&self->next_link, NULL);
@@ -58,6 +60,8 @@ static void advance(sp_loop *self, int fresh)
     self->deadline_ns += (uint64_t)step_ns;
 }
 
+/* Set the first deadline just behind a sample's arrival, so that samples are fresh when they
+ * are used. */
 static void first_deadline(sp_loop *self)
 {
     self->deadline_ns = sp_loop_now();
@@ -79,6 +83,8 @@ static void first_deadline(sp_loop *self)
                        : UINT64_MAX;
 }
 
+/* Thread of the loop: wait for the deadline, take the sample, compute and send the force, until
+ * something ends it; then send zero. */
 static void *run(void *argument)
 {
     sp_loop *self = (sp_loop *)argument;
@@ -118,6 +124,7 @@ uint32_t sp_loop_size(void)
     return (uint32_t)sizeof(sp_loop);
 }
 
+/* Start the loop's thread. Returns 0 or pthread's error. */
 int sp_loop_start(sp_loop *loop, const sp_loop_config *config, sp_link *link)
 {
     memset(loop, 0, sizeof *loop);
@@ -143,6 +150,7 @@ void sp_loop_request_stop(sp_loop *loop)
     loop->want_stop = 1;
 }
 
+/* Wait for the end of the thread. Returns 0 where that was done before. */
 int sp_loop_join(sp_loop *loop)
 {
     if (loop->joined) {
@@ -174,6 +182,7 @@ void sp_loop_set_measured_force(sp_loop *loop, double measured_n)
     loop->sensed_ns = sp_loop_now();
 }
 
+/* Copy counters and flags for the host's thread. */
 void sp_loop_get_status(sp_loop *loop, sp_loop_state *state)
 {
     *state = (sp_loop_state){.ticks = loop->ticks,

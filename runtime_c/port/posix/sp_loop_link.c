@@ -36,6 +36,8 @@ void sp_loop_arm_device(sp_loop *self)
     self->arming_ns = self->link->ready ? 0 : sp_loop_now();
 }
 
+/* Whether the scene's force may be rendered: not during a pause, after a trip, or while the
+ * device is being armed. An arming that takes too long counts as a trip. */
 int sp_loop_may_call_scene(sp_loop *self)
 {
     if (self->arming_ns && self->link != NULL) {
@@ -49,6 +51,8 @@ int sp_loop_may_call_scene(sp_loop *self)
     return !self->paused && !self->tripped && !self->arming_ns;
 }
 
+/* Send a force of zero at the end, several times and until it was taken: the last force that a
+ * device has must be 0. */
 void sp_loop_stop_device(sp_loop *self)
 {
     const uint64_t end_ns = sp_loop_now() + max_stopping_ns;

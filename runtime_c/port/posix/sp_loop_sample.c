@@ -5,6 +5,7 @@
 #include "sp_clock.h"
 #include "sp_loop_self.h"
 
+/* Read what has come from the device into the waiting samples, and note what ends the loop. */
 static void take(sp_loop *self)
 {
     sp_motion come[MAX_WAITING];
@@ -25,6 +26,8 @@ static void take(sp_loop *self)
     }
 }
 
+/* Wait until until_ns and take what comes; return before, once `wanted` samples wait (0: never
+ * before). */
 void sp_loop_wait_for_samples(sp_loop *self, uint64_t until_ns, int wanted)
 {
     uint64_t time_ns;
@@ -46,6 +49,8 @@ void sp_loop_consume_samples(sp_loop *self, int count)
             (size_t)self->waiting_count * sizeof *self->waiting);
 }
 
+/* Take the samples for this tick, waiting a quarter of a period for a late one, and drop those
+ * that are more than the periods they can belong to. */
 void sp_loop_collect_samples(sp_loop *self, uint64_t late_ns)
 {
     const int open = self->open_count + 1;

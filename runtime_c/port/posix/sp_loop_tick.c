@@ -6,6 +6,7 @@
 
 static const uint64_t silent_sensor_ns = 100000000;
 
+/* Begin the log's row of a period with its times. */
 static void begin_row(sp_loop *self, const sp_period *period)
 {
     sp_row *row = &self->row;
@@ -24,7 +25,8 @@ static double sensed_n(sp_loop *self, uint64_t now_ns)
     return at_ns != 0 && now_ns < at_ns + silent_sensor_ns ? self->sensed_n : (double)NAN;
 }
 
-/* What there is of the period's sample; now_ns: when the tick began. */
+/* Take the period's sample, if one has come, and its measured force into the row. now_ns: when
+ * the tick began. */
 static void take_sample(sp_loop *self, uint64_t now_ns, int fresh)
 {
     sp_row *row = &self->row;
@@ -42,7 +44,8 @@ static void take_sample(sp_loop *self, uint64_t now_ns, int fresh)
     row->measured_n = self->motion.measured_n;
 }
 
-/* The scene's call of this period. */
+/* Call the emitted C for this period: sp_step with a sample, sp_idle without; sp_reset before,
+ * if asked for. The row gets force, notes and duration. */
 static void call_scene(sp_loop *self, int fresh)
 {
     sp_row *row = &self->row;
@@ -88,6 +91,7 @@ static int is_beyond(double force_n, double max_force_n)
     return !(isfinite(force_n) && fabs(force_n) <= max_force_n);
 }
 
+/* End the loop where a force or the depth is beyond the session's limits. */
 static void check_limits(sp_loop *self)
 {
     const sp_row *row = &self->row;
@@ -110,6 +114,8 @@ void sp_loop_reset_rate_window(sp_loop *self)
     self->idle_run = 0;
 }
 
+/* A surplus sample stands for a period that was counted as one without: take it back, so that a
+ * device that is only late does not end the loop. */
 void sp_loop_uncount_idle(sp_loop *self, int surplus)
 {
     for (int back = 1; back <= RATE_WINDOW && surplus > 0; back++) {
@@ -120,7 +126,8 @@ void sp_loop_uncount_idle(sp_loop *self, int surplus)
     }
 }
 
-/* Too few samples are not the motion: the force would be that of another one. */
+/* End the loop where too many periods of the last ones had no sample: a force from too few
+ * samples would be that of another motion. */
 static void check_rate(sp_loop *self)
 {
     if (self->reason || self->link == NULL || !sp_loop_may_call_scene(self)) {
@@ -159,7 +166,7 @@ static int send_force(sp_loop *self, int behind, int *put)
     return silent;
 }
 
-/* The scene's call of a period, and its limits. */
+/* Compute a period: its row, its sample, the scene's force and the checks of it. */
 static void run_period(sp_loop *self, const sp_period *period, uint64_t now_ns, int fresh)
 {
     begin_row(self, period);
@@ -176,6 +183,7 @@ static void run_period(sp_loop *self, const sp_period *period, uint64_t now_ns, 
     check_rate(self);
 }
 
+/* Finish the row of a period, count it, and hand it to the log. */
 static void put_row(sp_loop *self, const sp_period *period, double sent_n, int call, int fresh)
 {
     self->row.sent_n = sent_n;
@@ -186,7 +194,8 @@ static void put_row(sp_loop *self, const sp_period *period, double sent_n, int c
     sp_ring_put(&self->ring, &self->row);
 }
 
-/* A period that was left open, and in which the last force was sent again. */
+/* Compute a period that was left open for its late sample; in its time the force before was
+ * sent again. */
 static void close_open_period(sp_loop *self, const sp_period *period, uint64_t now_ns, int fresh)
 {
     const int before = self->reason;
@@ -200,6 +209,7 @@ static void close_open_period(sp_loop *self, const sp_period *period, uint64_t n
     }
 }
 
+/* Compute the period that has just begun, and send its force. */
 static void close_current_period(sp_loop *self, const sp_period *period, int behind, int fresh)
 {
     int put;
@@ -229,6 +239,9 @@ static void close_open_periods(sp_loop *self, int count, int idle, uint64_t now_
             (size_t)self->open_count * sizeof *self->open_periods);
 }
 
+/* One tick. A period whose sample is late stays open, the last force is sent again, and it is
+ * computed with its sample in a later tick; after max_open periods without. Returns whether a
+ * sample had come. */
 int sp_loop_tick(sp_loop *self, int behind)
 {
     sp_period now = {.begin_ns = sp_loop_now(), .deadline_ns = self->deadline_ns};

@@ -10,6 +10,8 @@ static double next_command(sp_press *press)
     return press->at < press->n ? press->command_n[press->at++] : 0.0;
 }
 
+/* Limit and send the motor's force, N, remembering it for the observer; after a fault brake or
+ * let go instead. */
 static int apply_motor_force(sp_press *press, double motor_n, double *force_n)
 {
     const double limited_n = fmin(fmax(motor_n, -press->max_force_n), press->max_force_n);
@@ -21,7 +23,8 @@ static int apply_motor_force(sp_press *press, double motor_n, double *force_n)
     return press->latched ? press->latched_note : 0;
 }
 
-/* The tool moves on by what it was pushed with. */
+/* Observer, first half: move the estimated tool by a tick under the motor's force and the
+ * estimated resistance. */
 static void predict(sp_press *press)
 {
     const double motor_n =
@@ -32,7 +35,8 @@ static void predict(sp_press *press)
     press->tool_mps += change_mps;
 }
 
-/* What the position says: the filter of third order that forgets, with all poles alike. */
+/* Observer, second half: correct position, speed and resistance of the estimated tool by the
+ * measured position, with three equal poles. */
 static void correct(sp_press *press, double position_m)
 {
     const double pole = press->pole;
@@ -45,7 +49,8 @@ static void correct(sp_press *press, double position_m)
     press->seen = 1;
 }
 
-/* What the motor gives that does not reach the object; the sensor's moment is an earlier one. */
+/* Learn the device's own friction: what the observer says the motor works against, less the
+ * force that the sensor measures at the object, slowly. */
 static void update_resistance(sp_press *press)
 {
     const double past_n =
@@ -64,7 +69,8 @@ static double observer_force_n(const sp_press *press)
     return press->resistance_n - press->damping_nspm * press->tool_mps;
 }
 
-/* P and D of the measured error. */
+/* Force added to the command where no mass is known, N: P and filtered D of the measured
+ * force's error. */
 static double feedback_n(sp_press *press, double command_n)
 {
     double part_n = 0.0;
@@ -78,6 +84,7 @@ static double feedback_n(sp_press *press, double command_n)
     return part_n;
 }
 
+/* A tick with a sample: the motor's force that makes the object feel the next commanded force. */
 static int follow_command(sp_press *press, double position_m, double *force_n)
 {
     const double command_n = next_command(press);
@@ -95,7 +102,8 @@ static int follow_command(sp_press *press, double position_m, double *force_n)
     return apply_motor_force(press, motor_n, force_n);
 }
 
-/* Time goes on without a sample: the command does too, for a while. */
+/* A tick without a sample: go on with the command and the prediction until the watchdog's time
+ * is over. */
 static int wait_for_sample(sp_press *press, double dt_s, double *force_n)
 {
     double motor_n = next_command(press);
@@ -121,6 +129,7 @@ int sp_press_idle(sp_press *press, double dt_s, double *force_n)
     return wait_for_sample(press, dt_s, force_n);
 }
 
+/* Begin anew: no force, no estimate, no fault. */
 void sp_press_reset(sp_press *press)
 {
     press->error_n = 0.0;

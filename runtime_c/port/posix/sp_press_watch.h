@@ -19,7 +19,7 @@ static const double press_turn_mps = 0.02;     /* slower motion is no turn */
 static const double press_turn_s = 1.0 / 24.0; /* half a cycle above 12 Hz: commands end at 10 */
 enum { SP_PRESS_TURNS = 10 };
 
-/* The speed over the last positions; ticks without one count in the time. */
+/* Mean speed over the last positions, m/s; ticks without a position count in the time. */
 static inline void measure_speed(sp_press *press, double position_m)
 {
     const uint32_t at = press->places % SP_PRESS_SPEED_SAMPLES; /* where the oldest one is */
@@ -32,6 +32,8 @@ static inline void measure_speed(sp_press *press, double position_m)
     press->places++;
 }
 
+/* Whether the means of motor force and measured force have differed for too long: a sensor with
+ * a wrong sign or scale, or none in contact. */
 static inline int has_sensor_mismatch(sp_press *press)
 {
     if (press->tick == 0u || !isfinite(press->measured_n)) {
@@ -48,7 +50,8 @@ static inline int has_sensor_mismatch(sp_press *press)
     return press->unlike_s > press_unlike_s;
 }
 
-/* Turns faster than any command's, again and again. */
+/* Whether the tool has turned round, again and again, faster than any command does: a feedback
+ * that is unstable. */
 static inline int is_oscillating(sp_press *press)
 {
     const int way = press->speed_mps > press_turn_mps    ? 1
@@ -63,6 +66,7 @@ static inline int is_oscillating(sp_press *press)
     return press->turns >= SP_PRESS_TURNS && (press->p_gain != 0.0 || press->mass_kg > 0.0);
 }
 
+/* Look for what must end a press: overspeed, a sensor that disagrees, oscillation. */
 static inline void watch(sp_press *press, double position_m)
 {
     measure_speed(press, position_m);
@@ -77,7 +81,8 @@ static inline void watch(sp_press *press, double position_m)
                                                      : SP_PRESS_NO_FAULT;
 }
 
-/* After the end: what takes the speed out of a tool that ran away, outwards alone; else nothing. */
+/* After overspeed: the outward force that takes the speed out of a tool that ran away, N, for a
+ * short time; else 0. */
 static inline double brake_n(sp_press *press)
 {
     const double share = press->max_mps > 0.0 ? press->speed_mps / press->max_mps : 0.0;
@@ -88,6 +93,7 @@ static inline double brake_n(sp_press *press)
     return brakes ? press->max_force_n * fmin(share, 1.0) : 0.0;
 }
 
+/* Forget faults and what led to them. */
 static inline void reset_faults(sp_press *press)
 {
     press->fault = SP_PRESS_NO_FAULT;

@@ -7,6 +7,8 @@
 
 #include "sp_loop.h"
 
+/* Ask the system for a real-time priority, locked memory and a core of its own for this thread.
+ * Returns the SP_GRANTED_ bits of what it gave. */
 int32_t sp_realtime_request(int32_t priority, int32_t cpu)
 {
     int32_t got = 0;
@@ -30,6 +32,8 @@ int32_t sp_realtime_request(int32_t priority, int32_t cpu)
 
 #include "sp_loop.h"
 
+/* Ask the system for a real-time priority, locked memory and a core of its own for this thread.
+ * Returns the SP_GRANTED_ bits of what it gave. */
 int32_t sp_realtime_request(int32_t priority, int32_t cpu)
 {
     int32_t got = 0;

@@ -14,6 +14,7 @@ typedef struct {
     _Atomic uint64_t dropped;
 } sp_ring;
 
+/* Append a row without waiting (one writer, one reader); a full ring drops it and counts that. */
 static inline void sp_ring_put(sp_ring *ring, const sp_row *row)
 {
     const uint64_t head = atomic_load_explicit(&ring->head, memory_order_relaxed);
@@ -26,6 +27,7 @@ static inline void sp_ring_put(sp_ring *ring, const sp_row *row)
     atomic_store_explicit(&ring->head, head + 1, memory_order_release);
 }
 
+/* Take up to n rows, oldest first; returns how many. */
 static inline uint32_t sp_ring_get(sp_ring *ring, sp_row *rows, uint32_t n)
 {
     const uint64_t tail = atomic_load_explicit(&ring->tail, memory_order_relaxed);

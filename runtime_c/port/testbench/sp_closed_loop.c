@@ -11,6 +11,8 @@ typedef struct {
     int come;
 } sample;
 
+/* Close the loop of a scene and a simulated hand for n ticks, with samples late, lost or wrong
+ * as the scenario says. Returns the number of forces that were not finite, or a negative error. */
 int64_t sp_closed_loop_run(const sp_closed_loop_scene *scene, sim_tool *hand, uint32_t n,
                            const sp_closed_loop_scenario *scenario,
                            const sp_closed_loop_trace *trace)

@@ -15,6 +15,8 @@ static void read_through(uint8_t *cold, uint64_t bytes)
     }
 }
 
+/* Sleep until the next period; a caller that is late begins a new grid, so that it does not
+ * rush to catch up. */
 static int sleep_until_next(uint64_t *deadline_ns, double period_s)
 {
     const uint64_t now_ns = sp_clock_ns();
@@ -30,6 +32,7 @@ typedef int (*sp_step_function)(void *, sp_real, sp_real, sp_real *);
 typedef int (*sp_idle_function)(void *, sp_real, sp_real *);
 typedef void (*sp_reset_function)(void *);
 
+/* Run n recorded samples through the scene. */
 void sp_replay(void *step, void *state, uint32_t n, const sp_real *position_m,
                const sp_real *velocity_mps, sp_real *force_n, int32_t *notes)
 {
@@ -40,6 +43,7 @@ void sp_replay(void *step, void *state, uint32_t n, const sp_real *position_m,
     }
 }
 
+/* Make the calls of a log again: step, idle, reset or none, as `call` says for each tick. */
 void sp_replay_calls(void *step, void *idle, void *reset, void *state, uint32_t n,
                      const int32_t *call, const sp_real *position_m, const sp_real *velocity_mps,
                      const sp_real *dt_s, sp_real *force_n, int32_t *notes)
@@ -63,6 +67,8 @@ void sp_replay_calls(void *step, void *idle, void *reset, void *state, uint32_t 
     }
 }
 
+/* Time each tick, ns, one a period as a device would call it. cold: memory that is read through
+ * before each, so that the scene's tables are not in the cache. */
 int sp_replay_time_ticks(void *step, void *state, uint32_t n, const sp_real *position_m,
                          const sp_real *velocity_mps, double period_s, uint8_t *cold,
                          uint64_t cold_bytes, double *tick_ns)

@@ -7,6 +7,7 @@ static const uint32_t crc_nibbles[16] = {0x00000000u, 0x105ec76fu, 0x20bd8edeu, 
                                          0x82f63b78u, 0x92a8fc17u, 0xa24bb5a6u, 0xb21572c9u,
                                          0xc38d26c4u, 0xd3d3e1abu, 0xe330a81au, 0xf36e6f75u};
 
+/* CRC-32C (Castagnoli) of size bytes, four bits a step. */
 uint32_t sp_wire_crc32c(const uint8_t *bytes, uint32_t size)
 {
     uint32_t crc = 0xffffffffu;
@@ -72,6 +73,8 @@ static const uint8_t *get_f32(const uint8_t *at, float *value)
     return at;
 }
 
+/* Encode a frame as bytes for the line: head, body, CRC, in COBS, so that a 0 ends a frame and
+ * nothing else. Returns their number. */
 uint32_t sp_wire_encode(const sp_wire_frame *frame, uint8_t *bytes)
 {
     uint8_t plain[SP_WIRE_MAX_PLAIN];
@@ -98,7 +101,8 @@ uint32_t sp_wire_encode(const sp_wire_frame *frame, uint8_t *bytes)
     return used + 1;
 }
 
-/* Undo COBS within `bytes`; 0 where they are none. */
+/* Undo COBS (Cheshire, Baker 1997) in place; returns the size, 0 where the bytes are no such
+ * block. */
 static uint32_t cobs_decode(uint8_t *bytes, uint32_t size)
 {
     uint32_t next = 0;
@@ -117,6 +121,8 @@ static uint32_t cobs_decode(uint8_t *bytes, uint32_t size)
 
 enum { SEQUENCE_WINDOW = 32 }; /* the newest of which it is known whether they came */
 
+/* Whether a frame is new, by its sequence number; counts missing ones, and takes a late one off
+ * that count. */
 static int classify_sequence(sp_wire_receiver *receiver, const sp_wire_frame *frame)
 {
     const uint32_t sequence = frame->sequence;
@@ -139,6 +145,7 @@ static int classify_sequence(sp_wire_receiver *receiver, const sp_wire_frame *fr
     return SP_WIRE_NEW;
 }
 
+/* Decode the bytes of one frame; returns whether size and CRC are right. */
 static int decode_frame(sp_wire_receiver *receiver, sp_wire_frame *frame)
 {
     uint8_t *plain = receiver->bytes;
@@ -162,6 +169,7 @@ static int decode_frame(sp_wire_receiver *receiver, sp_wire_frame *frame)
     return 1;
 }
 
+/* Take one byte from the line. Returns SP_WIRE_NEW and the frame where it ends a good one. */
 int sp_wire_receive(sp_wire_receiver *receiver, uint8_t byte, sp_wire_frame *frame)
 {
     if (byte != 0) {

@@ -182,6 +182,8 @@ SP_COLD void sp_catch_up(sp_state *state, float position_m, float step_m,
     }
 }
 
+/* One tick with a new sample: check the sample, make up for missed ticks, evaluate the model,
+ * limit the force. Returns notes or an error. */
 int sp_step(sp_state *state, float position_m, float velocity_mps, float *force_n)
 {
     if (state == NULL || force_n == NULL) {
@@ -230,6 +232,7 @@ int sp_step(sp_state *state, float position_m, float velocity_mps, float *force_
     return notes;
 }
 
+/* Run sp_step over n recorded samples. Returns the notes of all of them. */
 int sp_run(sp_state *state, uint32_t n, const float *position_m, const float *velocity_mps,
            float *force_n)
 {
@@ -244,6 +247,8 @@ int sp_run(sp_state *state, uint32_t n, const float *position_m, const float *ve
     return notes;
 }
 
+/* A tick without a new sample: hold the last force, or let it fall once the silence is too
+ * long. */
 int sp_idle(sp_state *state, float dt_s, float *force_n)
 {
     if (state == NULL || force_n == NULL) {
@@ -258,6 +263,7 @@ int sp_idle(sp_state *state, float dt_s, float *force_n)
     return sp_hold_force(state, dt_s, 1.0f, force_n);
 }
 
+/* Begin with an object at rest and untouched. */
 void sp_init(sp_state *state)
 {
     if (state != NULL) {
@@ -266,6 +272,7 @@ void sp_init(sp_state *state)
     }
 }
 
+/* Begin anew after a latch or a pause; the site stays. */
 void sp_reset(sp_state *state)
 {
     sp_init(state);
@@ -283,7 +290,7 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"afe096191a962b045509a5d2f66c27a128bbbdd4a0f803b39bb584e01e13047b\", \"scene\": \"proxy\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [2.3093100251531682e-07, 0.011998460459983215], \"speed_mps\": 0.18366538639667027, \"force_n\": [-7.121525591458066e-15, 9.129659751043853]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"b7d8b7a58876a2513e526cd279e15c04a089f0578bb7289bb782c8e0f391f8ba\", \"scene\": \"proxy\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [2.3093100251531682e-07, 0.011998460459983215], \"speed_mps\": 0.18366538639667027, \"force_n\": [-7.121525591458066e-15, 9.129659751043853]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 afe096191a962b045509a5d2f66c27a128bbbdd4a0f803b39bb584e01e13047b */
+/* springpot 0.1.0 b7d8b7a58876a2513e526cd279e15c04a089f0578bb7289bb782c8e0f391f8ba */
 /* springpot: the force of a recorded soft object, tick by tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:

@@ -156,6 +156,8 @@ SP_COLD void sp_catch_up(sp_state *state, float position_m, float step_m,
     }
 }
 
+/* One tick with a new sample: check the sample, make up for missed ticks, evaluate the model,
+ * limit the force. Returns notes or an error. */
 int sp_step(sp_state *state, float position_m, float velocity_mps, float *force_n)
 {
     if (state == NULL || force_n == NULL) {
@@ -204,6 +206,7 @@ int sp_step(sp_state *state, float position_m, float velocity_mps, float *force_
     return notes;
 }
 
+/* Run sp_step over n recorded samples. Returns the notes of all of them. */
 int sp_run(sp_state *state, uint32_t n, const float *position_m, const float *velocity_mps,
            float *force_n)
 {
@@ -218,6 +221,8 @@ int sp_run(sp_state *state, uint32_t n, const float *position_m, const float *ve
     return notes;
 }
 
+/* A tick without a new sample: hold the last force, or let it fall once the silence is too
+ * long. */
 int sp_idle(sp_state *state, float dt_s, float *force_n)
 {
     if (state == NULL || force_n == NULL) {
@@ -232,6 +237,7 @@ int sp_idle(sp_state *state, float dt_s, float *force_n)
     return sp_hold_force(state, dt_s, 1.0f, force_n);
 }
 
+/* Begin with an object at rest and untouched. */
 void sp_init(sp_state *state)
 {
     if (state != NULL) {
@@ -241,6 +247,7 @@ void sp_init(sp_state *state)
     }
 }
 
+/* Begin anew after a latch or a pause; the site stays. */
 void sp_reset(sp_state *state)
 {
     sp_init(state);
@@ -258,7 +265,7 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"569c0af7f510823513d69669ea84ff5c4c0c2896b2ee5de9ed7c1e5eac2fdb13\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"041c94f3a9c3c469f2dd2940590ef593860f6eea4cf2845ad36a4218cd32dc61\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 569c0af7f510823513d69669ea84ff5c4c0c2896b2ee5de9ed7c1e5eac2fdb13 */
+/* springpot 0.1.0 041c94f3a9c3c469f2dd2940590ef593860f6eea4cf2845ad36a4218cd32dc61 */
 /* springpot: the force of a recorded soft object, tick by tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:
