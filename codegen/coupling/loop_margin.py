@@ -31,6 +31,7 @@ class LoopMargin:
     gain_margin: how many times as stiff as it is the loop just holds the object, at depths that a
     hand holds; pressed_margin: at those that are only pressed. vibration_mps: RMS speed of the
     tool at rest from the encoder's noise and steps. hand, extra_delay: of the gain margin.
+    as_spring: the object was counted as one, without losses.
     """
 
     gain_margin: float
@@ -38,6 +39,12 @@ class LoopMargin:
     vibration_mps: float
     hand: Hand
     extra_delay: int
+    as_spring: bool
+
+    @property
+    def object_text(self) -> str:
+        """The object, and how it was counted if that is cautious."""
+        return "this object" + (", taken as a spring without losses," if self.as_spring else "")
 
     @property
     def least(self) -> float:
@@ -132,7 +139,12 @@ def compute_loop_margin(
         pressed = float(gains[~held].min(initial=np.inf))
         margins.append(
             LoopMargin(
-                float(gains[held].min()), pressed, float(speeds_mps[held].max()), hand, extra_delay
+                float(gains[held].min()),
+                pressed,
+                float(speeds_mps[held].max()),
+                hand,
+                extra_delay,
+                tangent.is_spring,
             )
         )
     worst = min(margins, key=lambda margin: margin.least)
@@ -142,6 +154,7 @@ def compute_loop_margin(
         max(margin.vibration_mps for margin in margins),
         worst.hand,
         worst.extra_delay,
+        tangent.is_spring,
     )
 
 

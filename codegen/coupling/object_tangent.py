@@ -34,6 +34,11 @@ class ObjectTangent:
     decay: Samples
     is_held: NDArray[np.bool_]
 
+    @property
+    def is_spring(self) -> bool:
+        """True if nothing relaxes: the object is counted stiffer, to a loop, than one that does."""
+        return not self.branch_npm.size
+
     @staticmethod
     def from_spring(stiffness_npm: float) -> "ObjectTangent":
         """Return the tangent of an object that never relaxes."""

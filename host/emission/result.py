@@ -105,8 +105,9 @@ def coupling_notices(plan: Plan) -> list[str]:
     margin = plan_margin(plan, CHECKED_HANDS)
     if plan.scene.coupling.mode == "auto" and not margin.is_stable:
         notices.append(
-            f"warning: the {margin.hand_text} holds this object only {margin.least:.2g} times as "
-            "stiff as it is: state the device's delay, or take a faster loop"
+            f"warning: the {margin.hand_text} holds {margin.object_text} only "
+            f"{margin.least:.2g} times as stiff as it is: state the device's delay, or take a "
+            "faster loop"
         )
     if felt_npm >= MIN_FELT_FRACTION * object_npm:
         return notices

@@ -53,10 +53,12 @@ def margin_sentence(margin: LoopMargin, hands: str = "every hand") -> str:
     """Say whether a hand may hold the device, and by what margin; hands: those asked."""
     if not margin.is_stable:
         return (
-            f"Unstable in the {margin.hand_text}, which holds this object only {margin.least:.2g} "
-            "times as stiff as it is: do not hold the device with this scene."
+            f"Unstable in the {margin.hand_text}, which holds {margin.object_text} only "
+            f"{margin.least:.2g} times as stiff as it is: do not hold the device with this scene."
         )
-    return f"Stable in {hands}: the loop holds this object {margin.least:.2g} times as stiff."
+    return (
+        f"Stable in {hands}: the loop holds {margin.object_text} {margin.least:.2g} times as stiff."
+    )
 
 
 def plans_at_higher_rates(plan: Plan) -> Iterator[Plan]:
@@ -100,8 +102,9 @@ def require_stable(plan: Plan) -> None:
         return
     margin = plan_margin(plan)
     raise UnsafeError(
-        f"{plan.scene.name}: the loop is unstable (the {margin.hand_text} holds this object only "
-        f"{margin.least:.2g} times as stiff as it is, {1e-3 * plan.stiffness_npm:.4g} N/mm): "
+        f"{plan.scene.name}: the loop is unstable (the {margin.hand_text} holds "
+        f"{margin.object_text} only {margin.least:.2g} times as stiff as it is, "
+        f"{1e-3 * plan.stiffness_npm:.4g} N/mm): "
         f"{_what_is_stable(plan)}; or emit with --accept-unsafe, for replay only"
     )
 

@@ -6,6 +6,7 @@ from functools import cache
 
 import numpy as np
 import pytest
+from support.c import golden_forces
 from support.small import scene
 
 from springpot import Model, Recording, Scene
@@ -14,7 +15,7 @@ from springpot.codegen.errors import UsageError
 from springpot.codegen.make_plan import MIN_FELT_FRACTION, make_plan
 from springpot.codegen.scene import Coupling, Runtime
 from springpot.host.emission.result import coupling_notices, rate_notices
-from springpot.host.stability.linear import plan_margin
+from springpot.host.stability.linear import margin_sentence, plan_margin
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 
@@ -80,3 +81,12 @@ def test_recordings_slower_than_any_loop_are_rendered() -> None:
     assert make_plan(fitted("hammerstein", 5.0), with_rate(None)).dt_s == 1e-3
     with pytest.raises(UsageError, match="rate_hz = 1000, at which it is as exact"):
         make_plan(fitted("hammerstein", 5.0), with_rate(None, "off"))
+
+
+@pytest.mark.parametrize(("kind", "as_spring"), [("rbf-fd", True), ("hammerstein", False)])
+def test_a_verdict_on_a_regressor_says_that_its_losses_are_not_counted(
+    kind: str, as_spring: bool
+) -> None:
+    plan = make_plan(golden_forces.model(kind), scene(mode="auto"))
+    lines = [plan.coupling.why, margin_sentence(plan_margin(plan))]
+    assert [("this object, taken as a spring" in line) for line in lines] == [as_spring] * 2
