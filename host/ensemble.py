@@ -145,10 +145,11 @@ def _require_single_precision(law: Linear, values: Samples, predicted_n: Samples
 def require_same_data(
     regressor: Any, predicted_n: Samples, values: Samples, force_n: Samples
 ) -> None:
-    """Raise UsageError if the regressor explains less of the force than its like on these features.
+    """Raise UsageError if the regressor was plainly fitted on other features than these.
 
-    Its like has the same settings, however weak, and is fitted on every other row alone, or on as
-    few as the regressor was: what is worse has seen other features, such as scaled ones.
+    It explains less of the force than its like on them. Its like has the same settings, however
+    weak, and is fitted on every other row alone, or on as few as the regressor was: what is worse
+    has seen other features, such as scaled ones.
     """
     like = clone(regressor)
     if isinstance(like.get_params().get("max_samples"), int):

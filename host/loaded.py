@@ -45,6 +45,7 @@ class LoadedScene:
     """
 
     def __init__(self, folder: Path) -> None:
+        """Build or find the library of an emitted folder, and load it."""
         from springpot.host.emission.checksums import edited_files
         from springpot.host.emission.emission import require_emission
         from springpot.host.native.replay import Replay

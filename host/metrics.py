@@ -276,7 +276,7 @@ def _loading_strokes(position_m: Samples) -> Iterator[slice]:
 
 
 def _resolved_slopes(recording: Recording, predicted_n: Samples, way: slice) -> Samples:
-    """Slopes (k, 3), N/m: measured, its standard error, predicted."""
+    """Return the slopes that stand out from noise, (k, 3), N/m: measured, its error, predicted."""
     depth_m, force_n = recording.position_m[way], recording.force_n[way]
     for windows in _WINDOWS_PER_STROKE:
         windows_found = list(_slopes(depth_m, force_n, predicted_n[way], windows))
@@ -292,6 +292,7 @@ def _resolved_slopes(recording: Recording, predicted_n: Samples, way: slice) -> 
 def _slopes(
     depth_m: Samples, force_n: Samples, predicted_n: Samples, windows: int
 ) -> Iterator[Samples]:
+    """Fit a parabola over windows of depth on each way in: slope measured and predicted, N/m."""
     edges_m = np.linspace(depth_m[0], depth_m[-1], windows + 1)
     number = np.clip(np.searchsorted(edges_m, depth_m, side="right") - 1, 0, windows - 1)
     for window in range(windows):

@@ -37,11 +37,11 @@ _CHUNK_ROWS = 8192  # rows with windows that are gathered at once
 
 
 def gl_weights(order: float, length: int) -> Samples:
-    """Grünwald-Letnikov weights c_k h^r, (length,): (-1)^k binomial(order, k) from k = 0 on.
+    """Return the Grünwald-Letnikov weights c_k h^r, (length,): (-1)^k binomial(order, k), k from 0.
 
-    By the recurrence c_k = c_(k-1) (k - 1 - r)/k, which overflows at no length (the gamma
-    functions of the paper's equation (15) do from k = 171 on). Raises ValueError where the order
-    is not in [0, 1] or there is no tap.
+    By the recurrence c_k = c_(k-1) (k - 1 - r)/k, which overflows at no length (the gamma functions
+    of the paper's equation (15) do from k = 171 on). Raises ValueError where the order is not in
+    [0, 1] or there is no tap.
     """
     if not 0.0 <= order <= 1.0:
         raise ValueError(f"fractional order {order}: give one in [0, 1]")
@@ -76,7 +76,7 @@ def fit_recursive_bank(orders: tuple[float, ...], dt_s: float, longest_s: float)
 
 
 def _fit_pole_weights(order: float, tau_s: Samples, omega: Samples) -> Samples:
-    """Weights w >= 0, (poles,), with sum of w s/(s + 1/tau) ~ s^r on s = j omega (relative)."""
+    """Fit weights w >= 0, (poles,), so that the sum of w s/(s + 1/tau) is near s^r, s = j omega."""
     from scipy.optimize import nnls  # what replays recordings has no scipy
 
     s = 1j * omega[:, None]
@@ -107,6 +107,10 @@ def fit_fast_fir_bank(bank: FirBank) -> FastFirBank:
 
 
 def _fit_shared_poles(bank: FirBank, tau_ticks: Samples) -> FastFirBank:
+    """Fit the running sums of the taps, beyond the newest ones, by exponentials of given times.
+
+    Linear least squares for the weights; the sums of every order share the exponentials.
+    """
     length = len(bank.taps)
     sums = np.cumsum(bank.taps, axis=0)
     age = np.arange(length - 1 - N_DIRECT_TAPS)
@@ -131,9 +135,9 @@ def compute_taps(fast: FastFirBank) -> Samples:
 
 
 def compute_response_error(bank: FirBank, fast: FastFirBank) -> float:
-    """Maximum over the orders of the relative RMS error of the response to slow and fast sines.
+    """Return the greatest relative error of a bank's response to slow and fast sines, over orders.
 
-    Frequencies are log-spaced from one period in ten windows to a tenth of the sample rate.
+    RMS over frequencies, log-spaced from one period in ten windows to a tenth of the sample rate.
     """
     length = len(bank.taps)
     cycles_per_sample = np.geomspace(0.1 / length, 0.1, 60)
@@ -180,7 +184,7 @@ def recursive_values(bank: RecursiveBank, depth_m: Samples, dt_s: float, rows: I
 
 
 def highpass(values: Samples, tau_s: float, dt_s: float) -> Samples:
-    """State h of a pole along x, (n,): h' = x' - h/tau, x linear within a step, at rest before."""
+    """Step a pole h' = x' - h/tau along x, (n,), linear between samples; return h, (n,)."""
     from scipy.signal import lfilter  # what replays recordings has no scipy
 
     losses, gains = compute_loss_and_gain(np.array([tau_s]), dt_s)
@@ -190,6 +194,7 @@ def highpass(values: Samples, tau_s: float, dt_s: float) -> Samples:
 
 
 def _apply_taps(taps: Samples, depth_m: Samples, rows: Indices) -> Samples:
+    """Return weighted sums over the window that ends at each row, (rows, orders)."""
     padded_m = np.concatenate([np.full(len(taps) - 1, depth_m[0]), depth_m])
     windows = sliding_window_view(padded_m, len(taps))
     newest_last = taps[::-1]
@@ -209,6 +214,7 @@ def _lag_values(lags: Lags, depth_m: Samples, dt_s: float, rows: Indices) -> Sam
 def _position_velocity_values(
     features: PositionVelocity, depth_m: Samples, dt_s: float, rows: Indices
 ) -> Samples:
+    """Return depth and estimated velocity at rows, (rows, 2): FOAW, then a low pass."""
     per_step = 1.0 / (dt_s * np.arange(1, features.length + 1))
     padded_m = np.concatenate([np.full(features.length, depth_m[0]), depth_m])
     windows = sliding_window_view(padded_m, features.length + 1)

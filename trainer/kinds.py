@@ -90,7 +90,7 @@ def fit_model(
 
 
 def _resolve_kind(kind: str, recordings: "Sequence[Recording]") -> str:
-    """Kind that is fitted: of several places hammerstein alone, which auto then takes.
+    """Return the kind that is fitted: "auto" resolved, and hammerstein alone for several places.
 
     Raises UsageError for another one, DataError if only some recordings have a place.
     """
@@ -120,7 +120,7 @@ def fit_kind(
     options: "FitOptions",
     validation: "Sequence[Recording]" = (),
 ) -> "Fit":
-    """`fit_model` on a prepared set: many fits on one set share what they can."""
+    """Fit one kind to a prepared set: `fit_model` for many fits, which share what they can."""
     import scipy.linalg  # noqa: F401  # brings a BLAS of its own, limited only if it is loaded
     from threadpoolctl import threadpool_limits
 

@@ -180,6 +180,10 @@ def _without_interrupts() -> Iterator[None]:
 
 @contextmanager
 def _backend(dask: str | None) -> Iterator[None]:
+    """Run joblib's work on this machine's cores, or on the cluster of a Dask scheduler.
+
+    Raises UsageError if no scheduler answers.
+    """
     if dask is None:
         with parallel_config(backend="loky"):
             yield

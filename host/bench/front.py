@@ -39,7 +39,7 @@ def pareto_front(points: Iterable[Point]) -> list[bool]:
 
 
 def _dominates(one: Sequence[object], other: Sequence[object]) -> bool:
-    """Return if one is better and nowhere worse, in what is known of both."""
+    """Return True if one result is better in something and nowhere worse, in what both know."""
     known = [
         (a, b)
         for a, b in zip(one, other, strict=True)
@@ -92,7 +92,7 @@ def _paced_ticks(model: Model, number: Number, recording: Recording) -> Point:
 
 
 def _closed_loop(model: Model, number: Number) -> Point:
-    """Run the cases with all hands; `bounded` if every one is, and if `emit` accepts the scene."""
+    """Press the scene with all hands: is every case bounded, and would `emit` accept it."""
     scene = Scene(schema=1, name="bench", model="model.spm", runtime=Runtime(number=number))
     try:
         plan = make_plan(model, scene)
@@ -113,7 +113,7 @@ def _closed_loop(model: Model, number: Number) -> Point:
 def _rendered(
     model: Model, number: Number, validation: Sequence[Recording], training: Sequence[Recording]
 ) -> Point:
-    """Return the error behind the coupling that `emit` chooses: what a hand meets."""
+    """Return the error behind the coupling that `emit` chooses: what a hand would feel."""
     rendered = measure_rendered(model, validation, training, number)
     assert rendered is not None  # the model's own C was built before
     return {
@@ -125,7 +125,7 @@ def _rendered(
 
 
 def _counted(model: Model, number: Number, recording: Recording, board: Board) -> int:
-    """Return the most instructions of a tick over the recording's begin; restarts apart."""
+    """Return the most instructions of a tick on the target, over the recording's beginning."""
     scene = bench_scene(number, board.target)
     plan = make_plan(model, scene, accept_unsafe=True)
     position = recording.position_m[:_COUNTED_TICKS].astype(plan.dtype)

@@ -63,6 +63,7 @@ def default_sweep(dt_s: float, options: FitOptions, kinds: Sequence[str] = ()) -
 
 
 def _forests(dt_s: float, options: FitOptions) -> Iterator[Candidate]:
+    """Yield the forests of the sweep: trees and leaves, quantised features, windows, engines."""
     for leaf, counts in ((5, (5, 10, 20, 50, 100, 200, 300)), (20, (5, 10, 20, 50, 100))):
         for trees in counts:
             yield Candidate("rf-fd", replace(options, trees=trees, leaf=leaf))
@@ -80,6 +81,7 @@ def _forests(dt_s: float, options: FitOptions) -> Iterator[Candidate]:
 
 
 def _others(options: FitOptions) -> Iterator[Candidate]:
+    """Yield the other kinds of the sweep, each over its size: centres, poles."""
     for n_centers in _CENTERS:
         yield Candidate("rbf-fd", replace(options, n_centers=n_centers))
         yield Candidate("rbf-pv", replace(options, n_centers=n_centers))
@@ -129,6 +131,7 @@ def measure_point(
 
 
 def _fitted(candidate: Candidate, data: BenchRecordings) -> tuple[Model, Point]:
+    """Fit a candidate, or read its file; return the model, and what its row says of it."""
     from springpot.trainer.kinds import fit_kind
 
     if candidate.file is not None:
@@ -171,7 +174,7 @@ def prediction_errors(
     recordings: Sequence[Recording],
     before: Sequence[Recording] = (),
 ) -> Point:
-    """Return error of the C on recordings; those of one session go on after the ones `before`.
+    """Return the error of a model's C on recordings; a session's go on after those `before`.
 
     As the object does, and as `train --validate` measures: an object that remembers its training
     presses is not at rest where the test goes on.

@@ -62,6 +62,7 @@ def _show(report: QualityReport) -> None:
 
 
 def _row(figures: dict[str, Any]) -> list[str]:
+    """Return a recording's row of the table: ranges, and stiffness and loss angle of its cycles."""
     (low_m, high_m), (low_n, high_n) = figures["position_m"], figures["force_n"]
     row = [
         figures["name"],

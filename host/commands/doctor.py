@@ -78,6 +78,7 @@ def examine() -> Iterator[Diagnosis]:
 
 
 def _timer() -> Diagnosis:
+    """Measure how late sleeps of 1 ms end."""
     late_us = []
     for _ in range(50):
         begin = time.perf_counter()
@@ -89,6 +90,7 @@ def _timer() -> Diagnosis:
 
 
 def _serial_port(device: str, description: str) -> Diagnosis:
+    """Look if a port may be opened, and if its adapter delays bytes."""
     from springpot.host.devices.serial_port import latency_timer
 
     what, seen = f"serial port {device}", description.replace("n/a", "nothing is known of it")

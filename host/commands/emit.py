@@ -84,6 +84,7 @@ def emission_rows(emission: Emission) -> dict[str, str]:
 
 
 def _stability(emission: Emission) -> str:
+    """Return what the check at emission says of the loop and of small motions."""
     checked = emission.check
     if checked is None:
         return "not checked"

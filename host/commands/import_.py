@@ -134,7 +134,7 @@ def _rows(files: Sequence[Path], report: QualityReport) -> list[dict[str, Any]]:
 
 
 def _show(rows: Sequence[dict[str, Any]]) -> None:
-    """Print two lines of each recording, or three where several were read and point elsewhere."""
+    """Print two lines of each recording; of several, a third where they point elsewhere."""
     printed = {""} if len(rows) > 1 else {row["signs"]["words"] for row in rows}
     for row in rows:
         (low_m, high_m), (low_n, high_n) = row["position_m"], row["force_n"]

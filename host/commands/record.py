@@ -128,6 +128,7 @@ def _progress(
 
 
 def _touched_mm(url: str) -> float:
+    """Let a person touch the surface with the tool, and return where it is, mm."""
     from springpot.host.recording.session import TOUCHES, find_surface
     from springpot.host.session.terminal import stopping_on_sigterm, wait_for_enter
 
@@ -140,6 +141,7 @@ def _touched_mm(url: str) -> float:
 
 
 def _print(qualities: Sequence[PressQuality]) -> None:
+    """Print a row for each press: how deep, how hard, and how near to its command."""
     columns = ("recording", "s", "depth mm", "force N", "of", "tracking error N rms")
     rows = (
         (

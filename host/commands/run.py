@@ -119,6 +119,7 @@ def ticks_in_words(ticks: int, expected: int) -> str:
 
 
 def _rows(result: JsonObject) -> dict[str, str]:
+    """Return what a person reads of a session: its end, its timing, what was lost."""
     late, tick = result["lateness_us"], result["tick_us"]
     warned: dict[str, list[int]] = {}
     for item in result["warnings"]:

@@ -60,6 +60,7 @@ def stability_rows(result: Stability) -> dict[str, str]:
 
 
 def _cells(motion_map: SmallSignalMap) -> str:
+    """Say in how many small motions no energy is given, within and beyond the depth."""
     (active, cells), (active_beyond, cells_beyond) = (
         motion_map.active(False),
         motion_map.active(True),

@@ -39,6 +39,7 @@ def main(bus_arguments: str, descriptor: str) -> None:
         near.send(FRAME.pack(0, 0, b""))
 
         def to_bus() -> None:
+            """Carry frames from the socket to the bus until either closes."""
             try:
                 while content := near.recv(FRAME.size):
                     identifier, size, data = FRAME.unpack(content)

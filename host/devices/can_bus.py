@@ -100,6 +100,7 @@ class CanBus:
 
 
 def _kernel_socket(address: Address) -> socket.socket:
+    """Open a raw socket on a CAN interface of the kernel. Raises DeviceError."""
     try:
         raw = socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
         raw.bind((address.place,))

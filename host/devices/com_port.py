@@ -31,6 +31,7 @@ class ComPort:
     """The part of pyserial's Serial that a link needs. fd: the handle. Raises OSError."""
 
     def __init__(self, place: str, baud: int) -> None:
+        """Open the port for one process, set its rate, and let reads return at once."""
         self.fd = _kernel.CreateFileW(
             f"\\\\.\\{place}", _READ_WRITE, 0, None, _OPEN_EXISTING, 0, None
         )

@@ -89,6 +89,7 @@ class DhdDevice(OpenedDevice):
         return self._sdk.words(error)
 
     def link(self, library: CLibrary) -> CData:
+        """Make the link by which the loop in C calls the SDK: its functions, axis and limits."""
         ffi, sdk = library.ffi, self._sdk
         address = self._address
         members = dict(ffi.typeof("sp_dhd").fields)
@@ -159,7 +160,7 @@ class DhdDevice(OpenedDevice):
             raise DeviceError(f"{self._url}: its button is pressed, which stops: release it")
 
     def _set_up(self) -> None:
-        """Gravity, limit of force, watchdog; then forces on, and none given."""
+        """Set gravity, limit of force and watchdog; then switch the forces on, at zero."""
         required, sdk = self._required, self._sdk
         stated_kg = math.nan if required.effector_mass_kg is None else required.effector_mass_kg
         mass_kg = self._address.number("effector_mass_kg", stated_kg, 0.0, 5.0)
@@ -179,7 +180,10 @@ class DhdDevice(OpenedDevice):
         return self._address.choice("watchdog", ("on", "off")) == "on"
 
     def _set_watchdog(self) -> None:
-        """It is among the SDK's functions for experts, which are closed else."""
+        """Set the device's own watchdog, which ends its force where the host is silent.
+
+        It is among the SDK's functions for experts, which are closed else.
+        """
         sdk = self._sdk
         for name in ("dhdSetWatchdog", "dhdEnableExpertMode", "dhdDisableExpertMode"):
             if not sdk.has(name):
@@ -194,6 +198,7 @@ class DhdDevice(OpenedDevice):
             raise self._unwatched(f"the device has no watchdog ({why})")
 
     def _enable_force(self) -> None:
+        """Switch the forces on, at zero. Raises DeviceError if they stay off."""
         self._call("dhdSetForce", 0.0, 0.0, 0.0)
         self._call("dhdEnableForce", DHD_ON)
         if not self._sdk.status(self.id)[DhdStatus.FORCE]:
@@ -213,7 +218,7 @@ class DhdDevice(OpenedDevice):
         )
 
     def _prove_watchdog(self) -> None:
-        """One force of zero, then silence: its forces must go off, and be on again after it."""
+        """Prove the watchdog: after a force of zero and silence, they must go off and on."""
         if not self._watched:
             return
         self._call("dhdSetForce", 0.0, 0.0, 0.0)

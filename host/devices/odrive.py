@@ -60,11 +60,11 @@ class Drive:
         self._fed_s = 0.0  # the last command went out
 
     def make_ready(self) -> None:
-        """Hear it, learn its firmware, prove that it can be armed and that its watchdog works.
+        """Find the drive and its firmware, and prove that it can be armed and has a watchdog.
 
-        The proof: the drive is armed without force and left without commands; a drive that does
-        not say in time that it switched itself off is refused. The loop arms it again when it
-        starts. Raises DeviceError.
+        The proof: the drive is armed without force and left without commands; a drive that does not
+        say in time that it switched itself off is refused. The loop arms it again when it starts.
+        Raises DeviceError.
         """
         self._hear()
         self.family = self._firmware()
@@ -109,6 +109,7 @@ class Drive:
         self.bus.send(identifier(self.node, command), data, remote=remote)
 
     def _hear(self) -> None:
+        """Wait for the drive's heartbeat. Raises DeviceError naming those heard."""
         heard: set[int] = set()
         until = time.perf_counter() + _HEARD_S
         while (frame := self.bus.receive(until)) is not None:
@@ -137,6 +138,7 @@ class Drive:
         return newest
 
     def _prove_watchdog(self) -> None:
+        """Raise DeviceError for a drive that keeps its torque without commands."""
         found_s = proved_watchdog_s(self._silent_until_off_s)
         if found_s <= ZERO_S:
             return
@@ -150,8 +152,10 @@ class Drive:
         )
 
     def _silent_until_off_s(self) -> float:
-        """Arm, and go silent: time from the last command until the drive reports that its watchdog
-        had ended it, an upper bound of the watchdog's; infinite where it did not."""
+        """Arm the drive and go silent; return the seconds until it reports that it is off.
+
+        An upper bound of its watchdog's time; infinite where it stayed on.
+        """
         self.arm()
         while time.perf_counter() < self._fed_s + _PROOF_S:
             beat = self._heartbeat(time.perf_counter() + 0.002)

@@ -90,6 +90,7 @@ class OdriveDevice(OpenedDevice):
 
     @property
     def rate_advice(self) -> str:
+        """Say how to make the drive send estimates at the scene's rate."""
         if self._rate_hz > MAX_RATE_HZ:
             return f"a drive sends at most {MAX_RATE_HZ} a second: set runtime.rate_hz"
         key = _RATE_KEYS[self.drive.family]
@@ -103,6 +104,7 @@ class OdriveDevice(OpenedDevice):
         return self.bus.failure
 
     def link(self, library: CLibrary) -> CData:
+        """Make the link by which the loop in C speaks to the drive."""
         train = self.transmission
         settings = library.ffi.new(
             "sp_odrive *",
@@ -146,6 +148,10 @@ def require_fast_bus(url: str, bitrate: int, rate_hz: float) -> None:
 
 
 def _transmission(address: Address, requirements: DeviceRequirements) -> Transmission:
+    """Return how turns become metres and torque becomes force, of the URL or the scene.
+
+    Raises UsageError for what is missing.
+    """
     stated = {
         key: address.number(key, getattr(requirements, key) or 0.0, 0, most)
         for key, most in (("m_per_turn", 100), ("max_torque_nm", 1e4), ("nm_per_a", 1e4))

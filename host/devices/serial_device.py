@@ -67,6 +67,7 @@ class SerialDevice(OpenedDevice):
         )
 
     def link(self, library: CLibrary) -> CData:
+        """Make the link by which the loop in C speaks on the port."""
         self._link_memory = library.memory(library.c.sp_link_serial_size())
         surface_m = (
             self.address.number("surface_mm", 1e3 * self.requirements.surface_m, -1e4, 1e4) / 1e3
@@ -143,7 +144,7 @@ class SerialDevice(OpenedDevice):
     def _ask(
         self, send: Callable[[], bytes], is_answer: Callable[[Frame], bool], patience_s: float
     ) -> JsonObject | None:
-        """The answer; None where none came. It is sent again and again: a frame may be lost."""
+        """Send a question until it is answered; None without an answer. A frame may be lost."""
         until_s = time.perf_counter() + patience_s
         while (now_s := time.perf_counter()) < until_s:
             self.write(send())
@@ -153,6 +154,7 @@ class SerialDevice(OpenedDevice):
         return None
 
     def _require_rate(self) -> None:
+        """Raise DeviceError for a device that sends too few samples."""
         try:
             require_sample_rate(
                 self.address.url, self.requirements.rate_hz, self._samples_until, self.rate_advice
@@ -166,8 +168,10 @@ class SerialDevice(OpenedDevice):
         return sum(frame.name == "sample" and not frame.old for frame in frames)
 
     def _prove_watchdog(self) -> None:
-        """One force of zero, then silence: a device that does not say in time that it tripped is
-        refused. RESET makes it ready again."""
+        """Prove the watchdog by silence: refuse a device that does not say in time that it tripped.
+
+        One force of zero comes before. RESET makes the device ready again.
+        """
         found_s = proved_watchdog_s(self._silent_until_tripped_s)
         if found_s <= ZERO_S:
             return
@@ -180,6 +184,7 @@ class SerialDevice(OpenedDevice):
         )
 
     def _silent_until_tripped_s(self) -> float:
+        """Be silent after a force of zero; return the seconds until the device has tripped."""
         self.send("force", force_n=0.0)
         sent_s, took_s = time.perf_counter(), math.inf
         for frame in self._frames_until(sent_s + 2 * ZERO_S):
@@ -190,6 +195,7 @@ class SerialDevice(OpenedDevice):
         return took_s
 
     def _hello(self) -> JsonObject:
+        """Ask the device who it is: version, limits, hash of its scene."""
         hello = self._ask(
             lambda: self.sender.encode("ask", layout=layout()),
             lambda frame: frame.name == "hello",
@@ -211,6 +217,7 @@ class SerialDevice(OpenedDevice):
         )
 
     def _check(self, hello: JsonObject) -> None:
+        """Refuse a device of another version, of less force, or with another scene."""
         url, required = self.address.url, self.requirements
         if hello["layout"] != layout():
             raise DeviceError(

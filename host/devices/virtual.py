@@ -120,6 +120,7 @@ class ReplayDevice(VirtualDevice):
         self._memory: CData = None
 
     def link(self, library: CLibrary) -> CData:
+        """Make the link that gives the recording's samples one by one."""
         self._memory = library.memory(library.c.sp_link_replay_size())
         return library.c.sp_link_replay_init(
             self._memory,

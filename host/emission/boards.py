@@ -138,7 +138,7 @@ def build_batch(folder: Path, board: Board, out: Path) -> Path:
 
 
 def _copied(folder: Path, out: Path, plan: Plan, ports: tuple[str, ...]) -> tuple[str, ...]:
-    """Bring the scene's C and these files of the port, with all headers; name what is compiled."""
+    """Copy the scene's C and the port's files to a folder; name the sources to compile."""
     out.mkdir(parents=True, exist_ok=True)
     source = f"{scene_prefix(folder)}.c"
     for file in [*folder.glob("*.h"), folder / source]:
@@ -151,6 +151,7 @@ def _copied(folder: Path, out: Path, plan: Plan, ports: tuple[str, ...]) -> tupl
 def _linked(
     board: Board, out: Path, sources: tuple[str, ...], selftest_bytes: int, strict: bool = False
 ) -> Path:
+    """Compile and link a firmware's sources with the board's flags; return the image."""
     tools = find_board_compiler(board)
     arguments = [
         *flags("SP_CFLAGS"), *(flags("SP_STRICT") if strict else ()), *tools.flags,

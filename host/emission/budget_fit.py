@@ -40,11 +40,10 @@ def emit_fitting(
     recordings: Sequence[Recording],
     fit: bool,
 ) -> Emission:
-    """Emit; with `fit`, where that is over the scene's budget, the best smaller forest within it.
+    """Emit a scene; over its budget, with `fit`, emit the best smaller forest instead.
 
-    recordings: what smaller forests are measured on.
-    Raises BudgetError, exit status 4, where nothing fits; UsageError for `fit` without recordings;
-    DataError for those of another rate.
+    recordings: what smaller forests are measured on. Raises BudgetError, exit status 4, where
+    nothing fits; UsageError for `fit` without recordings; DataError for those of another rate.
     """
     if fit and not recordings:
         raise UsageError("--fit measures what it leaves out: give --recording REC")
@@ -73,7 +72,7 @@ def emit_fitting(
 def _order_by_error(
     scene: Scene, model: Model, recordings: Sequence[Recording], accept_unsafe: bool
 ) -> Iterator[Model]:
-    """Smaller models that may be within the budget, those of least error first."""
+    """Return the smaller models that may be within the budget, of least error first."""
     from springpot.trainer.models.predict import regressor_force, require_compatible
 
     tick_s = make_plan(model, scene, accept_unsafe).dt_s
@@ -120,7 +119,7 @@ def _candidates(model: Model) -> Iterator[Model]:
 
 
 def _evaluation(model: Model, recordings: Sequence[Recording]) -> tuple[Samples, Samples]:
-    """Features of some samples, (n, features), and what the trees must give, (n,), N."""
+    """Return features of some samples, (n, features), and what the trees must give, (n,), N."""
     from springpot.trainer.features import depth_features
     from springpot.trainer.models.depths import compute_depth_m
     from springpot.trainer.models.predict import predict_each_n

@@ -72,7 +72,7 @@ def is_edited(folder: Path, name: str) -> bool:
 
 
 def edited_hash(emitted: str, folder: Path, edited: Sequence[str]) -> str:
-    """Return the hash of an emission, of its edits too: boards and logs tell one from the other."""
+    """Return the hash of an emission with its edits, so that logs tell one from the other."""
     if not edited:
         return emitted
     digest = hashlib.sha256(emitted.encode())

@@ -123,6 +123,7 @@ def write_emission(plan: Plan, scene: Scene, model: Model, folder: Path) -> None
 
 
 def _built(plan: Plan, aside: Path, folder: Path, write_s: float) -> Emission:
+    """Build a new emission, run its self-test, measure its sizes and check its loop."""
     notices = [*rate_notices(plan), *coupling_notices(plan), *_unchecked(plan)]
     footprint = selftest_bytes = compile_s = checked = None
     unmeasured = ""
@@ -183,6 +184,7 @@ def _activity(checked: Check) -> list[str]:
 
 
 def _unchecked(plan: Plan) -> list[str]:
+    """Return the emission of C for which this machine has no compiler, and say so."""
     scene = plan.scene
     messages = []
     if scene.budget.tick_us is not None:

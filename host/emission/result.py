@@ -147,6 +147,7 @@ def rate_notices(plan: Plan) -> list[str]:
 
 
 def _remedy(plan: Plan) -> str:
+    """Return what would leave a hand more of the object's stiffness: a faster loop, less delay."""
     if plan.scene.coupling.mode != "auto":
         return 'state a stiffer [coupling], or mode = "auto", or "off" if `stability` allows it'
     if not plan.model.exact_at_any_rate:

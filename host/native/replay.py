@@ -108,6 +108,7 @@ class Replay:
         return float(np.median(times))
 
     def _paced_ns(self, position_m: Reals, paced_s: float) -> Reals:
+        """Time ticks that come at the scene's rate, with its tables out of the cache, ns."""
         dt_s, position = self._library.manifest["dt_s"], self._converted(position_m)
         ticks = max(100, round(paced_s / dt_s))
         rows = np.arange(ticks) % len(position)

@@ -72,6 +72,7 @@ class SceneLibrary:
     """
 
     def __init__(self, folder: Path) -> None:
+        """Build, load and ask the scene's C for its version, manifest and size of state."""
         self.path = build_scene(folder)
         self._prefix = scene_prefix(folder)
         self.loaded = CLibrary(self.path, declarations([folder / f"{self._prefix}.h"]))
@@ -185,7 +186,7 @@ def emitted_folder_of(plan: Plan) -> Iterator[Path]:
 
 
 def without_coupling(plan: Plan) -> Plan:
-    """Return the model by itself: coupling and smoothing off, all else as in the scene."""
+    """Return the same scene with coupling and smoothing off: the model by itself."""
     if plan.couple is None and plan.smooth_alpha is None:
         return plan
     scene = plan.scene

@@ -109,6 +109,7 @@ class PressedDevice:
     def __init__(
         self, url: str, object_name: str, limits: Limits, on_progress: Callable[[Progress], None]
     ) -> None:
+        """Keep whom to press and within which limits; the device is opened for each press."""
         self.object_name = object_name
         self.session = datetime.now(UTC).isoformat(timespec="seconds")
         self._taken_s = time.perf_counter()
@@ -190,6 +191,7 @@ class PressedDevice:
             raise error or SpringpotError(f"{self.url}: the press did not come to its end: {line}")
 
     def _watch(self, runner: SessionRunner, rows: PressRows, press: CData) -> None:
+        """Watch a press until its rows are full; raise what ends it before: keys, faults."""
         with reading_keys() as pressed:
             for progress in runner.watch(0.05):
                 self._on_progress(progress)

@@ -178,6 +178,7 @@ class _ProtocolFile(BaseModel):
 
 
 def _from_table(table: _ProfileTable) -> Profile:
+    """Make the command of one press from its table in a user's protocol."""
     metadata: JsonObject = {"amplitude_n": table.amplitude_n}
     if table.frequency_hz is None:
         assert table.hold_s is not None

@@ -72,10 +72,10 @@ def alignment_command(share: float = 1.0) -> Samples:
 def find_delay(
     motion: tuple[Samples, Samples, Samples], sensor: tuple[Samples, Samples], url: str
 ) -> Delay:
-    """Return how late the sensor is, of a press by `alignment_command`.
+    """Return how late the sensor is, s, by comparing its forces with the motor's in one press.
 
-    motion: times, positions and the motor's forces, (n,) each, positive into the object. sensor:
-    its times on the same clock and its forces, (k,) both.
+    The press is that of `alignment_command`. motion: times, positions and the motor's forces, (n,)
+    each, positive into the object. sensor: its times on the same clock and its forces, (k,) both.
     Raises DeviceError where its force does not fit the motion.
     """
     # A loop that was held up makes up for its ticks at once: a force stays until the next.
@@ -150,6 +150,7 @@ class ForceSensor:
     error: SpringpotError | None = None
 
     def __init__(self, url: str) -> None:
+        """Open the sensor's port, and read it in a thread. Raises UsageError for a wrong URL."""
         address = parse_device(url)
         if address.scheme != "serial":
             raise UsageError(f"{url}: no sensor: use serial:///dev/ttyACM1?baud=921600")
@@ -189,6 +190,7 @@ class ForceSensor:
         self._device.close()
 
     def _run(self) -> None:
+        """Read samples until the end, and keep an error for who asks next."""
         try:
             while not self._over.is_set():
                 for frame in self._device.frames():
@@ -200,6 +202,7 @@ class ForceSensor:
             self._over.set()
 
     def _take(self, stamp_s: float, values: JsonMapping) -> None:
+        """Keep a sample with its stamp and its time of arrival. Raises DeviceError."""
         if not values["status"] & constant("LOAD_CELL"):
             raise DeviceError(f"{self.url}: its samples carry no force: give one with a load cell")
         if self._samples and stamp_s <= self._samples[-3]:

@@ -124,6 +124,7 @@ def record_session(
 
 
 def _quality(file: Path, recording: Recording, profile: Profile) -> PressQuality:
+    """Return how deep and hard a press was, and how near its force was to the command."""
     command_n = profile.command_n[:: round(RATE_HZ * recording.dt_s)]  # one a sample
     error_n = recording.force_n - command_n
     return PressQuality(
@@ -139,7 +140,7 @@ def _quality(file: Path, recording: Recording, profile: Profile) -> PressQuality
 
 
 def find_surface(url: str, touched: Callable[[int], None]) -> float:
-    """Let a person touch the surface with the tool, three times; return where it is, mm.
+    """Let a person touch the surface three times with the tool; return where it is, mm.
 
     touched: called with the number of each touch, from 1; returns when the tool is there. The
     device gives no force. Raises UsageError for a device or a URL that has its surface already,

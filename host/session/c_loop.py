@@ -52,6 +52,7 @@ class CLoop:
     """A thread of C on absolute deadlines; Python only watches."""
 
     def __init__(self, steps: StepFunctions, settings: LoopSettings) -> None:
+        """Allocate the loop's memory and the ring by which its rows reach Python."""
         self._steps, self._settings = steps, settings
         self._library = steps.library
         self._c, self._ffi = steps.library.c, steps.library.ffi
@@ -163,6 +164,7 @@ class CLoop:
         return self._ffi.from_buffer("sp_row[]", table)
 
     def _adopt(self, device: OpenedDevice) -> CData:
+        """Return the device's link, kept alive while C may call it. Raises TypeError for none."""
         with blame_package(f"{type(device).__name__}.link", type(device), DeviceError):
             link = device.link(self._library)
             if not (link and link.read and link.write and link.reset):

@@ -54,6 +54,7 @@ class LiveWarnings:
         return sorted(events, key=lambda event: float(event["time_s"]))
 
     def _look(self, rows: LoopRows) -> None:
+        """Note the ticks that were too fast, too deep, held, latched or clamped."""
         notes = rows[:, COLUMN["notes"]].astype(int)
         called = (rows[:, COLUMN["call"]].astype(int) & NONE) == 0
         notes = np.where(called & (notes > 0), notes, 0)  # negative ones are errors

@@ -106,7 +106,7 @@ def percentiles_us(seconds: Any) -> dict[str, float]:
 def clamped_at_lower_limit(
     notes: NDArray[np.integer[Any]], force_n: NDArray[np.floating[Any]], min_n: float
 ) -> Flags:
-    """Mark the ticks, (n,), that were clamped at the scene's lower limit, not at the upper one.
+    """Mark the ticks, (n,), whose force was held at the scene's lower limit, not at the upper.
 
     force_n: that left, N. min_n: the lower limit, N. A force that is on its way to a limit, for it
     may change by so much a tick, is between them: it falls to the lower one.

@@ -63,6 +63,7 @@ class SessionRunner:
         reconnect_s: float = RECONNECT_S,
         report: Callable[[str], None] = print_line,
     ) -> None:
+        """Keep what the loop calls and who takes its rows; the device is opened later."""
         self.url, self.settings = url, settings
         self._steps, self._requirements, self._reconnect_s = steps, requirements, reconnect_s
         self._takers, self._report = list(takers), report
@@ -134,7 +135,7 @@ class SessionRunner:
         self._stopped = True
 
     def close(self) -> None:
-        """Stop, and free the port; an impatient second Ctrl-C does not get in between."""
+        """Stop with zero force, and free the port, even if Ctrl-C comes again meanwhile."""
         try:
             while not self._stopped:
                 with contextlib.suppress(KeyboardInterrupt):
@@ -235,6 +236,7 @@ class SessionRunner:
         return self._loop.scheduler()
 
     def _drain(self) -> None:
+        """Thread beside the loop: hand rows on, look after the device, end at an error."""
         reported = False
         while True:
             before = self._loop.get_status()
@@ -255,6 +257,7 @@ class SessionRunner:
             time.sleep(_DRAIN_S)
 
     def _take(self, rows: LoopRows, heard_s: float) -> None:
+        """Hand new rows to the takers, and keep what timing and progress need of them."""
         if not len(rows):
             return
         self._latest = rows[-1:]

@@ -99,6 +99,7 @@ class Session(SessionRunner):
         viewers: Sequence[TakeRows] = (),
         alarm: Alarm = lambda _line: None,
     ) -> None:
+        """Read the emission and resolve limits and requirements; nothing is opened yet."""
         emitted = read_emission(parse_path(folder))
         plan, self._hash, self._edited = emitted.plan, emitted.hash, list(emitted.edited)
         self._scene = SceneLibrary(parse_path(folder))
@@ -130,6 +131,7 @@ class Session(SessionRunner):
         self.line = ""
 
     def __enter__(self) -> Self:
+        """Open the log, then the device: a device that fails leaves no log."""
         if self._file is not None:
             details = {"session": {"scene": self._scene.manifest["scene"], "device": self.url,
                                    "hash": self._hash, "edited": self._edited}}  # fmt: skip
@@ -147,6 +149,7 @@ class Session(SessionRunner):
         return self
 
     def __exit__(self, *error: Any) -> None:
+        """End with zero force, then say why it ended, then close the log."""
         try:
             self.close()
         finally:
@@ -181,6 +184,7 @@ class Session(SessionRunner):
         }
 
     def _close_log(self) -> None:
+        """Finish the log with how the session ended; of too few rows nothing is left."""
         if self._log is None or self._file is None:
             return
         with self._log as log:
@@ -194,7 +198,7 @@ class Session(SessionRunner):
 
 
 def _left_by(error: BaseException | None, state: LoopState) -> str:
-    """Say why the session was left although the loop had not ended."""
+    """Say why the session was left while the loop still ran: its user, Ctrl-C or an error."""
     if error is None:
         return BY_USER
     if isinstance(error, KeyboardInterrupt):

@@ -30,6 +30,7 @@ class DeviceSupervisor:
         report: Callable[[str], None],
         fail: Callable[[SpringpotError], None],
     ) -> None:
+        """Keep loop and device; nothing is watched before `poll`."""
         self.device = device
         self.url, self._requirements, self._reconnect_s = url, requirements, reconnect_s
         self._loop, self._report, self._fail = loop, report, fail
@@ -76,6 +77,7 @@ class DeviceSupervisor:
             )
 
     def _bring_back(self) -> None:
+        """Open a device that was unplugged again, and hand it to the loop; or end the session."""
         why = f" ({self.device.failure})" if self.device.failure else ""
         force = self.device.unreached
         if not self.device.comes_back or not self._reconnect_s:

@@ -123,6 +123,7 @@ def wait_for_enter(line: str) -> None:
 
 
 def _pressed() -> str:
+    """Return the keys that were pressed, without waiting."""
     pressed = b""
     with contextlib.suppress(OSError):  # a terminal that was closed gives none
         while select.select([sys.stdin], [], [], 0)[0] and (

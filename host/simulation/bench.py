@@ -100,6 +100,7 @@ class SimulatedBench:
         return np.concatenate([p for p, _ in parts]), np.concatenate([f for _, f in parts])
 
     def _put_object(self) -> None:
+        """Put a fresh object on the bench, with a noise of its own for each press."""
         c, memory = self._library.c, self._library.memory
         self._state, self._ticks = memory(c.sim_bench_size(), "sim_bench"), 0
         seed = (self._simulated.seed << 32) + self._presses

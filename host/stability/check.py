@@ -89,6 +89,7 @@ class Check:
             )
 
     def as_dict(self) -> JsonObject:
+        """Return keys of `stability --json` that the check knows."""
         return {
             "scene": self.plan.scene.name,
             "spectral_radius": spectral_radius(self.plan),
@@ -176,6 +177,7 @@ def stability(plan: Plan) -> Stability:
 
 
 def _checked(scene: BuiltScene) -> Check:
+    """Map small motions of the model and of the scene, and let hands hold it."""
     plan, delay = scene.plan, scene.plan.loop_device.delay_samples
     model_map = small_signal_map(plan, scene.model, 0)
     same = scene.model is scene.library and delay == 0

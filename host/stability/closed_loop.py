@@ -64,6 +64,7 @@ def measure_vibration(holds: Sequence[Samples], dt_s: float) -> Vibration:
 
 
 def _hold(speed_mps: Samples, dt_s: float) -> tuple[float, float]:
+    """Return the low-frequency speed of a hold, m/s, and by how much vibration grows in it."""
     n = len(speed_mps) // 3
     thirds = [speed_mps[i * n : (i + 1) * n] for i in range(3)]
     first, second, last = (
@@ -125,6 +126,7 @@ class Outcome:
         return math.hypot(self.hf_speed_mps, self.vibration.lf_speed_mps or 0.0)
 
     def as_dict(self) -> dict[str, object]:
+        """Return keys of a case in `stability --json`."""
         names = (
             "hand", "bounded", "max_depth_m", "delay_samples", "max_force_n",
             "hf_speed_mps", "fidelity_percent", "energy_out_j", "latched_s", "ended",

@@ -60,7 +60,7 @@ class SampleLossEffects:
 def compare_with_lossless(
     plan: Plan, library: SceneLibrary, scenario: Scenario, trace: Trace, clean: Trace
 ) -> SampleLossEffects:
-    """Compare strokes that lost samples as `scenario` says with those that lost none."""
+    """Compare strokes with lost samples with the same strokes without: force, energy, recovery."""
     # The force of the same scene, with every sample of that motion.
     seen_m = np.where(np.isfinite(trace.seen_m), trace.seen_m, trace.position_m)
     whole_n = library.new_state().run(seen_m, trace.seen_mps)[0].astype(np.float64)
@@ -127,7 +127,7 @@ def _within_a_tick(force_n: Samples) -> tuple[Samples, Samples]:
 
 
 def _presses_j(plan: Plan, trace: Trace) -> Iterator[tuple[float, float]]:
-    """Return the energy that each press took in all, and the most at any time, J.
+    """Return the energy that each press took in all, and the most that it held at a time, J.
 
     A press lasts from the surface to the surface; where there is none, from turn to turn outside.
     """

@@ -55,6 +55,7 @@ class SmallSignalMap:
         axes.figure.colorbar(image, ax=axes, label="sin δ: below 0 gives energy", shrink=0.9)
 
     def as_dict(self) -> dict[str, int | float]:
+        """Return keys of `stability --json`: how many small motions give energy."""
         inside, outside = self.active(False), self.active(True)
         return {
             "active_cells": inside[0],

@@ -122,7 +122,7 @@ class StudyPlan:
 
 
 def make_orders(study: Study, participants: Sequence[str]) -> list[Trial]:
-    """Draw orders and sides: of each participant and session from the seed and their numbers."""
+    """Draw each participant's orders and sides from the study's seed and the numbers."""
     conditions, trials = study.session_trials(), list[Trial]()
     for number, participant in enumerate(participants, 1):
         for session in range(study.sessions + 1):

@@ -138,7 +138,7 @@ def _rated_trial(plan: StudyPlan, trial: Trial, url: str) -> tuple[object, ...]:
 
 
 def _ask(trial: Trial, session: Session) -> float | None:
-    """Let the participant feel both sides; return the rating, None where the session ended."""
+    """Let the participant feel both sides and rate; return the rating, None at an end."""
     sides, felt = {"l": trial.left, "r": trial.right}, set[str]()
     while True:
         word = _typed()

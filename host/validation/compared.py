@@ -180,7 +180,7 @@ class PlaceError:
 def place_errors(
     recordings: Sequence[Recording], predicted_n: Sequence[Samples], ramped: Sequence[int]
 ) -> tuple[PlaceError, ...]:
-    """Error of each place in the order of recording; none for recordings without places.
+    """Return the error of each site, in the order of recording; none without sites.
 
     predicted_n: forces of the C along each, (n,), N; ramped: samples of each in the start-up ramp.
     """

@@ -242,6 +242,7 @@ def _parts(
     model = replace(_start_as_emitted(emitted), dt_s=dt_s)
 
     def rms_difference_n(started: Model, compared_n: Sequence[Samples]) -> float:
+        """Return the RMS difference of a started model from forces, N."""
         alone_n = predict.predict_limited_n(started, [ticked[k] for k in objects])
         differences_n = [
             resample_to_samples(ticks_n, recordings[k], dt_s) - compared_n[k]

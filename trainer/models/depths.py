@@ -37,12 +37,12 @@ _CLOCK_SLACK_SAMPLES = 5  # samples by which clocks of two recordings may overla
 
 
 def classify_contact(recordings: Sequence[Recording]) -> tuple[Contact, str]:
-    """Return "surface" where force is 0 at position 0, "always" where the tool never leaves.
+    """Return "surface" if the tool leaves the object where force is 0, else "always"; and why.
 
-    And why there is no surface, unless a person stated it. The tool never leaves if an importer
-    moved the zero, or if force at the lowest depth is 2 % of the peak or more and no recording
-    shows where contact begins. (One that does has a tare: the object does not push with it.)
-    Nor does it leave what holds it: `pulls`.
+    "always" and why there is no surface, unless a person stated it: if an importer moved the zero,
+    or if force at the lowest depth is 2 % of the peak or more and no recording shows where contact
+    begins. (One that does has a tare: the object does not push with it.) Nor does the tool leave
+    what holds it: `pulls`.
     """
     zeroed = [recording.name for recording in recordings if recording.zero != "none"]
     if zeroed and len(zeroed) != len(recordings):
@@ -166,6 +166,10 @@ def _join_session(
     depths_m: Sequence[Samples],
     surface: bool,
 ) -> DepthMotion:
+    """Join the recordings of a session into one motion, with a pause before each, s.
+
+    What came before the first one is guessed from it (`estimate_history_m`).
+    """
     first_m, starts = depths_m[numbers[0]], list[int]()
     before_m = estimate_history_m(np.maximum(first_m, 0.0) if surface else first_m)
     # What moves in the object came in from 0: stops are held by it, and all else forgot it.

@@ -109,6 +109,7 @@ def _compute_misfit(fit: Fit, data: TrainingSet) -> float:
 
 
 def _misfit_message(fit: Fit, data: TrainingSet) -> str:
+    """Say by how much of the force held-out presses are missed, and what may be the cause."""
     kind = fit.model.kind
     return (
         f"{fit.model.name}: presses that were held out are missed by "
@@ -215,13 +216,14 @@ def _compare_with_passive(model: Model, data: TrainingSet) -> list[_Compared]:
 def find_force_step(
     depth_m: Samples, force_n: Samples, predicted_n: Samples, slope_n: Samples, peak_n: float
 ) -> ForceStep | None:
-    """Find where a recording's force begins to be another at equal motion; None if it does not.
+    """Find the row from which a recording's force differs at equal motion; None without one.
 
-    The residual of a passive model is fitted by what an object may do - a curve over depth, also
-    with the sign and size of speed; decay, as of softening, creep and warming; another pace - and
-    then by a step of the model's force, or of its slope over depth, from some row on. Of each only
-    what the former leave counts. Whether it was a gain or a shift cannot be told.
-    depth_m, force_n, predicted_n, slope_n: (rows,), m, N, N, N a stroke. peak_n: of the set.
+    A gain that changed, a slip, another object. The residual of a passive model is fitted by what
+    an object may do - a curve over depth, also with the sign and size of speed; decay, as of
+    softening, creep and warming; another pace - and then by a step of the model's force, or of its
+    slope over depth, from some row on. Of each only what the former leave counts. Whether it was a
+    gain or a shift cannot be told. depth_m, force_n, predicted_n, slope_n: (rows,), m, N, N, N a
+    stroke. peak_n: of the set.
     """
     own_peak_n, rows = float(np.abs(force_n).max()), len(force_n)
     on = np.maximum(np.abs(predicted_n), np.abs(force_n)) > _STEP.on_fraction * own_peak_n
@@ -268,7 +270,7 @@ def find_force_step(
 def _explain_residual(
     depth_m: Samples, predicted_n: Samples, slope_n: Samples, peak_n: float
 ) -> Samples:
-    """Build columns of what an object may do and the model does not: (rows, columns)."""
+    """Build columns of what an object may do that the model does not: (rows, columns)."""
     rows = len(depth_m)
     time, work = np.arange(rows) / rows, np.cumsum(predicted_n**2)
     work = work / work[-1]
@@ -292,7 +294,7 @@ def _explain_residual(
 
 
 def _force_step_message(compared: list[_Compared], peak_n: float) -> Iterator[str]:
-    """Warn of the recording whose force becomes another in its middle, by the clearest step."""
+    """Warn of the recording with the clearest step of its force (`find_force_step`)."""
     steps = [
         (step, one.recording)
         for one in compared
@@ -310,7 +312,7 @@ def _force_step_message(compared: list[_Compared], peak_n: float) -> Iterator[st
 
 
 def _compare_recordings(compared: list[_Compared], data: TrainingSet) -> Iterator[str]:
-    """Warn of a passive model of recordings that no one model can follow: of different objects.
+    """Warn if one model of all recordings misses single ones: they are of different objects.
 
     Of 16 sets of one object, the factors that fit each recording's force best to the model of all
     differed by .3 % at most, of five specimens by 4 %; of eight sets with one recording of another

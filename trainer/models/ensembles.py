@@ -30,7 +30,11 @@ def require_fitted(regressor: Any) -> None:
 
 
 def convert_linear(regressor: Any, values: Samples, predicted_n: Samples) -> Linear | None:
-    """Find what predictions are linear in, features (n, features); None if they are not."""
+    """Return intercept and weights of a regressor that is linear in its features; else None.
+
+    Asked by its predictions alone: at 0, at each unit vector, and compared at `values`, (n,
+    features), with predicted_n, (n,).
+    """
     n_features = values.shape[1]
     probes = np.concatenate([np.zeros((1, n_features)), np.eye(n_features)])
     response_n = np.asarray(regressor.predict(probes), dtype=np.float64)
@@ -57,7 +61,7 @@ def convert_forest(regressor: Any) -> Forest:
 
 
 def _convert_bagging(regressor: Any) -> Forest:
-    """A mean of trees, each on features of its own."""
+    """Convert a mean of trees, each of which was fitted on features of its own."""
     kinds = {type(estimator).__name__ for estimator in regressor.estimators_}
     if not kinds <= {"DecisionTreeRegressor", "ExtraTreeRegressor"}:
         raise UsageError(f"BaggingRegressor of {', '.join(sorted(kinds))}: give one of trees")
@@ -79,7 +83,7 @@ def _convert_gradient_boosting(regressor: Any) -> Forest:
 
 
 def _convert_hist_gradient_boosting(regressor: Any) -> Forest:
-    """Its baseline and its trees, which decide on doubles as on features rounded to float32."""
+    """Convert its baseline and trees, which decide on doubles as on features in float32."""
     trees: list[_NodeTable] = []
     for nodes in (predictor[0].nodes for predictor in regressor._predictors):
         feature = np.where(nodes["is_leaf"], -1, nodes["feature_idx"])
@@ -89,7 +93,7 @@ def _convert_hist_gradient_boosting(regressor: Any) -> Forest:
 
 
 def _convert_lightgbm(regressor: Any) -> Forest:
-    """A sum of trees, or the mean of a forest's."""
+    """Convert a sum of trees, or the mean of a forest's."""
     dump = regressor.booster_.dump_model()
     trees = [_parse_tree(tree["tree_structure"]) for tree in dump["tree_info"]]
     if dump["average_output"]:
@@ -101,7 +105,7 @@ def _convert_lightgbm(regressor: Any) -> Forest:
 
 
 def _convert_xgboost(regressor: Any) -> Forest:
-    """The sum of its trees, up to the best one if it stopped early, and its base score."""
+    """Convert its trees, up to the best one if it stopped early, and its base score."""
     stopped = hasattr(regressor, "best_iteration")
     booster = regressor.get_booster()[: regressor.best_iteration + 1 if stopped else None]
     dump = booster.get_dump(dump_format="json")
@@ -115,6 +119,7 @@ def _parse_tree(tree: JsonObject) -> _NodeTable:
     rows: list[tuple[Any, ...]] = []
 
     def add(node: JsonObject) -> int:
+        """Append a node and what is below it; return its row."""
         row = len(rows)
         rows.append((-1, 0.0, 0, 0, node.get("leaf", node.get("leaf_value", 0.0))))
         if "split" in node:
@@ -132,7 +137,7 @@ def _parse_tree(tree: JsonObject) -> _NodeTable:
 
 
 def _convert_pipeline(pipeline: Any) -> Forest:
-    """Trees after scalers of single columns, which fold into the thresholds."""
+    """Convert trees behind scalers of single columns, by moving the trees' thresholds."""
     *before, (_, last) = pipeline.steps
     forest = convert_ensemble(last)
     for name, step in reversed(before):
@@ -172,6 +177,7 @@ def _read_sklearn_trees(estimators: Iterable[Any]) -> list[_NodeTable]:
 
 
 def _merge_trees(trees: list[_NodeTable], weight: float, bias_n: float = 0.0) -> Forest:
+    """Put trees into one table of nodes: children are rows of the whole table."""
     sizes = [len(feature) for feature, *_ in trees]
     roots = np.cumsum([0, *sizes[:-1]])
     feature, threshold, left, right, value_n = map(np.concatenate, zip(*trees, strict=True))

@@ -31,7 +31,7 @@ class Folds:
 
 
 def split_repeats(depths_m: Sequence[Samples], dt_s: float, folds: int, seed: int) -> Folds:
-    """Folds of recordings: repeats of one press go to different ones.
+    """Split recordings into folds, so that repeats of one press are in different ones.
 
     Depth within 3 % of the stroke and rms speed within 25 % make a repeat.
     """
@@ -45,7 +45,7 @@ def split_repeats(depths_m: Sequence[Samples], dt_s: float, folds: int, seed: in
 
 
 def _find_presses(data: TrainingSet) -> tuple[Indices, Samples, Samples]:
-    """First row of every press, its depth, m, and its rms speed, m/s, (presses,) each.
+    """Find each press: its first row, its depth, m, and its rms speed, m/s, (presses,) each.
 
     Recordings are cut where the tool turns back into the object.
     """
@@ -61,7 +61,10 @@ def _find_presses(data: TrainingSet) -> tuple[Indices, Samples, Samples]:
 
 
 def split_by_condition(data: TrainingSet, rows: Indices) -> list[Folds]:
-    """Folds of rows by the depth and by the speed of their press, if there are three groups."""
+    """Split rows into folds by depth and by speed of their press, if there are three groups.
+
+    A fold then holds a whole depth, or a whole speed, out: what the model does between and beyond.
+    """
     begins, depths_m, speeds_mps = data.cached("presses", lambda: _find_presses(data))[0]
     press = np.searchsorted(begins, rows, side="right") - 1
     deepest_m, schemes = depths_m - data.trained.min_m, []
@@ -74,7 +77,7 @@ def split_by_condition(data: TrainingSet, rows: Indices) -> list[Folds]:
 
 
 def split_by_recording(data: TrainingSet, rows: Indices, seed: int) -> Folds:
-    """Five folds of rows, by whole recordings; of fewer than three, contiguous blocks of each."""
+    """Split rows into five folds of whole recordings; of under three, into blocks of each."""
     if len(data.recordings) < MIN_GROUPS:
         owner = data.recording_index(rows)
         begin, end = data.bounds[owner], data.bounds[owner + 1]
@@ -124,7 +127,7 @@ def geometric_mean(errors: Sequence[float] | Samples) -> float:
 
 
 def _group_conditions(depths_m: Sequence[Samples], dt_s: float) -> Indices:
-    """Number the condition of each recording, (recordings,): that of the first one alike."""
+    """Number the recordings with the same number for equal depth and speed, (recordings,)."""
     conditions: list[tuple[float, float, float]] = []
     number = np.empty(len(depths_m), dtype=np.intp)
     for i, depth in enumerate(depths_m):
@@ -142,7 +145,7 @@ def _group_conditions(depths_m: Sequence[Samples], dt_s: float) -> Indices:
 
 
 def _group_by_ratio(values: Samples, ratio: float) -> Indices:
-    """Number the group of each value, (n,): those up to `ratio` times the lowest are one.
+    """Number groups of values, (n,): those up to `ratio` times the lowest of a group are one.
 
     Of more than five groups, neighbours are joined.
     """

@@ -37,7 +37,7 @@ def predict_n(model: Model, recording: Recording) -> Samples:
 
 
 def predict_each_n(model: Model, pieces: Sequence[tuple[Recording, Indices]]) -> list[Samples]:
-    """Force at rows of each recording, (rows,), N: those of one session one after another.
+    """Predict the force at rows of each recording, (rows,), N; a session's go on from each other.
 
     Features know each recording alone.
     """
@@ -108,9 +108,10 @@ def rbf_columns(z: Samples, centers: Samples) -> Samples:
 
 
 def predict_limited_n(model: Model, recordings: Sequence[Recording]) -> list[Samples]:
-    """Force along positions, (n,), N, float64, at least 0 where there is a surface; by sessions.
+    """Predict the force along positions, (n,), N, in float64; never below 0 at a surface.
 
-    Raises DataError for positions ten times deeper than any training press.
+    Recordings of one session go on from each other. Raises DataError for positions ten times deeper
+    than any training press.
     """
     for recording in recordings:
         if (depth_ratio := compute_depth_ratio(model, recording)) > _MAX_DEPTH_RATIO:
@@ -180,7 +181,7 @@ def _longest_hold_s(model: Model, depth_m: Samples, dt_s: float) -> float:
 
 
 def find_moving_starts(model: Model, recordings: Sequence[Recording]) -> Iterator[str]:
-    """Yield a line for each whose past is assumed: it begins in motion, or where training ended."""
+    """Yield a line for each recording whose past is assumed: it begins in motion, or goes on."""
     positions_m = [recording.position_m for recording in recordings]
     for motion in join_motions(recordings, positions_m, model.contact == "surface"):
         first = recordings[motion.recordings[0]]

@@ -116,11 +116,11 @@ def _fit_rbf(
 
 
 def _pair_errors(values: Samples, force_n: Samples, families: Sequence[Folds]) -> dict[Pair, float]:
-    """Cross-validated RMSE of every pair; over several ways to fold, their product.
+    """Return the cross-validated RMSE of every pair of orders, as a product over ways to fold.
 
     By recording, and by condition where there are enough of them: pairs that interpolate between
-    recordings alike differ in what they do between conditions.
-    Normal equations of a fold are made once, and serve every fit that does not hold it out.
+    recordings alike differ in what they do between conditions. Normal equations of a fold are made
+    once, and serve every fit that does not hold it out.
     """
     return {
         pair: float(np.prod([_held_out_rmse(system, force_n, one) for one in families]))
@@ -129,7 +129,10 @@ def _pair_errors(values: Samples, force_n: Samples, families: Sequence[Folds]) -
 
 
 def _build_systems(values: Samples, others: Samples) -> Iterator[tuple[Pair, Samples, Samples]]:
-    """Every pair, and its functions at the rows of `values`, which place them, and of `others`."""
+    """Yield each pair of features with its functions at the rows of `values` and of `others`.
+
+    The centres are among the rows of `values`.
+    """
     for pair in combinations(range(values.shape[1]), 2):
         scaling = fit_scaler(values[:, pair])
         z = standardise(scaling, values[:, pair])
@@ -139,6 +142,7 @@ def _build_systems(values: Samples, others: Samples) -> Iterator[tuple[Pair, Sam
 
 
 def _held_out_rmse(system: Samples, force_n: Samples, folds: Folds) -> float:
+    """Return the RMSE over folds, N, each predicted by weights fitted on the other folds."""
     numbers = np.unique(folds.number).tolist()
     held_out = {number: folds.number == number for number in numbers}
     normals = {k: normal_equations(system[rows], force_n[rows]) for k, rows in held_out.items()}
@@ -180,7 +184,7 @@ def fit_scaler(features: Samples) -> Rbf:
 
 
 def select_farthest_points(z: Samples, count: int) -> Indices:
-    """Rows of at most `count` points, (centers,), each the farthest from those before it."""
+    """Choose up to `count` points, (centers,), each the farthest from all chosen before."""
     chosen = [int(np.argmax(np.square(z).sum(axis=1)))]
     distance = np.square(z - z[chosen[0]]).sum(axis=1)
     while len(chosen) < min(count, len(z)) and distance.max() > 0.0:

@@ -35,11 +35,11 @@ def build_fractional_features(
     engine: Engine | None = None,
     orders: tuple[float, ...] = PAPER_ORDERS,
 ) -> FractionalBank:
-    """The features of equation (5) over `window_s`, 171 taps by default, by `engine`.
+    """Build the features of equation (5) over `window_s`, by default 171 taps, for `engine`.
 
     Default engine: taps, and exponentials where the window is long. Without a window, exponentials
-    reach far: a true derivative forgets where the tool is held, taps do not.
-    Raises UsageError for a window that is too short, or too long for the engine.
+    reach far: a true derivative forgets where the tool is held, taps do not. Raises UsageError for
+    a window that is too short, or too long for the engine.
     """
     length = PAPER_TAPS if window_s is None else window_samples(window_s, dt_s)
     if engine == "recursive" or (engine is None and length > MAX_TAPS):

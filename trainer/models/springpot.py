@@ -153,7 +153,10 @@ def _metadata(solid: Solid, others: Sequence[Solid], table: _Table, lag: int) ->
 
 
 def _build_table(data: TrainingSet, rows: Indices) -> _Table:
-    """Rows of a set; branches from a quarter of a time step to ten times the longest recording."""
+    """Evaluate spring and branches of all times once, as rows and columns of a linear fit.
+
+    Branches from a quarter of a time step to ten times the longest recording.
+    """
     fast_s, slow_s = _MIN_TAU_STEPS * data.dt_s, _MAX_TAU_PER_RECORDING * data.longest_s
     tau_s = np.geomspace(fast_s, slow_s, 2 + int(np.log10(slow_s / fast_s) * _POLES_PER_DECADE))
 
@@ -174,7 +177,7 @@ def _build_table(data: TrainingSet, rows: Indices) -> _Table:
 
 
 def _trace_surface(data: TrainingSet, rows: Indices) -> tuple[TrainingSet, Indices]:
-    """Return the set along the way of its surface, and the rows in which the object pushes.
+    """Return the set with the motion of its surface, and the rows in which the object pushes.
 
     It lets the tool go where the law, which is linear, would pull: it gives 0 N there, and its
     surface stays dented. The set and its rows as they are if that is seldom.
@@ -223,10 +226,11 @@ def to_hammerstein(solid: Solid, tau_s: Samples, data: TrainingSet) -> Hammerste
 
 
 def compute_spectrum_weights(tau_s: Samples, order: float, time_s: float | None) -> Samples:
-    """Weights of a spring, for what relaxes slower than all branches, and of each branch, (1 + n,).
+    """Return the weights of spring and branches, (1 + n,), that make a fractional element.
 
-    tau_s: ascending, evenly spaced in their logarithm. time_s: T of the Zener solid, of weight 1
-    altogether, within 0.3 % for orders up to 0.7; None: of the derivative, s^-order.
+    The spring stands for what relaxes slower than all branches. tau_s: ascending, evenly spaced in
+    their logarithm. time_s: T of the Zener solid, of weight 1 altogether, within 0.3 % for orders
+    up to 0.7; None: of the derivative, s^-order.
     """
     log_tau, scale = np.log(tau_s), np.sin(np.pi * order) / np.pi
     reach = (log_tau[1] - log_tau[0]) / 2

@@ -59,7 +59,7 @@ class TrainingSet:
     __repr__ = short_repr
 
     def cached(self, key: Hashable, work: Callable[[], _Result]) -> tuple[_Result, float]:
-        """Result of `work` and the seconds that it took, done once for a key.
+        """Return the result of `work` and its seconds, computed once for a key.
 
         For what fits of many options on the same data share: the passive part, the pairs of orders.
         """
@@ -119,7 +119,7 @@ class TrainingSet:
         return join_motions(recordings, self.depths_m, self.contact == "surface")
 
     def rows_by_motion(self, rows: Indices) -> list[Indices]:
-        """Samples of each motion, (its rows,), for rows of all recordings."""
+        """Split row numbers of all recordings into samples of each motion, (its rows,) each."""
         by_recording = self.split(rows)
         return [
             np.concatenate([
@@ -174,6 +174,7 @@ def build_training_set(recordings: Sequence[Recording], smooth_s: float | None) 
 
 @lru_cache(maxsize=1)
 def _build_training_set(recordings: tuple[Recording, ...], smooth_s: float | None) -> TrainingSet:
+    """Smooth the recordings, decide on contact, and turn positions into depths."""
     dt_s = find_common_time_step(recordings)
     contact, warning = classify_contact(recordings)
     if smooth_s is None:
@@ -224,7 +225,10 @@ def find_common_time_step(recordings: Sequence[Recording]) -> float:
 def _compute_trained_range(
     recordings: Sequence[Recording], depths: Sequence[Samples], contact: Contact
 ) -> TrainedRange:
-    """Extremes over all recordings. Raises DataError where nothing moved."""
+    """Return the least and greatest depth, speed and force of all recordings.
+
+    Raises DataError where nothing moved.
+    """
     min_m = min(float(depth.min()) for depth in depths)
     max_m = max(float(depth.max()) for depth in depths)
     if max_m <= (0.0 if contact == "surface" else min_m):

@@ -53,12 +53,11 @@ class Conditioning:
 def condition(
     recording: Recording, options: Conditioning, zero: Zero = "none"
 ) -> tuple[Recording, list[str]]:
-    """Return the recording with everything done, and a line about each step.
+    """Apply what a user asked for on import, in order; return the recording and a line a step.
 
     zero: the sample of each channel that is subtracted. Spikes are replaced before all else: a zero
-    from one of them once moved a recording by ten times its stroke.
-    Raises UsageError for a contact point beside a zero, DataError if it cannot be found, or if
-    spikes are too many to be replaced.
+    from one of them once moved a recording by ten times its stroke. Raises UsageError for a contact
+    point beside a zero, DataError if it cannot be found, or if spikes are too many to be replaced.
     """
     messages: list[str] = []
     if zero != "none" or options.tare is not None or options.contact_force is not None:
@@ -93,7 +92,7 @@ def condition(
 
 
 def _raise_likelier_cause(recording: Recording, accepts_signs: bool) -> None:
-    """Raise DataError with a fault of a channel or a sign, which hides a surface, if there is one.
+    """Raise DataError for a fault of a channel that hides the surface, if there is one.
 
     A position that stood still once was called the mass of a tool, for force came before it.
     """
@@ -206,7 +205,7 @@ def _set_contact_zero(recording: Recording, options: Conditioning) -> tuple[Reco
 
 
 def find_air_drift(recording: Recording, asked: bool = False) -> tuple[Recording, Drift] | None:
-    """The recording without the drift of its force in the air, and that; None if it has none.
+    """Return the recording without drift of its force in the air, and that; None without one.
 
     An object that relaxes, with its force zeroed under load, looks alike, but has no surface.
     """

@@ -175,6 +175,7 @@ class JournalWriter:
         return self
 
     def __exit__(self, *_error: object) -> None:
+        """Keep what was recorded if the recording was not finished, and say where."""
         if self._store is None:
             return
         if self.rows < MIN_SAMPLES:

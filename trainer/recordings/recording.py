@@ -85,6 +85,7 @@ class Recording:
         )
 
     def __post_init__(self) -> None:
+        """Refuse what is no recording: shapes, numbers, names, and positions that are in mm."""
         require_recording_name(self.name)
         object.__setattr__(self, "zero", parse_zero(self.zero))
         object.__setattr__(self, "dt_s", _to_time_step_s(self.name, self.dt_s))

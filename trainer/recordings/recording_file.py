@@ -74,6 +74,7 @@ def read_recordings(paths: Iterable[Path]) -> list[Recording]:
 
 
 def _list_folder(folder: Path) -> list[Path]:
+    """Return a folder's recordings and unfinished journals, sorted; DataError if there are none."""
     files = list(folder.glob(f"*{RECORDING_SUFFIX}"))
     for journal in folder.glob(f"*{JOURNAL_SUFFIX}"):
         finished = journal.with_suffix(RECORDING_SUFFIX)

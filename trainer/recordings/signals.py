@@ -84,7 +84,7 @@ class Drift:
 
 
 def find_drift(recording: Recording, asked: bool = False) -> Drift | None:
-    """The drift of the force where the tool is farthest out; None if noise or relaxing explains it.
+    """Find a drift of force where the tool is farthest out; None if noise or relaxing explains it.
 
     An object that is pressed all along relaxes: its force falls, and not below 0. So what rises, or
     ends below where it began and below 0, is the sensor's. The slope is that of the visits' means,
@@ -135,7 +135,7 @@ def turning_points(position_m: Samples, min_m: float) -> list[int]:
 
 
 def estimate_history_m(depth_m: Samples) -> Samples:
-    """Depths, (k,), m, that are taken to have come before a motion; empty: the object was at rest.
+    """Guess the depths, (k,), m, that came before a motion; empty: the object was at rest.
 
     A recording that was cut out of a longer one begins in motion inside the object: the tool leaves
     its first depth at once, as fast as it does later. Before it the motion is taken to have been as

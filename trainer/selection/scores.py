@@ -113,7 +113,7 @@ def _forest_errors_n(
 
 
 def _is_hopeless(ratios: Samples, families: Indices) -> bool:
-    """Tell if the folds so far leave no hope of an error below the passive one."""
+    """Return True if the folds so far leave no hope of an error below the passive model's."""
     tried = len(ratios)
     mean = geometric_mean(ratios.tolist())
     first_done = tried < len(families) and families[tried - 1] == 0 < families[tried]
@@ -123,6 +123,7 @@ def _is_hopeless(ratios: Samples, families: Indices) -> bool:
 
 
 def _build_score(name: str, errors_n: Samples, passive_n: Samples, families: Indices) -> Score:
+    """Summarise the errors of a candidate by folds, and its ratio to the passive model's."""
     count = len(errors_n)
     used_families, ratios = families[:count], errors_n / passive_n[:count]
     is_condition = used_families > 0  # depths and speeds held out whole

@@ -48,9 +48,9 @@ class SmallMotion:
         return min(self.sin_delta(each_n - still_n) for each_n in moved_n)
 
     def sin_delta(self, force_n: Samples) -> float:
-        """Loss part of the force's fundamental, of its size; 0 where the force does not change.
+        """Return the loss part of the force's fundamental over its size; below 0 it gives energy.
 
-        force_n: at each tick of `motion`, (n,), N.
+        0 where the force does not change. force_n: at each tick of `motion`, (n,), N.
         """
         part = slice(self._settle, self._settle + self._period)
         measured_n = force_n[part]

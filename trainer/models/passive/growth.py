@@ -45,12 +45,12 @@ class Growth:
 def estimate_growth(
     terms: Terms, weights: Samples, penalty: float, rows: PassiveRows, data: TrainingSet
 ) -> Growth | None:
-    """Weigh a constant slope and each of `SLOPE_POWERS` by what they foretell deeper.
+    """Weigh laws of growth beyond the depth by how well they foretell the deeper part within.
 
-    None if there are too few rows to tell. Laws of the terms with weights are fitted to the way in
-    to a share of the depth, and tested on the rest. A mean errs less than the best of them, which
-    chance decides where two are close: also where none is clearly better than a constant slope,
-    which few objects have.
+    A constant slope and each of `SLOPE_POWERS`. None if there are too few rows to tell. The laws,
+    of the terms with weights, are fitted to the way in to a share of the depth, and tested on the
+    rest. A mean errs less than the best of them, which chance decides where two are close: also
+    where none is clearly better than a constant slope, which few objects have.
     """
     terms = keep_used_terms(terms, weights)
     deepest_m = data.map_motions(
@@ -92,6 +92,7 @@ def _extrapolation_rmse_n(
     model = build_model(terms, weights)
 
     def error_n(law_weights: Samples) -> float:
+        """Return the RMSE beyond the share of depth, N, of a mean of laws."""
         extrapolated = extrapolate_curves(model, Growth(law_weights, foretold=True))
 
         def force_n(motion: DepthMotion, at: Indices) -> Samples:
@@ -106,7 +107,7 @@ def _extrapolation_rmse_n(
 
 
 def extrapolate_curves(model: Hammerstein, growth: Growth) -> Hammerstein:
-    """Give a model nodes to 1.25 of its depth; the force within the depth stays the same.
+    """Continue a model's curves to 1.25 of its depth; the force within the depth stays the same.
 
     The C has nodes alone: what is deeper needs no code.
     """
@@ -172,7 +173,7 @@ def _extrapolate_slopes(slopes_n: Samples, growth: Growth) -> Samples:
 
 
 def _slope_ratios(slopes_n: Samples, power: float) -> Samples:
-    """Slopes (curves, J) at the further nodes over the last one, (curves, nodes), never below 1.
+    """Extrapolate each curve's slope, as a ratio to its last one: (curves, nodes), never below 1.
 
     A line of the slope's power through the last node, of least squares of the slope before it.
     """

@@ -78,7 +78,7 @@ def fit_map(data: TrainingSet, options: FitOptions) -> MapFit:
 def _rescale_sites(
     site_sets: Sequence[TrainingSet], law_sites: Sequence[int], amounts: Samples
 ) -> TrainingSet:
-    """Presses of the chosen sites, each force as if all sites had one amount: they show one law."""
+    """Return the presses of the chosen sites, scaled as if all were equally stiff."""
     mean_amount = float(np.mean(amounts[list(law_sites)]))
     recordings: list[Recording] = []
     depths_m: list[Samples] = []
@@ -101,7 +101,7 @@ def _build_problem(
 
 
 def _site_normal_equations(data: TrainingSet, terms: Terms, penalty: float) -> Normal:
-    """Normal equations of a site, in N, without what has let go."""
+    """Return the normal equations of a site's rows, in N, without those that have let go."""
     rows = data.even_rows(_MAX_SITE_ROWS)
     force_n, values = data.force_n(rows), build_design_matrix(terms, data, rows)
     peak_n = max(float(np.abs(force_n).max()), 1e-12)

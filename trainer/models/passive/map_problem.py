@@ -45,7 +45,7 @@ class Grid:
 
     @property
     def roughness(self) -> Samples:
-        """Quadratic form of the amounts, (nodes, nodes): their squared second differences."""
+        """Return the quadratic form of the amounts that bends cost, (nodes, nodes)."""
         nx, ny = self.nodes
         eye = np.eye(nx * ny).reshape(nx, ny, -1)
         bends = (
@@ -58,7 +58,7 @@ class Grid:
 
 
 def build_grid(sites: Sequence[Site], nodes_per_site: int = NODES_PER_SITE) -> Grid:
-    """Twice as many nodes along each axis as sites, over the rectangle that these span.
+    """Lay a grid over the sites' rectangle, with twice as many nodes along each axis as sites.
 
     The least bend fills what is between. One node for each site is off by 1.3 to 4.6 times as much
     between the sites of a grid, for its pieces are straight, and leaves nodes without any site
@@ -112,7 +112,7 @@ class MapProblem:
         return replace(self, terms=keep_used_terms(self.terms, weights), sites=sites)
 
     def chosen(self, seed: int) -> tuple[int, float]:
-        """Materials, as few as serve, and the error at sites left out, N."""
+        """Return the materials, as few as serve, and the error at sites left out, N."""
         count, error_n = 0, inf
         for trial in MATERIALS:
             trial_n = self._cross_validated_rmse_n(trial, seed)
@@ -121,7 +121,7 @@ class MapProblem:
         return count, error_n
 
     def _cross_validated_rmse_n(self, count: int, seed: int) -> float:
-        """RMS over sites of the error of a map that was fitted without them, N."""
+        """Return the error at sites that a map was fitted without, RMS over sites, N."""
         fold = np.random.default_rng(seed).permutation(len(self.sites)) % _FOLDS
         squares = []
         for number in range(min(_FOLDS, len(self.sites))):
@@ -133,7 +133,7 @@ class MapProblem:
         return float(np.sqrt(np.mean(squares)))
 
     def fitted(self, inside: Sequence[int], count: int) -> tuple[Samples, Samples]:
-        """Amounts, (nodes, count), and materials, (count, terms), from the sites `inside`."""
+        """Fit amounts, (nodes, count), and materials, (count, terms), to the sites `inside`."""
         full = [k for k in self.full if k in inside] or list(inside)
         materials = self._initial_materials(full, count)
         for _ in range(_SWEEPS):
@@ -143,7 +143,7 @@ class MapProblem:
         return self._amounts(inside, materials), materials
 
     def _initial_materials(self, full: Sequence[int], count: int) -> Samples:
-        """Materials to begin with, (count, terms): what fits all sites, and the sites unlike it."""
+        """Guess materials to begin with, (count, terms): all sites' law, and sites unlike it."""
         total = reduce(add, (self.sites[k] for k in full))
         materials = [self._add_penalty(total, 1).solve()]
         if count > 1:
@@ -160,7 +160,7 @@ class MapProblem:
         return np.stack(materials)
 
     def _amounts(self, inside: Sequence[int], materials: Samples) -> Samples:
-        """Amounts at the nodes, (nodes, materials), of lowest error over the sites, each alike."""
+        """Fit the amounts at the nodes, (nodes, materials), for given materials."""
         nodes, count = len(self.grid.roughness), len(materials)
         matrix, vector = np.zeros((nodes * count, nodes * count)), np.zeros(nodes * count)
         for k in inside:
@@ -178,7 +178,7 @@ class MapProblem:
         return normal.penalised(self.penalty * _kron(np.eye(count), self.terms.roughness()))
 
     def model(self, amounts: Samples, materials: Samples) -> Hammerstein:
-        """Return the map; its own slopes are the most of any place."""
+        """Return the map as a model; its own slopes are the most of any site."""
         floor = 1e-12 * materials.sum(axis=0)  # so that all materials have the same curves
         models = [build_model(self.terms, np.maximum(material, floor)) for material in materials]
         nodes = np.maximum(amounts, _MIN_AMOUNT_FRACTION * amounts.max(axis=0)).reshape(

@@ -106,7 +106,10 @@ class PassiveChoice:
 
     @cached_property
     def fold_weights(self) -> Samples:
-        """Fitted without each fold of `rows.held`, (terms, folds), N; NaN: that leaves no rows."""
+        """Return the weights of fits without each fold of `rows.held`, (terms, folds), N.
+
+        NaN where a fold leaves no rows.
+        """
         none = np.full(self.terms.count, np.nan)
         normals = [self.normal(1 + k) for k in range(len(self.rows.held_out))]
         solutions = [
@@ -132,7 +135,7 @@ def fit_passive_timed(
 
 
 def select_passive(data: TrainingSet, options: FitOptions) -> tuple[PassiveChoice, float]:
-    """Select the terms of lowest cross-validated error, by steps; return the seconds too.
+    """Choose the terms of the passive model by cross-validation; return the seconds too.
 
     Done once for the options that decide it.
     """
@@ -148,10 +151,10 @@ def select_passive(data: TrainingSet, options: FitOptions) -> tuple[PassiveChoic
 
 
 def _select_law(data: TrainingSet, options: FitOptions) -> PassiveChoice:
-    """First curves and a penalty, then what the object does besides, then the curves once more.
+    """Choose curves and a penalty first, then what the object does besides, then curves again.
 
-    By steps and not the lowest of all: with few recordings hundredths are chance, and a simpler law
-    extrapolates better.
+    Besides: damage, flow, rates by depth. By steps and not the lowest of all: with few recordings
+    hundredths are chance, and a simpler law extrapolates better.
     """
     laws_with_nodes = partial(build_laws, data, options)
     laws, plain = _select_curves(laws_with_nodes, ())
@@ -185,6 +188,7 @@ class Laws:
     rates = ("faster at the surface", "faster inside")
 
     def __init__(self, plain: Terms, rows: PassiveRows, data: TrainingSet) -> None:
+        """Evaluate the plain terms at all rows once: every law of the search is built from them."""
         self._plain, self._data = plain, data
         values = data.map_motions(rows.rows, partial(evaluate_plain_hats, plain, data.dt_s))
         if plain.bias:
@@ -212,7 +216,7 @@ class Laws:
     def fit_law(
         self, law: tuple[str, ...], penalties: Sequence[float] = PENALTIES, max_error_n: float = inf
     ) -> list[PassiveChoice]:
-        """Plain terms with those of a law, in the order of `Terms`: rates, damage, flow.
+        """Fit the plain terms with those of a law: rates, damage, flow; cross-validate if worth it.
 
         Where even a fit to all rows errs by more than max_error_n, no fold is held out.
         """
@@ -253,7 +257,7 @@ class Laws:
         return Normal(gram[:-2, :-2], gram[:-2, -2], float(gram[-2, -2]), round(gram[-1, -1]))
 
     def _gram_block(self, one: str, other: str) -> Samples:
-        """Products of terms, summed over all rows and without each fold: (1 + folds, k, l)."""
+        """Return products of terms over all rows and without each fold, (1 + folds, k, l)."""
         if one > other:
             return self._gram_block(other, one).swapaxes(1, 2)
         if (one, other) not in self._products:
@@ -287,7 +291,7 @@ class Laws:
 def _select_curves(
     laws_with_nodes: Callable[[int], Laws], law: tuple[str, ...]
 ) -> tuple[Laws, PassiveChoice]:
-    """Select nodes and a penalty of lowest error; curves that bend more pay for it.
+    """Choose the number of nodes and the penalty on bends, of lowest cross-validated error.
 
     More nodes are tried as long as the ones before took a tenth off the error, and if rows lie
     between every two of them: elsewhere nothing holds them.

@@ -26,9 +26,9 @@ def simulate_passive(
     place_m: Site | None = None,
     start_reach_m: float = inf,
 ) -> tuple[Samples, Samples, Memory]:
-    """Force along a motion, (n,), N, the depth at which the model is then, (n,), m, and its memory.
+    """Simulate a passive model along a motion: force, (n,), N, surface's depth, (n,), m, memory.
 
-    That is the tool's, or the surface's while the tool is away. place_m: of a map, x and y, m;
+    The depth is the tool's, or the surface's while the tool is away. place_m: of a map, x and y, m;
     None: of the stiffest. start_reach_m: see `Model`. A model that continues knows what came before
     a motion: the guess of that in the motion is passed over (0 there).
     """
@@ -60,10 +60,11 @@ def simulate_passive(
 
 
 def store_memory(model: Hammerstein, data: TrainingSet) -> Hammerstein:
-    """Store the memory with which the last press began; untimed, with which it ended.
+    """Store in the model the state with which its last press began, for scenes that go on.
 
-    Presses begin with it where the recordings go on, or where it takes a tenth off the error of
-    the later presses of a timed session, each by itself: their rests were too short to forget in.
+    Of untimed recordings, with which it ended. Presses begin with it where the recordings go on, or
+    where it takes a tenth off the error of the later presses of a timed session, each by itself:
+    their rests were too short to forget in.
     """
     motion, surface = data.motions[-1], data.contact == "surface"
     if data.continues or len(motion.recordings) < 2:
@@ -77,6 +78,7 @@ def store_memory(model: Hammerstein, data: TrainingSet) -> Hammerstein:
     later = motion.recordings[(len(motion.recordings) + 1) // 2 :]
 
     def error_n(starting: Hammerstein) -> float:
+        """Return the RMSE of the later presses, each by itself, from a start, N."""
         separate = (DepthMotion(data.depths_m[k], (k,), (0,)) for k in later)
         simulated_n = [
             simulate_passive(starting, press, data.dt_s, surface)[0] for press in separate

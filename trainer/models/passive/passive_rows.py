@@ -96,7 +96,7 @@ class PassiveRows:
 
 
 def select_rows(data: TrainingSet, options: FitOptions) -> PassiveRows:
-    """Evenly spaced rows, or the share of them that was asked for, in folds.
+    """Choose the rows to fit on, evenly spaced or a share as asked, and put them into folds.
 
     A fit is linear in its weights, so that a row costs little; neighbours say the same, smoothed.
     """
@@ -116,12 +116,11 @@ def select_rows(data: TrainingSet, options: FitOptions) -> PassiveRows:
 def find_separated_rows(
     values: Samples, sums: Samples, force_n: Samples, peak_n: float, penalty: Samples
 ) -> Flags:
-    """Rows, (rows,), in which the object has let go: there is no force, and a model would pull.
+    """Find the rows in which the tool has left the object: force is 0 and a model would pull.
 
-    values: (rows, k); terms are sums of these, (k, terms).
-
-    Their force says nothing of how the object would pull: those rows are left out, and the
-    others fitted again (censored regression: Tobin, Econometrica 26, 1958).
+    values: (rows, k); terms are sums of these, (k, terms). Their force says nothing of how the
+    object would pull: those rows are left out, and the others fitted again (censored regression:
+    Tobin, Econometrica 26, 1958).
     """
     no_force = np.abs(force_n) < _ZERO_FORCE_FRACTION * peak_n
     others = normal_equations(values[~no_force], force_n[~no_force] / peak_n)

@@ -85,11 +85,11 @@ class Terms:
         return (depth_m - self.origin_m) / self.span_m
 
     def roughness(self) -> Samples:
-        """Quadratic form of the weights, (terms, terms): how the slope of each curve changes.
+        """Return the quadratic form of weights that penalises bends of the curves, (terms, terms).
 
-        Squared second differences of the hats, and a fiftieth of the first ones: a rise between
-        two trained depths goes on as it does beside them, and what no row has seen. Exponentials
-        are smooth, but one that no row has seen has no weight.
+        Squared second differences of the hats, and a fiftieth of the first ones: a rise between two
+        trained depths goes on as it does beside them, and what no row has seen. Exponentials are
+        smooth, but one that no row has seen has no weight.
         """
         hats = np.eye(self.nodes)
         first, second = (np.diff(hats, n, axis=0) for n in (1, 2))
@@ -115,10 +115,10 @@ class Terms:
 
 
 def column_slopes(nodes: int) -> Samples:
-    """Slopes at the nodes of each column of a curve, (width, nodes): hats, exponentials.
+    """Return the slopes at the nodes of each column of a curve, (width, nodes).
 
-    Each is about 1 at u = 1, and straight beyond it. exp(c u) rises between nodes as straight
-    slopes between its own slopes at the nodes say.
+    Columns are hats between nodes and exponentials. Each is about 1 at u = 1, and straight beyond
+    it. exp(c u) rises between nodes as straight slopes between its own slopes at the nodes say.
     """
     u = np.linspace(0.0, 1.0, nodes)
     steep = np.stack([np.exp(c * (u - 1.0)) for c in EXPONENTS])
@@ -145,7 +145,7 @@ def plain_terms(data: TrainingSet, nodes: int, poles: int = PASSIVE_POLES) -> Te
 
 
 def _allowed_bias_signs(data: TrainingSet) -> tuple[float, ...]:
-    """Both, or the one of the forces at the lowest depths, if these are clear and of one sign.
+    """Return the signs that a constant force may have: both, or that of clear forces at rest.
 
     A rest that no recording shows is not determined: a pad that sticks was given a push of 0.17 N
     where -2.9 to -1.3 N were measured, in the only recording, which begins in a short hold.
@@ -198,7 +198,7 @@ def _space_times_s(data: TrainingSet, shortest_s: float, count: int) -> tuple[fl
 
 
 def build_model(terms: Terms, weights: Samples) -> Hammerstein:
-    """Build a model of terms and non-negative weights, without what has weight 0."""
+    """Build the model of terms and their weights of 0 and more, without those of 0."""
     plain, richer = terms.slopes_n(weights)
     elastic_n, branch_n, stop_n = np.split(plain, [1, 1 + len(terms.tau_s)])
     depth_n, damage_n = np.split(richer, [len(terms.depth_tau_s)])

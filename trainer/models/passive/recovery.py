@@ -30,9 +30,10 @@ _GAP_TOLERANCE = 1e-9  # of the trained depth
 def fit_recovery(
     model: Hammerstein, terms: Terms, penalty: float, rows: PassiveRows, data: TrainingSet
 ) -> Hammerstein:
-    """Return the model, or one that recovers, if the object lets go and that errs no more.
+    """Fit a surface that recovers while the tool is away; return that model if it errs no more.
 
-    terms: those that it was chosen from, and is chosen from once more; penalty: on their roughness.
+    Only if the object lets go. terms: those that it was chosen from, and is chosen from once more;
+    penalty: on their roughness.
     """
     if not rows.surface or float(np.mean(rows.separated)) < _MIN_SEPARATED_FRACTION:
         return model
@@ -54,6 +55,7 @@ class _SurfaceMotion:
     """A model along the training recordings: where it was, and its error there, N."""
 
     def __init__(self, model: Hammerstein, rows: PassiveRows, data: TrainingSet) -> None:
+        """Simulate a model over the set: depths of its surface, and rows without contact."""
         self._rows, self._data, self._at = rows, data, data.rows_by_motion(rows.rows)
         self._motions, forces_n, gaps_m = list[DepthMotion](), [], []
         for motion, rows_here in zip(data.motions, self._at, strict=True):
@@ -65,7 +67,7 @@ class _SurfaceMotion:
         self.error_n = rms(data.to_row_order(rows.rows, forces_n) - rows.force_n)
 
     def refit(self, terms: Terms, penalty: float, sparse: bool) -> tuple[Hammerstein, Terms]:
-        """Fitted again, along this way, to the rows in which the tool was not away; its terms."""
+        """Fit again along the surface's motion, to the rows in which the tool is on it."""
         columns_by_motion = build_design_matrices(terms, self._motions, self._data.dt_s, self._at)
         values = self._data.to_row_order(self._rows.rows, columns_by_motion)[~self.detached]
         normalised_force = self._rows.force_n[~self.detached] / self._rows.peak_n

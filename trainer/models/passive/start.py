@@ -24,10 +24,10 @@ _HOPELESS_RATIO = 3.0  # times the error that is needed; damage and flow took 2.
 
 
 def select_start(data: TrainingSet, options: FitOptions) -> TrainingSet:
-    """Return the set; if held-out errors are a tenth lower so, as recordings that go on.
+    """Choose if recordings begin at rest or go on from each other, by held-out error.
 
-    Decided once for the options that it depends on. Recordings with times of their own in a session
-    are left as they are, and those of several places.
+    Going on has to take a tenth off. Decided once for the options that it depends on. Recordings
+    with times of their own in a session are left as they are, and those of several places.
     """
     timed = any(recording.session for recording in data.recordings)
     if (

@@ -104,6 +104,10 @@ def read_arrays(path: Path, kind: str, request: FileRequest) -> RawChannels:
 def _choose(
     path: Path, arrays: Sequence[_Array], quantity: Quantity, request: FileRequest
 ) -> _Array:
+    """Return the array of a channel: the stated one, or the only one whose name fits.
+
+    Raises DataError if none or several do, and for one that needs a scale applied.
+    """
     if column := request.columns.get(quantity):
         stated = str(column.header_or_number).strip("/")
         candidates = [a for k, a in enumerate(arrays, 1) if stated in (a.name, str(k))]
@@ -155,6 +159,7 @@ def _find_rate_hz(stored: Sequence[_Stored]) -> float | None:
 
 
 def _split_vectors(name: str, unit: str, other: str, value: object) -> Iterator[_Array]:
+    """Yield a numeric array as vectors: itself, or the columns of a narrow matrix."""
     if np.asarray(value).dtype.kind not in "fiu" or "@" in name:
         return
     array = np.squeeze(np.asarray(value)).astype(np.float64)
@@ -180,6 +185,7 @@ def _flatten(name: str, value: object) -> Iterator[_Stored]:
 
 
 def _read_hdf5(path: Path) -> list[_Stored]:
+    """Return name, unit, scale and values of every dataset of a file, and its attributes."""
     stored: list[_Stored] = []
 
     def visit(name: str, node: object) -> None:
@@ -285,6 +291,7 @@ def _find_label(labels: Sequence[Hashable], column: Hashable) -> tuple[Hashable,
 def _missing_column_message(
     quantity: Quantity, column: Hashable, labels: Sequence[Hashable]
 ) -> str:
+    """Say that a table has no such column, what it has, and what to pass."""
     shown = ", ".join(repr(str(label)) for label in labels)[:_MAX_LETTERS] or "none"
     rate = ", or a rate such as time='1000Hz'" if quantity == "time" else ""
     return (

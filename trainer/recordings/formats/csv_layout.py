@@ -171,6 +171,7 @@ def _find_layout_by_numbers(
 
 
 def _match_columns(row: Cells, quantity: Quantity, column: Column | None) -> list[int]:
+    """Return the columns of a row that may be a channel, as stated or else guessed."""
     if column is None:
         return guess_columns(row, quantity)
     if isinstance(column.header_or_number, int):
@@ -191,6 +192,10 @@ def _build_layout(
     chosen: Mapping[Quantity, int],
     request: FileRequest,
 ) -> Layout:
+    """Complete the layout once its columns are known: units, first row of numbers, decimal mark.
+
+    Looks for a row of units below the header, and for a clock in the column of time.
+    """
     if len(set(chosen.values())) < len(chosen):
         raise DataError(f"{path}: two channels would come from one column: correct --map")
     rows = [k for k in range(first, len(head)) if head[k].strip()] or [len(head)]

@@ -233,7 +233,7 @@ def _find_gaps(raw: RawChannels, steps_s: Samples, fill: bool) -> Indices:
 
 
 def _find_even_grid(raw: RawChannels, steps_s: Samples) -> tuple[Samples, int]:
-    """Stamps in step to the file's end, and how many of the file's are.
+    """Return stamps on an even grid to the file's end, and how many of the file's fit it.
 
     Raises DataError if more than the end is out of step.
     """
@@ -255,6 +255,7 @@ def _find_even_grid(raw: RawChannels, steps_s: Samples) -> tuple[Samples, int]:
 
 
 def _require_even(raw: RawChannels) -> None:
+    """Raise DataError at the first step of time that is unlike the others, with a rate to pass."""
     mean_hz, fine_hz = _rates_hz(raw)
     hz = fine_hz if fine_hz > _GAP_STEPS * mean_hz else mean_hz  # of a logger that slows down
     for span in (1, _DRIFT_STEPS) if len(raw.time_s) > _DRIFT_STEPS else (1,):

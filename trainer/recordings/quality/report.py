@@ -249,9 +249,10 @@ def _compare_units(recordings: Sequence[Recording]) -> Iterator[Finding]:
 def _first_that_mends(
     recordings: Sequence[Recording], remedies: Mapping[str, tuple[Conditioning, Zero]]
 ) -> str:
-    """The first remedy that, followed on these recordings in memory, ends right; else none.
+    """Return the first remedy that ends right when it is followed on these recordings; else none.
 
-    Right is: not refused, by its signs neither, and at most as far off as the surface is known.
+    Followed in memory. Right is: not refused, by its signs neither, and at most as far off as the
+    surface is known.
     """
     for words, (options, zero) in remedies.items():
         with suppress(DataError, UsageError):
@@ -287,6 +288,7 @@ def _has_refusal(findings: Sequence[Finding]) -> bool:
 def _compute_figures(
     recording: Recording, cycles: Cycles | None, signs: Signs, skew: Skew | None
 ) -> JsonObject:
+    """Return the figures of a recording for `check --json`: ranges, speed, signs, cycles."""
     position_m, force_n = recording.position_m, recording.force_n
     place = {"place_m": list(recording.place_m)} if recording.place_m else {}
     return place | {
