@@ -2,6 +2,7 @@
 
 import difflib
 import math
+import re
 from collections.abc import Callable, Mapping
 from functools import wraps
 from pathlib import Path
@@ -39,11 +40,27 @@ POSITIVE = FiniteRange(0, min_open=True)
 NOT_NEGATIVE = FiniteRange(0)
 
 
+def describe_field(described: object, name: str) -> str:
+    """Return the sentence of a docstring's list, "name: text" each, as the help of an option.
+
+    >>> describe_field(springpot.train, "leaf")
+    'How many rows the smallest leaf of a tree holds.'
+    """
+    listed = re.split(r"^ *((?:\w+, )*\w+): ", described.__doc__ or "", flags=re.M)
+    text = next((text for names, text in zip(listed[1::2], listed[2::2], strict=True)
+                 if name in names.split(", ")), "")  # fmt: skip
+    text = " ".join(re.split("Raises |>>>", text)[0].split()).replace("None:", "default:")
+    return text[:1].upper() + text[1:]
+
+
 def field_option(
-    settings: type, name: str, kind: click.ParamType[Any] | None, help_text: str
+    settings: type, name: str, kind: click.ParamType[Any] | None, described: object = None
 ) -> Callable[[_Command], _Command]:
-    """Option of a field of a settings dataclass, with its name and default; kind None: a flag."""
-    default = getattr(settings, name)
+    """Make the option of a field of a settings dataclass, with its name and default.
+
+    kind None: a flag. described: whose docstring describes the field, by default the dataclass's.
+    """
+    default, help_text = getattr(settings, name), describe_field(described or settings, name)
     return click.option(
         f"--{name.replace('_', '-')}", type=kind, is_flag=kind is None, default=default,
         show_default=default is not None and kind is not None, help=help_text,

@@ -94,25 +94,26 @@ def train(
     kind: "auto" takes the one of lowest cross-validated error.
     name: of the model; by default its kind.
     validation: other recordings, which decide with select="paper" only.
-    seed: of the rows and trees that are drawn at random.
-    fraction: share of the rows that are used, above 0 to 1; None: 0.2 from 20 000 rows on.
+    seed: number that decides the random choice of rows and trees.
+    fraction: share of the rows that are used; None: 0.2 from 20 000 rows on, all below.
     window_s: how long the fractional filters remember, s; None: 171 samples, 1000 s if recursive.
     smooth_s: zero-phase moving average of the training data, s; 0: none; None: 0.025, or less
     where that would bend the force by more than half its noise.
-    trees: how many a forest has.
+    trees: how many trees the forest of rf-fd has.
     leaf: how many rows the smallest leaf of a tree holds.
     tree_rows: share of the rows that each tree is fitted on; 1 as usual.
     split_features: share of the features that each split tries.
     n_centers: how many radial basis functions rbf-fd and rbf-pv have.
     velocity_weight: of the newest velocity in rbf-pv's moving average; 1: no average.
-    select: rbf-fd chooses by cross-validation, or as the paper on `validation`.
-    engine: of the fractional filters: taps, the same from a few exponentials, or exponentials that
-    are exact at any rate; None: taps, and the last where the window is long.
-    round_features: trees are fitted on features in 16-bit steps: faster C without search.
-    past_positions: rf-fd on ten past positions, as its control: they act with negative damping.
+    select: how rbf-fd chooses its orders: by cross-validation, or as the paper on `validation`.
+    engine: the fractional filters: taps (fir), the same from a few exponentials (fir-fast), or
+    exponentials that are exact at any rate (recursive); None: fir, recursive if the window is long.
+    round_features: fit the trees of rf-fd on features in 16-bit steps: faster C without search.
+    past_positions: fit rf-fd on ten past positions, as its control: negative damping.
     orders: of the fractional derivatives, each 0 to 1; None: the paper's ten.
     poles: how many time constants hammerstein, and the passive part of every kind, may use.
     accept_misfit: take a model that misses 30 % of the largest force in presses held out.
+
     Raises UsageError for an unknown kind or an option's value, DataError for recordings that cannot
     be trusted or do not fit together, SpringpotError for a model that misses so much.
 

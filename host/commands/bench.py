@@ -29,7 +29,7 @@ from springpot.host.output import json_option, print_json, print_line, print_tab
     help="Kind of model, or a model's file; may be repeated; default: every kind.",
 )  # fmt: skip
 @click.option("--dask", metavar="ADDRESS", help="Scheduler of a Dask cluster to fit on.")
-@click.option("--seed", type=SEED, default=0, show_default=True)
+@click.option("--seed", type=SEED, default=0, show_default=True, help="Of random choices of a fit.")
 @json_option
 def bench(
     recordings: tuple[str, ...],

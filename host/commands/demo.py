@@ -19,8 +19,12 @@ _TRAINING_SEED, _VALIDATION_SEED = 1, 2
 
 
 @click.command()
-@click.option("--out", type=PATH, default=Path("demo"), show_default=True)
-@click.option("--object", "object_name", default="ecoflex-00-30", show_default=True)
+@click.option(
+    "--out", type=PATH, default=Path("demo"), show_default=True, help="Folder to write into."
+)
+@click.option(
+    "--object", "object_name", default="ecoflex-00-30", show_default=True, help="Simulated object."
+)
 @json_option
 def demo(out: Path, object_name: str, as_json: bool) -> None:
     """Do the whole job on a simulated object: record, train, emit, build, validate, report."""

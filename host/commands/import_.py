@@ -34,10 +34,10 @@ _OF_REPORT = ("name", "samples", "rate_hz", "position_m", "force_n", "signs")  #
 )
 @click.option("--resample-hz", type=float, help="Interpolate to this rate.")
 @click.option("--decimal", type=click.Choice(["point", "comma"]), help="CSV: else guessed.")
-@field_option(Conditioning, "position_delay_s", FiniteRange(), "Of the position's sensor.")
-@field_option(Conditioning, "force_delay_s", FiniteRange(), "Of the force's sensor.")
-@field_option(Conditioning, "align", None, "Take the stated delays out, not only note them.")
-@field_option(Conditioning, "mass_kg", NOT_NEGATIVE, "Beyond the load cell: inertia is removed.")
+@field_option(Conditioning, "position_delay_s", FiniteRange())
+@field_option(Conditioning, "force_delay_s", FiniteRange())
+@field_option(Conditioning, "align", None)
+@field_option(Conditioning, "mass_kg", NOT_NEGATIVE)
 @click.option("--tare", metavar="auto|N", help="Force without contact.")
 @click.option(
     "--contact-force",
@@ -54,7 +54,7 @@ _OF_REPORT = ("name", "samples", "rate_hz", "position_m", "force_n", "signs")  #
     metavar="X,Y",
     help="Where the object was pressed, such as 5,10mm, or the columns of it: x_mm,y_mm.",
 )
-@field_option(Conditioning, "accept_signs", None, "Take signs that the data speak against.")
+@field_option(Conditioning, "accept_signs", None)
 @click.option("--out", required=True, type=PATH, help="Folder to write into.")
 @json_option
 def import_(

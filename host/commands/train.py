@@ -12,6 +12,7 @@ from springpot.codegen.messages import counted_noun
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.passive import Start
 from springpot.codegen.types import JsonObject
+from springpot.host import steps
 from springpot.host.metrics import (
     Accuracy,
     accuracy,
@@ -42,7 +43,7 @@ from springpot.trainer.models.predict import require_compatible
 from springpot.trainer.recordings.recording import Recording
 
 _SHARE = FiniteRange(0, 1, min_open=True)
-_fit_option = partial(field_option, FitOptions)
+_fit_option = partial(field_option, FitOptions, described=steps.train)
 
 
 @click.command()
@@ -57,22 +58,14 @@ _fit_option = partial(field_option, FitOptions)
 )
 @recordings_option("--validate", "validation", "Recording or folder to report the error on")
 @click.option("--out", type=PATH, required=True, help="Model file to write.")
-@_fit_option("seed", SEED, "Seed for the random choice of rows and trees.")
-@_fit_option("fraction", _SHARE, "Share of rows used; default 0.2 from 20 000 rows on, all below.")
-@_fit_option("trees", click.IntRange(1), "rf-fd: of the forest.")
-@_fit_option("leaf", click.IntRange(1), "rf-fd: rows of the smallest leaf.")
-@_fit_option("tree_rows", _SHARE, "rf-fd: share of the rows that each tree is fitted on.")
-@_fit_option("split_features", _SHARE, "rf-fd: share of the features that each split tries.")
-@_fit_option(
-    "window_s",
-    POSITIVE,
-    "Length of the filters' memory, s; default 171 samples, 1000 s if recursive.",
-)
-@_fit_option(
-    "smooth_s",
-    NOT_NEGATIVE,
-    "Zero-phase moving average of the training data, s; 0: none; default 0.025 or less.",
-)
+@_fit_option("seed", SEED)
+@_fit_option("fraction", _SHARE)
+@_fit_option("trees", click.IntRange(1))
+@_fit_option("leaf", click.IntRange(1))
+@_fit_option("tree_rows", _SHARE)
+@_fit_option("split_features", _SHARE)
+@_fit_option("window_s", POSITIVE)
+@_fit_option("smooth_s", NOT_NEGATIVE)
 @click.option(
     "--start",
     type=click.Choice(get_args(Start)),
@@ -82,20 +75,11 @@ _fit_option = partial(field_option, FitOptions)
     "recordings left it; auto: as those begin.",
 )
 @click.option("--smooth-validation", is_flag=True, help="Smooth the validation data as well.")
-@_fit_option(
-    "select",
-    click.Choice(["cv", "paper"]),
-    "rbf-fd: by cross-validation, or on the validation recordings.",
-)
-@_fit_option(
-    "engine",
-    click.Choice(["fir", "fir-fast", "recursive"]),
-    "Fractional filters: the paper's taps, the same from a few exponentials, or exponentials "
-    "that are exact at any rate; default fir, recursive where the window is long.",
-)
-@_fit_option("round_features", None, "rf-fd: trees on features in 16-bit steps; faster, no search.")
-@_fit_option("past_positions", None, "rf-fd: on ten past positions, as its control.")
-@_fit_option("accept_misfit", None, "Take a model that misses 30 % of the largest force.")
+@_fit_option("select", click.Choice(["cv", "paper"]))
+@_fit_option("engine", click.Choice(["fir", "fir-fast", "recursive"]))
+@_fit_option("round_features", None)
+@_fit_option("past_positions", None)
+@_fit_option("accept_misfit", None)
 @json_option
 def train(
     recordings: tuple[str, ...],

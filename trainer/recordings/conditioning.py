@@ -30,12 +30,13 @@ _MAX_UNCERTAINTY_FRACTION = 0.25  # of the deepest press: a bound of its surface
 class Conditioning:
     """Steps that a user asks for; none by default.
 
-    position_delay_s, force_delay_s: how much later than the truth the channels were sampled; kept
-    as metadata, and with `align` also taken out.
-    mass_kg: of the parts that move beyond the load cell; their inertial force is removed.
+    position_delay_s, force_delay_s: how much later than the truth the channel was sampled, s; kept
+    as metadata.
+    align: take the stated delays out, not only note them.
+    mass_kg: mass that moves beyond the load cell, kg; its inertial force is removed.
     tare: force without contact, N, or "auto": found out of contact.
     contact_force: force above the tare that marks the surface, N, or "auto": just above the noise.
-    accept_signs: signs that the data speak against are those of the rig; each use repeats it.
+    accept_signs: take signs that the data speak against as the rig's; each use repeats the line.
 
     >>> Conditioning(tare="auto", mass_kg=0.02).mass_kg
     0.02

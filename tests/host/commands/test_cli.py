@@ -231,3 +231,21 @@ def test_nothing_is_left_and_what_was_there_stands(
         done = spring(*arguments)
     assert done.returncode == 2, done.stderr
     assert "choose another " in done.stderr.splitlines()[-1] and content(tmp_path) == before
+
+
+def test_every_option_says_in_a_sentence_what_it_does() -> None:
+    """Options of settings take it from the docstring that lists them."""
+    with click.Context(command_line) as context:
+        options = [
+            option
+            for name in command_line.list_commands(context)
+            if (command := command_line.get_command(context, name))
+            for option in command.params
+            if isinstance(option, click.Option) and not option.hidden
+        ]
+    said = {option.opts[0]: option.help or "" for option in options}
+    assert len(said) > 40
+    for name, text in said.items():
+        assert re.fullmatch(r"[^>]*\.( .*)?", text, re.S) and len(text) < 250, (name, text)
+    assert said["--leaf"] == "How many rows the smallest leaf of a tree holds."
+    assert said["--force-delay-s"] == said["--position-delay-s"]
