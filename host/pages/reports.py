@@ -59,7 +59,7 @@ def time_figure(recording: Recording, predicted_n: Samples) -> str:
     time_s = recording.dt_s * np.arange(len(predicted_n))
     lower.plot(time_s, predicted_n - recording.force_n, color="tab:blue", lw=0.8)
     lower.axhline(0.0, color=MUTED, lw=0.6)
-    lower.set(xlabel="time, s", ylabel="model - measured, N")
+    lower.set(xlabel="time, s", ylabel="error, N")
     return svg_text(figure)
 
 
@@ -87,7 +87,7 @@ def error_figure(pairs: Sequence[Validated]) -> str:
         error_n = (predicted_n - recording.force_n)[::every]
         axes.plot(depth_mm, error_n, ",", color="tab:blue", rasterized=True)
     axes.axhline(0.0, color=MUTED, lw=0.6)
-    axes.set(xlabel="depth, mm", ylabel="model - measured, N")
+    axes.set(xlabel="depth, mm", ylabel="error, N")
     return svg_text(figure)
 
 
