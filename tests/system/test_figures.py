@@ -1,10 +1,12 @@
 """README's figures are those that their command measures today."""
 
+import re
 import sys
 from pathlib import Path
 
 import judges
 import pytest
+import silences
 from support.pages.figures import AGAIN, COMMAND, PASSIVE, README, stored, written
 
 from springpot import train
@@ -41,6 +43,15 @@ def test_a_model_that_fails_is_said_and_writes_nothing(
     with pytest.raises(SystemExit, match="planted") as ended:
         judges.main()
     assert ended.value.code not in (0, None)
+
+
+def test_the_page_says_what_a_silence_does() -> None:
+    """The greatest of its figures, measured again."""
+    effects = list(silences.effects("ecoflex-00-30", "bare", 8.0, silences.SILENCES_S[-1]))
+    given = f"{100 * max(effect.given for effect in effects):.0f} % (ecoflex-00-30, 8 Hz) |"
+    row = r"^\| more energy given back, of a press, bare \|.*\| (.*)$"
+    found = re.search(row, silences.PAGE.read_text(encoding="utf-8"), re.M)
+    assert found and found[1] == given
 
 
 class Unchanged:
