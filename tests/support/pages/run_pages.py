@@ -32,7 +32,7 @@ def run_page(name: str, folder: Path, *needs: str) -> str:
         elif block.note == "prints URL":
             for url in print_urls(block, folder):
                 line = shlex.join(["run", "--scene", "c", "--device", url, "--seconds", "1"])
-                _run(["python", "-m", "support.in_process", line], folder, block.where)
+                run_words(["python", "-m", "support.in_process", line], folder, block.where)
         elif not block.language:
             printed += [run_python(code, folder, name)] if code else []
             last, code = "\n".join(_run_commands(block, folder)), ""
@@ -54,7 +54,7 @@ def _masked(text: str) -> str:
 
 def run_python(code: str, folder: Path, where: str) -> str:
     """Run a page's Python in `folder`, in a process of its own; what it printed."""
-    return _run(["python", "-c", code], folder, where)
+    return run_words(["python", "-c", code], folder, where)
 
 
 def print_urls(block: Block, folder: Path) -> Iterator[str]:
@@ -81,11 +81,11 @@ def _run_commands(block: Block, folder: Path) -> list[str]:
         if ours:
             lines = [shlex.join(words[1:]) for words in each]
             each = [["python", "-m", "support.in_process", *lines]]
-        printed += [_run(words, folder, block.where) for words in each]
+        printed += [run_words(words, folder, block.where) for words in each]
     return printed
 
 
-def _run(words: list[str], folder: Path, where: str) -> str:
+def run_words(words: list[str], folder: Path, where: str) -> str:
     if words[0] == "python":
         words[0] = sys.executable
     elif words[0] == "make" and words[1] != "-C":  # the checkout's own: that it is there must do
