@@ -9,7 +9,7 @@ import numpy as np
 import paper_formulas as text
 import pytest
 from paper_claims import WORDS
-from paper_page import headline
+from paper_page import TITLES, headline
 from reproduce import reproduce
 from support.paths import ROOT
 
@@ -37,6 +37,7 @@ def test_little_work_is_written(tmp_path: Path) -> None:
     page = (tmp_path / "out" / "page.html").read_text()
     assert all(escape(claim["paper"]) in page for claim in found)
     assert headline(claims) in page and page.count("<svg") == 9
+    assert all(f"<!-- {title} -->" in page for titles in TITLES.values() for title in titles)
     assert not re.search(r"(src|href)=\"(?!#)", page)  # nothing outside it
 
 
