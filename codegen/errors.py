@@ -1,6 +1,48 @@
 """Errors that a user can act on. Each message is one line: what, where, what to do."""
 
+import re
+from typing import ClassVar
+
 _MAX_LETTERS = 2000
+_COMMAND = re.compile(
+    r"`springpot (bench|check|emit|import|record|stability|train|validate)\b[^`]*`"
+)
+_OPTION = re.compile(
+    r"--(?!reload)([a-z-]*[a-z])(?:[= ]('[^']*'|-?\d[\w.]*|[^\s;]*[=:][^\s;]*[^\s;,.:)]"
+    r"|-?[A-Z][A-Z,_]*\b|auto|first|min|comma|paper|recursive|rf-fd|hammerstein|springpot))?"
+)
+# What Python names otherwise than by underscores, and what a command alone has.
+_ARGUMENTS = {
+    "map": "columns", "out": "folder", "validate": "validation", "recording": "recordings",
+    "centers": "n_centers", "max-depth-mm": "max_depth_m", "place": "place_m",
+    "align": "align=True",
+}  # fmt: skip
+_OF_COMMANDS = ("dask", "find-surface", "fit", "force", "max-speed-mps", "target")
+
+
+def in_python(text: str) -> str:
+    """Name arguments and calls where a message names options, unless a command prints it.
+
+    >>> in_python("import with --contact-force auto, or leave --zero out")
+    'import with contact_force="auto", or leave zero out'
+    """
+    if SpringpotError.in_command:
+        return text
+    names = {"check": "check_recordings", "import": "import_recordings"}
+    calls = _COMMAND.sub(lambda command: f"springpot.{names.get(command[1], command[1])}()", text)
+    return _OPTION.sub(_argument, calls)
+
+
+def _argument(option: re.Match[str]) -> str:
+    """Return a command's option, as a message names it, in the words of a call: `smooth_s=0.1`."""
+    name, value = option.groups()
+    if name in _OF_COMMANDS:
+        return f"{option[0]} on the command line"
+    if value is None:
+        return _ARGUMENTS.get(name, name.replace("-", "_"))
+    kind = "kind" if name == "model" else name.replace("-", "_")
+    given = value if value[0] in "'-0123456789" or value.isupper() else f'"{value}"'
+    return f"{_ARGUMENTS.get(name, kind)}={given}"
 
 
 class SpringpotError(Exception):
@@ -10,9 +52,11 @@ class SpringpotError(Exception):
     (True, True)
     """
 
+    in_command: ClassVar[bool] = False  # options are named as a terminal has them
+
     def __str__(self) -> str:
         """One printable line, whatever a file holds that is quoted: terminals obey some bytes."""
-        text = super().__str__()
+        text = in_python(super().__str__())
         if len(text) > _MAX_LETTERS:
             text = f"{text[: _MAX_LETTERS - 500]} ... {text[-490:]}"
         return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)

@@ -10,6 +10,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import MISSING, Field, fields
 from typing import Any, TypeVar
 
+from springpot.codegen.errors import in_python
+
 NOTICES = "springpot.notices"
 _MAX_REPR_CHARACTERS = 200  # characters of a repr
 _MAX_SHOWN_ENTRIES = 8  # entries that are not shown one by one
@@ -40,12 +42,12 @@ def with_progress(items: Sequence[_Item], what: str) -> Iterator[_Item]:
 
 def notice(line: str) -> None:
     """Log one line that asks nothing of anybody."""
-    logging.getLogger(NOTICES).info(line)
+    logging.getLogger(NOTICES).info(in_python(line))
 
 
 def caution(line: str) -> None:
     """Log one line that somebody should read."""
-    logging.getLogger(NOTICES).warning(line)
+    logging.getLogger(NOTICES).warning(in_python(line))
 
 
 def short_repr(self: Any) -> str:

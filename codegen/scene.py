@@ -37,8 +37,6 @@ class Runtime:
     prefix: str = "sp"
     """Beginning of every C name, so that two objects live in one image. May be: lower-case
     letters, digits, underscores."""
-    forest: Literal["table", "m2cgen"] = "table"
-    """Node tables, or nested ifs by m2cgen, for small forests and comparison."""
     start: Start = "auto"
     """The object as new, or as the training presses left it. Default: as the training recordings
     begin."""

@@ -41,7 +41,7 @@ def claims(results: Results) -> list[Claim]:
 def judged(stated: Mapping[str, str], here: str, holds: bool | None) -> Claim:
     """A claim with the verdict that paper.toml states, or with that of its criterion."""
     verdict = stated.get("verdict") or ("agrees" if holds else "differs")
-    why = stated.get("why", "")
+    why = " ".join(filter(None, (stated.get("why"), stated.get("test"))))
     if holds is None and "verdict" not in stated:
         verdict, why = "not shown", "It is of other objects, or of several."
     return Claim(stated["section"], stated["item"], stated["paper"], stated.get("criterion", ""),

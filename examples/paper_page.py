@@ -22,6 +22,11 @@ table { border-collapse: collapse; width: 100% } figure { margin: 2rem 0 }
 td, th { border: 1px solid #ccc; padding: .3rem; vertical-align: top; text-align: left }
 svg { max-width: 100%; height: auto } .agrees { background: #efe } .differs { background: #fee }
 """
+TITLES = {  # of the axes
+    5: ("time, ms", "force, N; position, mm"), 7: ("time, s", "force, N"),
+    8: ("force, N", "error, %"), 11: ("order", "importance"), 13: ("time, ms", "force, N"),
+    14: ("time, s", "force, N"), 17: ("displacement, mm", "force, N"),
+}  # fmt: skip
 Line = tuple[str, Samples, Samples, str, str]  # label, x, y, color, style
 
 
@@ -109,6 +114,8 @@ def panels(number: int, results: Sequence[Result]) -> Figure:
         axes.set_yscale("log" if number == 8 else "linear")
         axes.set_title(one.name, fontsize=9)
         axes.tick_params(labelsize=8)
+        axes.set_xlabel(TITLES[number][0], fontsize=8)
+    figure.axes[0].set_ylabel(TITLES[number][1], fontsize=8)
     figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center",
                   ncols=2 * len(results), fontsize=8, frameon=False)  # fmt: skip
     return figure
@@ -140,7 +147,7 @@ def derivatives() -> Figure:
     for step_s in (0.8e-3, 1.2e-3, 1.27e-3):
         percent = [100.0 * change_of_step(order, step_s) for order in orders]
         changes.plot(orders, percent, label=f"{1e3 * step_s:g} ms")
-    curves.set(xlabel="ms", ylabel="over the largest value")
+    curves.set(xlabel="time, ms", ylabel="over the largest value")
     changes.set(xlabel="order", ylabel="RMS change, %")
     for axes in (curves, changes):
         axes.legend(frameon=False)

@@ -10,7 +10,7 @@ import argparse
 import json
 import sys
 import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import asdict, replace
 from functools import partial
@@ -21,18 +21,10 @@ import numpy as np
 from paper_claims import Claim, claims
 from paper_formulas import Samples, press as command, rms
 from paper_page import headline, page
-from paper_results import COUPLED, KINDS, OBJECTS, ORDERS, OWN, PAST, SLOW_S, Hands, Result
+from paper_results import COUPLED, KINDS, LETTER, OBJECTS, ORDERS, OWN, PAST, SLOW_S, Hands, Result
 
 import springpot
 from springpot import predict, record
-
-# What the paper does and springpot's defaults do not. The features that a split tries are not
-# stated: a third is what the paper's software takes.
-LETTER: Mapping[str, Mapping[str, Any]] = {
-    "rf-fd": {"tree_rows": 1.0, "split_features": 1 / 3},
-    "rbf-fd": {"select": "paper"},
-    "rbf-pv": {"velocity_weight": 0.7},
-}
 
 
 def measured(name: str, folder: Path, every: int = 1, n: int = 10, trees: int = 100) -> Result:

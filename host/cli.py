@@ -11,7 +11,7 @@ import click
 from springpot.codegen import errors
 from springpot.host.commands import COMMANDS
 from springpot.host.options import CommandGroup
-from springpot.host.output import notices_printed, print_line
+from springpot.host.output import describe_os_error, notices_printed, print_line
 
 _EXIT_STATUS: dict[type[Exception], int] = {
     errors.UsageError: 2,
@@ -40,6 +40,7 @@ def springpot() -> None:
 def main() -> None:
     """Entry point: run a command; a refusal is one line on standard error and its exit status."""
     # Once a command is done its status stands, however long Python takes to end.
+    errors.SpringpotError.in_command = True
     atexit.register(signal.signal, signal.SIGINT, signal.SIG_IGN)
     interrupts = _counted_interrupts()
     for stream in (sys.stdout, sys.stderr):
@@ -58,10 +59,7 @@ def main() -> None:
         print_line(f"springpot: {error.format_message()}")
         sys.exit(2)
     except OSError as error:
-        place = f"{error.filename}: " if error.filename else ""
-        print_line(
-            f"springpot: {place}{error.strerror or error}: choose another place, or free this one"
-        )
+        print_line(f"springpot: {describe_os_error(error)}")
         sys.exit(2)
     except click.exceptions.Abort:
         print_line("springpot: interrupted")

@@ -1,6 +1,7 @@
 """Files from Python: recordings, models and scenes; paths are strings or Paths."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,6 +13,7 @@ from springpot.codegen.model import model_file
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
 from springpot.host.emission import scene_file
+from springpot.host.output import describe_os_error
 from springpot.trainer.recordings import hdf5_file, recording_file
 from springpot.trainer.recordings.formats.importing import ImportOptions
 from springpot.trainer.recordings.recording import RECORDING_SUFFIX, Recording, Zero
@@ -22,6 +24,15 @@ if TYPE_CHECKING:
 
 File = recording_file.File
 write_scene = scene_file.write_scene
+
+
+@contextmanager
+def refusing_places() -> Iterator[None]:
+    """Raise UsageError, which is one line, where a file or folder cannot be written."""
+    try:
+        yield
+    except OSError as error:
+        raise UsageError(describe_os_error(error)) from None
 
 
 def read_recordings(*paths: File) -> list[Recording]:
@@ -48,10 +59,12 @@ def write_recordings(path: File, recordings: Recordings) -> list[Path]:
     """
     out, chosen = parse_path(path), resolve_recordings(recordings)
     if out.suffix != RECORDING_SUFFIX:
-        return write_in_folder(out, chosen)
+        with refusing_places():
+            return write_in_folder(out, chosen)
     if len(chosen) != 1:
         raise UsageError(f"{out}: {len(chosen)} recordings for one file: give a folder")
-    hdf5_file.write_recording(out, chosen[0])
+    with refusing_places():
+        hdf5_file.write_recording(out, chosen[0])
     return [out]
 
 
@@ -131,7 +144,8 @@ def write_model(path: File, model: "Model | Fit") -> str:
     >>> write_model("model.spm", model) == write_model("again.spm", model)
     True
     """
-    return model_file.write_model(parse_path(path), given_model(model))
+    with refusing_places():
+        return model_file.write_model(parse_path(path), given_model(model))
 
 
 def given_model(given: "Model | Fit | File") -> Model:
@@ -161,10 +175,7 @@ def given_scene_and_model(
         stated = scene_file.read_scene(file)
     if model is None:
         if stated is None:
-            raise UsageError(
-                "neither scene nor model: give --model or --scene, in Python model= or scene=, or "
-                "both"
-            )
+            raise UsageError("neither scene nor model: give --model or --scene, or both")
         model = stated.model if file is None else scene_file.model_path(stated, file)
     chosen = given_model(model)
     return stated or Scene(schema=1, name=chosen.name, model="model.spm"), chosen

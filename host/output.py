@@ -30,6 +30,12 @@ def print_line(line: str) -> None:
     click.echo(line, err=True)
 
 
+def describe_os_error(error: OSError) -> str:
+    """One line: the place, if it is known, the system's reason, and what to do."""
+    place = f"{error.filename}: " if error.filename else ""
+    return f"{place}{error.strerror or error}: choose another place, or free this one"
+
+
 class _ProgressLine(logging.Handler):
     """Show the log of long work beside the bar: records carry `done` of `total` steps."""
 

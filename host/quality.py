@@ -3,6 +3,7 @@
 import warnings
 from collections.abc import Callable
 
+from springpot.codegen.errors import in_python
 from springpot.codegen.messages import notice
 from springpot.host.output import print_line
 from springpot.trainer.recordings.quality.report import QualityReport, check_recordings
@@ -39,4 +40,4 @@ def warn_of_quality(recordings: Recordings) -> QualityReport:
 
 
 def _warn(line: str) -> None:
-    warnings.warn(line.removeprefix("warning: "), UserWarning, stacklevel=_CALLER)
+    warnings.warn(in_python(line.removeprefix("warning: ")), UserWarning, stacklevel=_CALLER)

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from pydantic import TypeAdapter, ValidationError
 
 from springpot.codegen.arrays import Samples, to_float64
-from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.errors import DataError, UsageError, in_python
 from springpot.codegen.files import parse_path
 from springpot.codegen.messages import notice
 from springpot.codegen.model.model import Model
@@ -22,6 +22,7 @@ from springpot.host.files import (
     given_model,
     given_scene_and_model,
     read_recordings,
+    refusing_places,
     some_recordings,
 )
 from springpot.trainer.models.fit import Engine, Fit, FitOptions
@@ -44,6 +45,8 @@ def record(
 ) -> list[Recording]:
     """Press an object with each force of a protocol; one recording of each, in `folder`.
 
+    A folder that has them all already, of the same url, seed and protocol, is read.
+
     url: of a device, "sim://ecoflex-00-30" a simulated one. protocol: "paper" or another that
     docs/reference/recordings.md lists, or a TOML file. seed: of random commands and of a
     simulated device's noise. object_name: what lies under a real device. max_force_n, N (by
@@ -56,11 +59,14 @@ def record(
     """
     from springpot.host.recording.indentation import Limits
     from springpot.host.recording.protocols import load_protocol
-    from springpot.host.recording.session import open_press_device, record_session
+    from springpot.host.recording.session import open_press_device, record_session, recorded_before
 
     out = parse_path(folder)
     profiles = load_protocol(str(protocol), seed)
     device = open_press_device(url, seed, object_name, Limits(max_force_n, max_depth_m))
+    if found := recorded_before(device, url, str(protocol), profiles, out):
+        notice(f"{out}: has these recordings already: read, and nothing is pressed")
+        return found
     presses = record_session(device, url, str(protocol), profiles, out)
     return read_recordings(*(press.file for press in presses))
 
@@ -126,6 +132,7 @@ def train(
 
     training = warn_of_quality(some_recordings(recordings)).checked
     fit = fit_model(kind, name or kind, training, options, resolve_recordings(validation))
+    fit = replace(fit, warnings=tuple(map(in_python, fit.warnings)))
     for line in fit.warnings:
         warnings.warn(line, UserWarning, stacklevel=2)
     return fit
@@ -180,7 +187,7 @@ def predict(
     doubts += [missing_place_message(model, recording), *find_extrapolation(model, recording)]
     for doubt in (*doubts, *find_moving_starts(model, [recording])):
         if doubt:
-            warnings.warn(doubt, UserWarning, stacklevel=2)
+            warnings.warn(in_python(doubt), UserWarning, stacklevel=2)
     return force_n
 
 
@@ -205,10 +212,11 @@ def emit(
     from springpot.host.emission.emission import emit as emit_folder
 
     stated, chosen = given_scene_and_model(scene, model)
-    emission = emit_folder(stated, chosen, parse_path(folder), accept_unsafe)
+    with refusing_places():
+        emission = emit_folder(stated, chosen, parse_path(folder), accept_unsafe)
     for line in emission.notices:
         if line.startswith("warning: "):
-            warnings.warn(line.removeprefix("warning: "), UserWarning, stacklevel=2)
+            warnings.warn(in_python(line.removeprefix("warning: ")), UserWarning, stacklevel=2)
         else:
             notice(line)
     return emission
@@ -258,7 +266,8 @@ def bench(
     if not testing:
         training, testing = holdout(training, seed)
     asked = Bench(tuple(training), tuple(testing), target, seed, tuple(models))
-    return run_bench(asked, parse_path(out), "springpot.bench")
+    with refusing_places():
+        return run_bench(asked, parse_path(out), "springpot.bench")
 
 
 def _fit_options(given: Mapping[str, object]) -> FitOptions:

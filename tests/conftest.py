@@ -9,6 +9,8 @@ from pathlib import Path
 import pytest
 from support.witness import RealtimeTries
 
+from springpot.codegen.errors import SpringpotError
+
 # The workers of pytest keep every core busy: threads of numerical libraries would wait for each
 # other. Before numpy is loaded, and for the processes that tests start.
 for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
@@ -25,6 +27,10 @@ SKIPPED = Path(os.environ.get("SPRINGPOT_SKIPPED") or os.devnull)
 
 def pytest_configure(config: pytest.Config) -> None:
     config.pluginmanager.register(RealtimeTries())
+
+
+# Messages name options as commands print them: tests/host/api has what Python says.
+SpringpotError.in_command = True
 
 
 @pytest.hookimpl(tryfirst=True)

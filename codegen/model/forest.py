@@ -181,6 +181,7 @@ def quantise_thresholds(forest: Forest, n_features: int) -> Forest:
 
 
 def _drop_unreachable(forest: Forest) -> Forest:
+    """Return the forest without the nodes that no root leads to, and renumber the rest."""
     keep = np.zeros(len(forest.feature), dtype=bool)
     reached = forest.roots
     while len(reached):

@@ -29,7 +29,7 @@ from springpot.codegen.model.features import (
 from springpot.codegen.model.model import Model, TrainedRange
 from springpot.codegen.model.passive import Damage, Flow, Hammerstein, Memory
 from springpot.codegen.model.places import Places
-from springpot.codegen.model.regressors import Forest, Linear, Quantisation, Rbf
+from springpot.codegen.model.regressors import Expression, Forest, Linear, Quantisation, Rbf
 
 MODEL_SCHEMA = 6
 _OLD_SCHEMA = 5  # without the whole state: what begins at rest means the same
@@ -44,6 +44,7 @@ _PARTS: dict[str, type] = {
     for part in (
         Model, TrainedRange, Hammerstein, Flow, Damage, Memory, Places, FirBank, FastFirBank,
         RecursiveBank, Lags, PositionVelocity, Forest, Quantisation, Rbf, Linear,
+        Expression,
     )
 }  # fmt: skip
 

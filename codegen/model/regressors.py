@@ -162,6 +162,55 @@ class Linear(Regressor):
         return used if len(used) else np.zeros(1, dtype=np.intp)
 
 
+# Of an `Expression`: names of m2cgen's nodes, and how many results each takes from the stack. A
+# file holds their places in this list: append alone.
+OPERATIONS = {
+    "NumVal": 0, "FeatureRef": 0, "ADD": 2, "SUB": 2, "MUL": 2, "DIV": 2, "PowExpr": 2,
+    "AbsExpr": 1, "AtanExpr": 1, "ExpExpr": 1, "LogExpr": 1, "Log1pExpr": 1, "SqrtExpr": 1,
+    "TanhExpr": 1, "LT": 2, "LTE": 2, "GT": 2, "GTE": 2, "EQ": 2, "NOT_EQ": 2, "IfExpr": 3,
+}  # fmt: skip
+COMPARISONS = ("LT", "LTE", "GT", "GTE", "EQ", "NOT_EQ")
+
+
+@dataclass(frozen=True, eq=False)
+class Expression(Regressor):
+    """What no table here holds, such as an SVR: operations that m2cgen writes as C.
+
+    operation: (n,), int32, places in OPERATIONS, operands first; the force is the sum of the
+    results that are left. operand: (n,), of a number its value, of a feature which input it is.
+    Inputs are zero + gain * feature[column], each (inputs,).
+    """
+
+    operation: NDArray[np.int32]
+    operand: Samples
+    column: NDArray[np.int32]
+    zero: Samples
+    gain: Samples
+    __repr__ = short_repr
+
+    def on_scaled(self, scale: float) -> "Expression":
+        return replace(self, gain=self.gain * scale)
+
+    def require_valid(self, n_features: int) -> None:
+        """Raise DataError, with field and reason, unless the postfix program leaves one number."""
+        require_shape("operand", self.operand, self.operation.shape)
+        for name in ("zero", "gain"):
+            require_shape(name, getattr(self, name), self.column.shape)
+        _require_range("column", self.column, 0, n_features)
+        _require_range("operation", self.operation, 0, len(OPERATIONS))
+        names = list(OPERATIONS)
+        inputs = self.operand[self.operation == names.index("FeatureRef")]
+        _require_range("operand", inputs.astype(np.int32), 0, len(self.column))
+        stack: list[bool] = []  # whether each result is a comparison, which an IfExpr alone takes
+        for name in (names[i] for i in self.operation):
+            count = OPERATIONS[name]
+            taken = stack[len(stack) - count :]
+            fits = len(taken) == count and taken == [name == "IfExpr", False, False][:count]
+            require(fits, f"operation: {name} has no operands")
+            stack[len(stack) - count :] = [name in COMPARISONS]
+        require(stack != [] and not any(stack), "operation: leaves no force")
+
+
 def require_trees(forest: Forest, n_features: int) -> None:
     """Raise DataError, with the field's name, where traversing the forest could go astray."""
     n = len(forest.feature)

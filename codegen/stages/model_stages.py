@@ -9,7 +9,7 @@ from springpot.codegen.entry_points import blame_package
 from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Scene
-from springpot.codegen.stages import exponentials, forests, regressors, windows
+from springpot.codegen.stages import exponentials, expressions, forests, regressors, windows
 from springpot.codegen.stages.passive.hammerstein import HammersteinStage, hammerstein_stage
 from springpot.codegen.stages.passive.placed import PlaceTicks
 from springpot.codegen.stages.stage import (
@@ -22,7 +22,7 @@ from springpot.codegen.stages.stage import (
 )
 
 # Importing them registers their stages.
-REGISTERED = (exponentials, forests, regressors, windows)
+REGISTERED = (exponentials, expressions, forests, regressors, windows)
 
 
 @dataclass(frozen=True)

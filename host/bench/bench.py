@@ -85,11 +85,11 @@ def run_bench(bench: Bench, folder: Path, command: str) -> JsonObject:
     )
     longest = max(bench.validation, key=lambda item: len(item.position_m))
     front = pareto_front(points)
+    timed = [on or point["fit_s"] is None for on, point in zip(front, points, strict=True)]  # files
     for number, (point, on_front) in enumerate(zip(points, front, strict=True)):
         point.update(dict.fromkeys(ALONE), pareto=on_front)
-        if on_front:
-            progress_console.print(f"timing alone: model {sum(front[: number + 1])} "
-                                   f"of {sum(front)} on the front")  # fmt: skip
+        if timed[number]:
+            progress_console.print(f"timing alone: {sum(timed[: number + 1])} of {sum(timed)}")
             point_key = cache_key(key, point["hash"])
             file = folder / str(point["file"])
             point.update(

@@ -126,7 +126,7 @@ def measure_point(
             **measure_sizes(model, candidate.number, target),
         }
     except SpringpotError as error:
-        return stated | {"error": str(error)}, None
+        return stated | {"error": str(error.args[0])}, None
     return stated | fitted | figures, model_bytes(model)
 
 

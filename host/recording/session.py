@@ -31,6 +31,7 @@ from springpot.trainer.recordings.recording import (
     require_recording_name,
     safe_recording_name,
 )
+from springpot.trainer.recordings.recording_file import read_recordings
 
 TOUCHES = 3
 _LONGEST_S, _MEAN_S = 600.0, 0.3
@@ -78,6 +79,35 @@ def open_press_device(
     return (pressing or PressedDevice)(url, object_name, limits or Limits(), on_progress)
 
 
+def recorded_before(
+    device: PressedDevice | SimulatedBench,
+    source: str,
+    protocol: str,
+    profiles: Sequence[Profile],
+    out: Path,
+) -> list[Recording]:
+    """Recordings that `record_session` would make, if `out` has them all; else none."""
+    files = [out / f"{name}{RECORDING_SUFFIX}" for name in _names(device, protocol, profiles)]
+    found = read_recordings(files) if all(file.exists() for file in files) else []
+    simulated = isinstance(device, SimulatedBench)  # a real device's session is its time
+
+    def is_same(recording: Recording, profile: Profile) -> bool:
+        return (
+            recording.source == source
+            and recording.details.get("command") == dict(profile.metadata)
+            and (recording.session == device.session or not simulated)
+        )
+
+    return found if all(map(is_same, found, profiles)) else []
+
+
+def _names(
+    device: PressedDevice | SimulatedBench, protocol: str, profiles: Sequence[Profile]
+) -> list[str]:
+    label = safe_recording_name(Path(protocol).stem)
+    return [f"{device.object_name}-{label}-{profile.name}" for profile in profiles]
+
+
 def record_session(
     device: PressedDevice | SimulatedBench,
     source: str,
@@ -92,14 +122,15 @@ def record_session(
     Raises UsageError, before anything moves, where a recording would be overwritten.
     """
     label = safe_recording_name(Path(protocol).stem)
-    names = [f"{device.object_name}-{label}-{profile.name}" for profile in profiles]
+    names = _names(device, protocol, profiles)
     for name in names:
         require_recording_name(name)
     files = [out / f"{name}{RECORDING_SUFFIX}" for name in names]
     for file in files:
         if file.exists():
             raise UsageError(
-                f"{file}: exists and is not overwritten: read it, or give another folder"
+                f"{file}: exists, of other settings, or not with all others, and is not "
+                "overwritten: read it, or give another folder"
             )
         require_no_journal(journal_path(file))
     try:

@@ -10,6 +10,7 @@ import numpy as np
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import write_model
 from springpot.codegen.model.passive import Damage, Flow, Hammerstein
+from springpot.codegen.model.regressors import OPERATIONS, Expression
 from springpot.codegen.scene import Coupling, Runtime, Scene, Smoothing
 from springpot.trainer.features import gl_taps
 from springpot.trainer.kinds import fit_model
@@ -85,6 +86,26 @@ def small_model() -> Model:
     return _at_rest(small_fit().model)
 
 
+def written_model() -> Model:
+    """A regressor that m2cgen writes: N exp(x^2), and 1 or 2 N by x."""
+    names = [
+        "FeatureRef",
+        "NumVal",
+        "PowExpr",
+        "ExpExpr",
+        "FeatureRef",
+        "NumVal",
+        "LTE",
+        "NumVal",
+        "NumVal",
+        "IfExpr",
+    ]
+    operand = np.array([0, 2.0, 0, 0, 1, 0.2, 0, 1.0, 2.0, 0])
+    operation = np.array([list(OPERATIONS).index(name) for name in names], np.int32)
+    inputs = np.array([1, 3], np.int32), np.zeros(2), np.full(2, 50.0)
+    return replace(small_model(), regressor=Expression(operation, operand, *inputs))
+
+
 @cache
 def passive_model() -> Model:
     """A spring with a memory, the kind with least C: for what any model shows."""
@@ -102,13 +123,12 @@ def scene(
     mode: str = "off",
     smoothing_s: float = 0.0,
     prefix: str = "sp",
-    forest: str = "table",
 ) -> Scene:
     return Scene(
         schema=1,
         name="test",
         model="model.spm",
-        runtime=Runtime(number=number, prefix=prefix, forest=forest),  # type: ignore[arg-type]
+        runtime=Runtime(number=number, prefix=prefix),  # type: ignore[arg-type]
         coupling=Coupling(mode=mode),  # type: ignore[arg-type]
         smoothing=Smoothing(time_constant_s=smoothing_s),
     )

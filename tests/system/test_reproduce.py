@@ -9,7 +9,7 @@ import numpy as np
 import paper_formulas as text
 import pytest
 from paper_claims import WORDS
-from paper_page import headline
+from paper_page import TITLES, headline
 from reproduce import reproduce
 from support.paths import ROOT
 
@@ -37,6 +37,7 @@ def test_little_work_is_written(tmp_path: Path) -> None:
     page = (tmp_path / "out" / "page.html").read_text()
     assert all(escape(claim["paper"]) in page for claim in found)
     assert headline(claims) in page and page.count("<svg") == 9
+    assert all(f"<!-- {title} -->" in page for titles in TITLES.values() for title in titles)
     assert not re.search(r"(src|href)=\"(?!#)", page)  # nothing outside it
 
 
@@ -54,7 +55,7 @@ def test_claims_are_in_the_paper_s_order_and_every_figure_and_table_is_named() -
 
 def test_only_public_names() -> None:
     files = [file.read_text("utf-8") for file in (ROOT / "examples").glob("*.py")]
-    assert len(files) == 6
+    assert len(files) == 7
     assert not any(re.search(r"springpot\.(codegen|trainer|host)", file) for file in files)
 
 

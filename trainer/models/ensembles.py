@@ -44,14 +44,8 @@ def convert_linear(regressor: Any, values: Samples, predicted_n: Samples) -> Lin
 
 
 def convert_ensemble(regressor: Any) -> Forest:
-    """Node table of a fitted ensemble. Raises UsageError for other kinds."""
-    kind = type(regressor).__name__
-    if kind not in _CONVERTERS:
-        raise UsageError(
-            f"{kind}: the force is no sum of trees or weighted features, and the C has no exp or "
-            "pow: fit trees (scikit-learn, LightGBM, XGBoost) or a linear regressor"
-        )
-    return _CONVERTERS[kind](regressor)
+    """Node table of a fitted ensemble. Raises KeyError for a kind without trees."""
+    return _CONVERTERS[type(regressor).__name__](regressor)
 
 
 def convert_forest(regressor: Any) -> Forest:
@@ -143,14 +137,14 @@ def _convert_pipeline(pipeline: Any) -> Forest:
     for name, step in reversed(before):
         if step in ("passthrough", None):
             continue
-        zero, gain = _probe_scaler(name, step)
+        zero, gain = probe_scaler(name, step)
         column = np.maximum(forest.feature, 0)
         threshold = (forest.threshold - zero[column]) / gain[column]
         forest = replace(forest, threshold=np.where(forest.feature < 0, 0.0, threshold))
     return forest
 
 
-def _probe_scaler(name: str, step: Any) -> tuple[Samples, Samples]:
+def probe_scaler(name: str, step: Any) -> tuple[Samples, Samples]:
     """Zero and gain > 0, (columns,), of a step z = zero + gain x. Raises UsageError for others."""
     columns = step.n_features_in_
     probes = np.concatenate([np.zeros((1, columns)), np.eye(columns), np.full((1, columns), 0.37)])
@@ -166,6 +160,43 @@ def _probe_scaler(name: str, step: Any) -> tuple[Samples, Samples]:
             f"Pipeline: its step {name} is no scaling of single columns: fit the trees without it"
         )
     return offset, np.diag(gain)
+
+
+def vote_shares(voting: Any) -> Samples:
+    """Share of each regressor of a vote, which sum to 1."""
+    shares = voting._weights_not_none or np.ones(len(voting.estimators_))
+    return np.asarray(shares, dtype=np.float64) / np.sum(shares)
+
+
+def probe_target(regressor: Any) -> tuple[float, float]:
+    """Zero and gain of the force over the inner regressor's. Raises UsageError for other laws."""
+    probes = np.array([0.0, 1.0, 0.37, -2.0])
+    force_n = np.ravel(regressor.transformer_.inverse_transform(probes[:, None]))
+    zero, gain = force_n[0], force_n[1] - force_n[0]
+    if not np.allclose(force_n, zero + gain * probes):
+        raise UsageError("TransformedTargetRegressor: its transform of the force is no scaling")
+    return float(zero), float(gain)
+
+
+def _convert_voting(regressor: Any) -> Forest:
+    """One node table of all their trees: a share goes into the leaves."""
+    parts = list(
+        zip(vote_shares(regressor), map(convert_ensemble, regressor.estimators_), strict=True)
+    )
+    tables: list[_NodeTable] = [
+        (part.feature, part.threshold, part.left, part.right, share * part.weight * part.value_n)
+        for share, part in parts
+    ]
+    merged = _merge_trees(tables, 1.0, float(sum(share * part.bias_n for share, part in parts)))
+    roots = [first + part.roots for first, (_, part) in zip(merged.roots, parts, strict=True)]
+    return replace(merged, roots=np.concatenate(roots).astype(np.int32))
+
+
+def _convert_target(regressor: Any) -> Forest:
+    """Trees fitted on a scaled force."""
+    zero, gain = probe_target(regressor)
+    inner = convert_ensemble(regressor.regressor_)
+    return replace(inner, value_n=gain * inner.value_n, bias_n=zero + gain * inner.bias_n)
 
 
 def _read_sklearn_trees(estimators: Iterable[Any]) -> list[_NodeTable]:
@@ -206,4 +237,6 @@ _CONVERTERS = {
     "XGBRegressor": _convert_xgboost,
     "XGBRFRegressor": _convert_xgboost,
     "Pipeline": _convert_pipeline,
+    "VotingRegressor": _convert_voting,
+    "TransformedTargetRegressor": _convert_target,
 }

@@ -13,7 +13,8 @@ from springpot.codegen.arrays import Indices, Samples
 from springpot.codegen.errors import DataError
 from springpot.codegen.model.forest import predict_forest_n, quantise_leaves, to_bins
 from springpot.codegen.model.model import Model
-from springpot.codegen.model.regressors import Forest, Linear, Rbf, Regressor
+from springpot.codegen.model.regressors import Expression, Forest, Linear, Rbf, Regressor
+from springpot.codegen.stages.expressions import run_expression
 from springpot.trainer.features import depth_features
 from springpot.trainer.models.depths import compute_depth_m, join_motions
 from springpot.trainer.models.passive.passive_force import simulate_passive
@@ -91,6 +92,11 @@ def _rbf_force(rbf: Rbf, values: Samples) -> Samples:
 @regressor_force.register
 def _linear_force(linear: Linear, values: Samples) -> Samples:
     return linear.intercept_n + values @ linear.weights_n
+
+
+@regressor_force.register
+def _expression_force(expression: Expression, values: Samples) -> Samples:
+    return run_expression(expression, values)
 
 
 def standardise(rbf: Rbf, features: Samples) -> Samples:

@@ -116,7 +116,7 @@ class JournalWriter:
             self._store = sqlite3.connect(self.journal, check_same_thread=False)
             self._store.executescript(_SCHEMA)
         except sqlite3.Error as error:
-            raise UsageError(f"{self.journal}: {error}: give another --out") from None
+            raise UsageError(f"{self.journal}: {error}: give another folder") from None
         self._write(json.dumps(metadata).encode())
         self._commit()
 

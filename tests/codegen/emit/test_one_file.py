@@ -82,6 +82,10 @@ def test_two_scenes_compile_in_one_unit(tmp_path: Path, language: tuple[str, str
     )
     done = compiled(tmp_path / "unit", compiler, standard, "-O1", *WARNINGS, "-Wshadow", unit)
     assert done.returncode == 0, done.stderr
+    for other in ("c11", "c17") if suffix == ".c" else ("c++11", "c++14", "c++20"):
+        options = (f"-std={other}", "-fsyntax-only", "-c", *WARNINGS, "-Wshadow")
+        done = compiled(tmp_path / "x.o", compiler, *options, unit)
+        assert (done.returncode, done.stderr) == (0, ""), other
     assert subprocess.run([tmp_path / "unit"], check=False).returncode == 0
 
 

@@ -13,12 +13,13 @@ import pytest
 from support.c import golden_forces
 from support.messages import refusing
 from support.paths import ROOT
-from support.small import DEPTH_M, VARIANTS, fitted, press, scene
+from support.small import DEPTH_M, VARIANTS, fitted, press, scene, written_model
 
 from springpot.codegen.errors import DataError
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import MODEL_SCHEMA, model_bytes, model_hash, read_model
+from springpot.codegen.model.regressors import Expression
 from springpot.codegen.scene import Guard
 from springpot.host.native.scene_library import build_and_load
 
@@ -193,3 +194,22 @@ def test_a_file_that_unpacks_to_more_memory_than_a_model_takes_is_refused(tmp_pa
     path.write_bytes(f"springpot-model {MODEL_SCHEMA} {digest}\n".encode() + body.getvalue())
     with pytest.raises(DataError, match="unpacks to more than 512 MiB"):
         read_model(path)
+
+
+def test_an_expression_that_is_none_is_refused(tmp_path: Path) -> None:
+    """A file that claims to hold operations: each has its operands, and a force is left."""
+    model = written_model()
+    right = model.regressor
+    assert isinstance(right, Expression)
+    assert read(tmp_path, model_bytes(model)).regressor is not None
+    for changes, says in (
+        ({"operation": right.operation[1:], "operand": right.operand[1:]}, "has no operands"),
+        ({"operation": right.operation[::-1].copy()}, "has no operands"),
+        ({"operation": right.operation[:7], "operand": right.operand[:7]}, "leaves no force"),
+        ({"operation": right.operation + np.int32(20)}, "operation: "),
+        ({"operand": right.operand + 2.0}, "operand: "),
+        ({"column": right.column + np.int32(9)}, "column: "),
+        ({"zero": right.zero[:1]}, "zero: "),
+    ):
+        with refusing(DataError, says):
+            model_bytes(replace(model, regressor=replace(right, **changes)))

@@ -33,7 +33,6 @@ SHAPES = {
     "proxy": {"mode": "proxy"},
     "smooth": {"smoothing_s": 8.3e-4},
     "paper": {"mode": "tool", "smoothing_s": 8.3e-4},
-    "m2cgen": {"forest": "m2cgen"},
 }
 
 

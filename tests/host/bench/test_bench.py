@@ -10,7 +10,7 @@ from unittest import mock
 import pytest
 from sklearn.linear_model import Ridge
 from support.in_process import spring
-from support.small import press, recording, training
+from support.small import press, recording, small_model, training
 
 from springpot import write_model
 from springpot.codegen.errors import UsageError
@@ -109,9 +109,16 @@ def test_what_is_measured_is_not_measured_again(folder: Path, tmp_path: Path) ->
 def test_a_model_file_stands_beside_the_kinds(tmp_path: Path) -> None:
     file = tmp_path / "mine.spm"
     write_model(file, from_ensemble(Ridge().fit(*ensemble_data(training())), training()))
-    result = run(tmp_path / "bench", [], (str(file),))
-    (point,) = result["points"]
+    forest = small_model()  # with twice the force: it errs more, and takes longer
+    wrong = replace(forest.regressor, value_n=2.0 * forest.regressor.value_n)
+    write_model(tmp_path / "wrong.spm", replace(forest, regressor=wrong))
+    result = run(tmp_path / "bench", [], (str(file), str(tmp_path / "wrong.spm")))
+    point, worse = result["points"]
     assert point["model"] == str(file) and point["fit_s"] is None
+    assert [one["pareto"] for one in (point, worse)] == [True, False]
+    counts = not missing(next(one for one in BOARDS.values() if one.target == "cortex-m4f"))
+    for one in (point, worse):
+        assert one["tick_ns_p999"] > 0.0 and (one["instructions"] is not None) == counts
     with pytest.raises(UsageError, match="neither a file nor one of rf-fd"):
         run(tmp_path / "bench", [], ("no-such",))
 

@@ -12,7 +12,16 @@ from functools import cache
 from pathlib import Path
 
 import pytest
-from support.small import model_file, passive_model, press, recording, scene, small_fit, small_model
+from support.small import (
+    model_file,
+    passive_model,
+    press,
+    recording,
+    scene,
+    small_fit,
+    small_model,
+    written_model,
+)
 
 from springpot.codegen.errors import BudgetError, DataError, MismatchError, UsageError
 from springpot.codegen.model.model import Model
@@ -28,7 +37,7 @@ SHAPES = {
     "plain": scene(),
     "paper": scene(mode="tool", smoothing_s=8.3e-4, number="float64"),
     "prefixed": scene(prefix="eco", mode="tool"),
-    "m2cgen": scene(forest="m2cgen"),
+    "m2cgen": scene(),
 }
 CPU_FLAGS = Path("/proc/cpuinfo").read_text() if Path("/proc/cpuinfo").exists() else ""
 COMPILERS = [name for name in ("gcc", "clang") if shutil.which(name)]
@@ -38,7 +47,7 @@ Emitted = Callable[[str], Emission]
 
 
 def model(shape: str) -> Model:
-    return small_model() if shape == "m2cgen" else passive_model()
+    return written_model() if shape == "m2cgen" else passive_model()
 
 
 @pytest.fixture(scope="module")

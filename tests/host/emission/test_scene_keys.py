@@ -60,7 +60,6 @@ WORDS: dict[str, tuple[Any, list[Any]]] = {
     "runtime.number": ("float32", ["float32", "float64"]),
     "runtime.target": ("host", ["host", "cortex-m4f", "cortex-m7", "rv32imafc"]),
     "runtime.prefix": ("sp", ["sp", "s", "a" * 31, "z9_"]),
-    "runtime.forest": ("table", ["table", "m2cgen"]),
     "runtime.start": ("auto", ["auto", "rested", "continues"]),
     "coupling.mode": ("auto", ["auto", "off", "tool", "proxy"]),
     "guard.outside": ("fallback", ["fallback", "hold", "zero"]),

@@ -11,7 +11,7 @@ from springpot.codegen.errors import DataError, UsageError
 from springpot.host.study.definition import LOWER_BOUND, RENDERED, UPPER_BOUND, read_study
 from springpot.host.study.plan import append_only_table, make_orders, read_plan, write_plan
 
-PAPER = ROOT / "host" / "scenes" / "paper-study.toml"
+PAPER = ROOT / "examples" / "paper_study.toml"
 
 
 def test_every_session_has_every_condition_in_an_order_of_its_own() -> None:

@@ -146,7 +146,7 @@ def test_tukey_s_test_as_r_s_emmeans() -> None:
 @pytest.fixture
 def paper(tmp_path: Path) -> StudyPlan:
     """The paper's study with 18 people; scenes are not needed for its report."""
-    study = read_study(ROOT / "host" / "scenes" / "paper-study.toml")
+    study = read_study(ROOT / "examples" / "paper_study.toml")
     people = tuple(f"{k:02d}" for k in range(1, 19))
     return StudyPlan(tmp_path, study, people, tuple(make_orders(study, people)))
 

@@ -16,7 +16,7 @@ from springpot.codegen.model.regressors import Linear
 from springpot.codegen.plan import Plan
 from springpot.codegen.scene import Coupling, Guard, Runtime, Scene, Smoothing
 from support.c import golden_forces
-from support.small import damage, flow, small_model
+from support.small import damage, flow, small_model, written_model
 
 # Made of units that others have too.
 _ALIKE = {"rf-fd-fast", "rf-fd-quantised"}
@@ -73,7 +73,8 @@ def every_plan(target: str) -> Iterator[Plan]:
     yield plan_of("velocity", always, "float32", "tool", target)
     linear = replace(small_model(), regressor=Linear(0.5, np.linspace(-1.0, 2.0, 10)))
     yield plan_of("linear", linear, "float32", "off", target)
-    yield plan_of("ifs", small_model(), "float32", "off", target, forest="m2cgen")
+    if target == "host":
+        yield plan_of("written", written_model(), "float32", "off")
 
 
 def with_map(model: Model) -> Model:

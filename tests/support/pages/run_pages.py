@@ -5,6 +5,7 @@ import re
 import shlex
 import subprocess
 import sys
+from collections.abc import Iterator
 from itertools import groupby
 from pathlib import Path
 
@@ -29,7 +30,9 @@ def run_page(name: str, folder: Path, *needs: str) -> str:
         elif block.language == "python":
             code += block.text
         elif block.note == "prints URL":
-            assert all("://" in url for url in print_urls(block, folder)), block.where
+            for url in print_urls(block, folder):
+                line = shlex.join(["run", "--scene", "c", "--device", url, "--seconds", "1"])
+                run_words(["python", "-m", "support.in_process", line], folder, block.where)
         elif not block.language:
             printed += [run_python(code, folder, name)] if code else []
             last, code = "\n".join(_run_commands(block, folder)), ""
@@ -51,12 +54,11 @@ def _masked(text: str) -> str:
 
 def run_python(code: str, folder: Path, where: str) -> str:
     """Run a page's Python in `folder`, in a process of its own; what it printed."""
-    return _run(["python", "-c", code], folder, where)
+    return run_words(["python", "-c", code], folder, where)
 
 
-def print_urls(block: Block, folder: Path) -> list[str]:
-    """Start each line's process from where the paths of the page begin; return their URLs."""
-    found = []
+def print_urls(block: Block, folder: Path) -> Iterator[str]:
+    """Start each line's process from where the paths of the page begin; its URL while it runs."""
     for command in block.commands:
         _, script, *options = shlex.split(command)
         process = subprocess.Popen(
@@ -64,9 +66,10 @@ def print_urls(block: Block, folder: Path) -> list[str]:
             text=True, env=_environment(),
         )  # fmt: skip
         with process:
-            found.append(process.stdout.readline().strip())
-            process.terminate()
-    return found
+            try:
+                yield process.stdout.readline().strip()
+            finally:
+                process.terminate()
 
 
 def _run_commands(block: Block, folder: Path) -> list[str]:
@@ -78,11 +81,11 @@ def _run_commands(block: Block, folder: Path) -> list[str]:
         if ours:
             lines = [shlex.join(words[1:]) for words in each]
             each = [["python", "-m", "support.in_process", *lines]]
-        printed += [_run(words, folder, block.where) for words in each]
+        printed += [run_words(words, folder, block.where) for words in each]
     return printed
 
 
-def _run(words: list[str], folder: Path, where: str) -> str:
+def run_words(words: list[str], folder: Path, where: str) -> str:
     if words[0] == "python":
         words[0] = sys.executable
     elif words[0] == "make" and words[1] != "-C":  # the checkout's own: that it is there must do

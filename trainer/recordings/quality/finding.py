@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 from functools import partial
 from typing import Literal
 
-from springpot.codegen.errors import DataError
+from springpot.codegen.errors import DataError, in_python
 
 
 @dataclass(frozen=True)
@@ -26,7 +26,7 @@ class Finding:
     @property
     def text(self) -> str:
         """The line without its severity."""
-        return f"{self.where}: {self.what}: {self.so_what}; {self.to_do}"
+        return in_python(f"{self.where}: {self.what}: {self.so_what}; {self.to_do}")
 
     def metadata(self) -> dict[str, str]:
         return asdict(self) | {"line": self.line}
