@@ -126,7 +126,7 @@ lint: $(STAMP)
 	$(BIN)/ruff check --quiet .
 
 types: $(STAMP) ns
-	$(BIN)/mypy
+	for system in linux win32 darwin; do $(BIN)/mypy --platform $$system || exit 1; done
 	MYPYPATH=docs/_ext:build/ns $(BIN)/mypy docs/_ext
 
 # mypy and pyright find springpot by a folder of that name.
