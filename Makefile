@@ -63,7 +63,7 @@ test-mcu: $(STAMP)
 # A Windows Python under wine (Debian's wine64 and mingw, as root), and the whole job with it.
 test-windows: $(STAMP)
 	tests/windows/make_python.sh build/windows . $(BIN)/python
-	tests/windows/smoke.sh build/windows $(BIN)/springpot
+	tests/windows/smoke.sh build/windows $(BIN)/python
 
 # make firmware BOARD=mps2-an386 SCENE=scene.toml: build/firmware/BOARD/firmware.elf and its sources.
 firmware: $(STAMP)
