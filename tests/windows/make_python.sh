@@ -37,7 +37,6 @@ site=$out/py/Lib/site-packages
 $python -m pip install $windows --target "$site" numpy scipy scikit-learn cffi h5py pydantic jinja2 \
     click colorama rich pyserial annotated-types matplotlib tzdata
 ln -sfn "$checkout" "$site/springpot"
-$python -m pip install --quiet --disable-pip-version-check --target "$out/zig" --upgrade ziglang
 mkdir -p "$site/ziglang"
 echo 'import subprocess, sys; sys.exit(subprocess.call(["zig.exe", *sys.argv[1:]]))' > "$site/ziglang/__main__.py"
 touch "$site/ziglang/__init__.py"
@@ -53,7 +52,7 @@ as_windows="Z:${out//\//\\}"
 cat > "$out/wpy" <<S
 #!/bin/sh
 export WINEPREFIX=$out/prefix WINEDEBUG=-all WINEARCH=win64 SP_WINE_C=$out/prefix/dosdevices/c:
-export SP_WINE_CC="\${SP_WINE_CC:-$cc}" SP_WINE_ZIG="$out/zig/ziglang/zig" SP_WINE_SCRATCH='$as_windows\\cc' WINEPATH='$as_windows\\cc;$as_windows\\py'
+export SP_WINE_CC="\${SP_WINE_CC:-$cc}" SP_WINE_ZIG="$checkout/build/zig/ziglang/zig" SP_WINE_SCRATCH='$as_windows\\cc' WINEPATH='$as_windows\\cc;$as_windows\\py'
 exec timeout \${T:-580} wine '$as_windows\\py\\python.exe' "\$@"
 S
 cat > "$out/wsp" <<S

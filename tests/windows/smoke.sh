@@ -53,7 +53,7 @@ step emit --scene scene.toml --out c
 diff -r c c-here
 echo "windows: the same files as here, the model's too"
 step page c --out press.html
-PATH=/none PYTHONPATH=$made/zig "$here" page c-here --out press-here.html >/dev/null 2>&1
+PATH=/none PYTHONPATH=$tests/../build/zig "$here" page c-here --out press-here.html >/dev/null 2>&1
 cmp press.html press-here.html
 echo "windows: the same page as here"
 step validate c --recording validation
@@ -74,7 +74,7 @@ expect "0 of .* ticks differ"
 
 "$python" "$tests/support/peers/serial_device.py" --object ecoflex-00-30 > peer.txt &
 peer=$!
-until grep -q serial:// peer.txt; do sleep 0.1; done
+until grep -qs serial:// peer.txt; do sleep 0.1; done
 port=$(sed -n 's|^serial://\(.*\)?.*|\1|p' peer.txt)
 ln -sfn "$(readlink -f "$port")" "$made/prefix/dosdevices/com9"
 step run --scene scene.toml --device serial://COM9 --seconds 4 --log line.h5
