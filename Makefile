@@ -5,6 +5,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 STAMP := .venv/installed
+ZIG := build/zig/ziglang/zig
 SANITIZE := -fsanitize=address,undefined -fno-sanitize-recover=all
 C_TESTS := $(wildcard tests/c/test_*.c)
 COMPILERS := $(foreach c,gcc clang,$(if $(shell command -v $(c)),$(c)))
@@ -35,9 +36,13 @@ test: $(STAMP) test-c
 
 # What `make test` has no time for, and what it skipped for want of a tool (SPRINGPOT_SKIPPED, a list
 # that it writes); what runs against the clock has the machine for itself.
-test-rest: $(STAMP)
+test-rest: $(STAMP) $(ZIG)
 	$(BIN)/pytest -m "slow and not long and not realtime"
 	$(BIN)/pytest -n 0 -m realtime
+
+# A compiler for every system; outside .venv, where it would be that of springpot[cc].
+$(ZIG): | $(STAMP)
+	$(BIN)/pip install --quiet --disable-pip-version-check --target build/zig ziglang
 
 # What takes above a minute each: before a release, and where its part was changed.
 test-long: $(STAMP)
@@ -61,9 +66,9 @@ test-mcu: $(STAMP)
 	$(BIN)/pytest -n 2 -m board
 
 # A Windows Python under wine (Debian's wine64 and mingw, as root), and the whole job with it.
-test-windows: $(STAMP)
+test-windows: $(STAMP) $(ZIG)
 	tests/windows/make_python.sh build/windows . $(BIN)/python
-	tests/windows/smoke.sh build/windows $(BIN)/springpot
+	tests/windows/smoke.sh build/windows $(BIN)/python
 
 # make firmware BOARD=mps2-an386 SCENE=scene.toml: build/firmware/BOARD/firmware.elf and its sources.
 firmware: $(STAMP)
@@ -127,7 +132,8 @@ lint: $(STAMP)
 	$(BIN)/ruff check --quiet .
 
 types: $(STAMP) ns
-	$(BIN)/mypy
+	$(BIN)/mypy --platform linux
+	for system in win32 darwin; do $(BIN)/mypy --platform $$system --no-warn-unreachable || exit 1; done
 	MYPYPATH=docs/_ext:build/ns $(BIN)/mypy docs/_ext
 
 # mypy and pyright find springpot by a folder of that name.

@@ -3,6 +3,7 @@
 import hashlib
 import json
 import signal
+import sys
 import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -168,7 +169,7 @@ def _in_one_thread(work: Callable[..., _Result], item: tuple[object, ...]) -> _R
 @contextmanager
 def _without_interrupts() -> Iterator[None]:
     """Block Ctrl-C, which goes to every process of a terminal: the parent's answer is enough."""
-    if not hasattr(signal, "pthread_sigmask"):  # Windows
+    if sys.platform == "win32":  # which has no masks
         yield
         return
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
@@ -213,7 +214,7 @@ def code_hash() -> str:
     for floor in ("runtime_c", "codegen", "trainer", "host"):
         for file in sorted((root / floor).rglob("*")):
             if file.is_file() and "__pycache__" not in file.parts:
-                digest.update(f"{file.relative_to(root)}\n".encode() + file.read_bytes())
+                digest.update(f"{file.relative_to(root).as_posix()}\n".encode() + file.read_bytes())
     return digest.hexdigest()
 
 

@@ -61,20 +61,27 @@ def examine() -> Iterator[Diagnosis]:
     writable = os.access(folder, os.W_OK)
     do = "" if writable else "set XDG_CACHE_HOME to a folder that you can write"
     yield Diagnosis("library cache", writable, f"{folder}: {len([*folder.glob('*.so')])} built", do)
-    try:
-        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(1))
-        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
-        yield Diagnosis("real-time scheduling", True, "SCHED_FIFO allowed")
-    except (OSError, AttributeError) as error:
-        do = "allow it: `rtprio 80` for your user in /etc/security/limits.conf, then log in again"
-        yield Diagnosis("real-time scheduling", False, f"SCHED_FIFO refused: {error}", do)
+    yield from _scheduling()
     yield _timer()
     ports = [_serial_port(port.device, port.description) for port in list_ports.comports()]
     yield from ports or [Diagnosis("serial ports", False, "none", "plug the device in")]
     for program, (package, why) in PROGRAMS.items():
         path = shutil.which(program)
-        do = "" if path else f"`apt-get install {package}`"
+        how = f"`apt-get install {package}`" if sys.platform == "linux" else f"install {package}"
+        do = "" if path else how
         yield Diagnosis(program, path is not None, f"{path or 'not installed'} ({why})", do)
+
+
+def _scheduling() -> Iterator[Diagnosis]:
+    if sys.platform != "linux":  # others give it to whoever asks
+        return
+    try:
+        os.sched_setscheduler(0, os.SCHED_FIFO, os.sched_param(1))
+        os.sched_setscheduler(0, os.SCHED_OTHER, os.sched_param(0))
+        yield Diagnosis("real-time scheduling", True, "SCHED_FIFO allowed")
+    except OSError as error:
+        do = "allow it: `rtprio 80` for your user in /etc/security/limits.conf, then log in again"
+        yield Diagnosis("real-time scheduling", False, f"SCHED_FIFO refused: {error}", do)
 
 
 def _timer() -> Diagnosis:
@@ -94,7 +101,7 @@ def _serial_port(device: str, description: str) -> Diagnosis:
     from springpot.host.devices.serial_port import latency_timer
 
     what, seen = f"serial port {device}", description.replace("n/a", "nothing is known of it")
-    if not os.access(device, os.R_OK | os.W_OK):
+    if sys.platform != "win32" and not os.access(device, os.R_OK | os.W_OK):
         do = "join the port's group (often `sudo usermod -aG dialout $USER`), then log in again"
         return Diagnosis(what, False, f"{seen}: permission denied", do)
     file, ms = latency_timer(device) or (None, 1)

@@ -73,7 +73,7 @@ class CanBus:
             raise self._gone(error.strerror or "gone") from None
 
     def receive(self, until_s: float) -> tuple[int, bytes] | None:
-        """Return the next data frame, or None at that time of time.monotonic."""
+        """Return the next data frame, or None at that time of time.perf_counter."""
         while True:
             try:
                 identifier, size, data = FRAME.unpack(self._socket.recv(FRAME.size))
@@ -101,6 +101,8 @@ class CanBus:
 
 def _kernel_socket(address: Address) -> socket.socket:
     """Open a raw socket on a CAN interface of the kernel. Raises DeviceError."""
+    if sys.platform != "linux":  # mypy reads no further there
+        raise NotImplementedError
     try:
         raw = socket.socket(socket.AF_CAN, socket.SOCK_RAW, socket.CAN_RAW)
         raw.bind((address.place,))
@@ -114,6 +116,8 @@ def _kernel_socket(address: Address) -> socket.socket:
 
 def _bridged(address: Address, bitrate: int) -> tuple[socket.socket, "subprocess.Popen[str]"]:
     """Return a socket, and the process that carries its frames to and from a bus of python-can."""
+    if sys.platform != "linux":  # mypy reads no further there
+        raise NotImplementedError
     if find_spec("can") is None:
         raise ModuleNotFoundError("No module named 'can'", name="can")
     bus: JsonObject = {"interface": address.interface, "channel": address.place}

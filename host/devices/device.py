@@ -154,8 +154,8 @@ def require_sample_rate(
 ) -> None:
     """Raise DeviceError where a device sends less than 90 % of rate_hz samples a second.
 
-    count: how many come until a time of time.monotonic. advice: what mends it. A device that sends
-    none is not refused here: the session waits for it, and says so.
+    count: how many come until a time of time.perf_counter. advice: what mends it. A device that
+    sends none is not refused here: the session waits for it, and says so.
     """
     window_s = min(max(_PERIODS / rate_hz, _MIN_S), _MAX_S)
     most_hz = 0.0

@@ -2,6 +2,7 @@
 
 import contextlib
 import math
+import sys
 import time
 from dataclasses import dataclass
 
@@ -66,6 +67,7 @@ class OdriveDevice(OpenedDevice):
 
     def __init__(self, address: Address, requirements: DeviceRequirements) -> None:
         """Open and arm it. Raises UsageError for a missing transmission, DeviceError otherwise."""
+        _require_linux(address.url)
         address.require_known(_KEYS)
         self.address = address
         self.node = address.whole("node", 0, 0, 63)
@@ -134,6 +136,11 @@ class OdriveDevice(OpenedDevice):
 
     def close(self) -> None:
         self.bus.close()
+
+
+def _require_linux(url: str) -> None:
+    if sys.platform != "linux":
+        raise DeviceError(f"{url}: an ODrive needs the CAN of Linux: render on Linux")
 
 
 def require_fast_bus(url: str, bitrate: int, rate_hz: float) -> None:

@@ -53,8 +53,9 @@ def write_port(folder: Path, real: str, files: Iterable[Path], out: Path) -> Non
         )
     (out / f"{prefix}_scene.h").write_text(
         f'#include "{prefix}.h"\n#include "sp_real.h"\n\n'
-        f"#define SP_PERIOD_S {prefix.upper()}_DT_S\n"
-    )
+        f"#define SP_PERIOD_S {prefix.upper()}_DT_S\n",
+        encoding="utf-8", newline="\n",
+    )  # fmt: skip
     (out / "sp_real.h").write_text(
         (INCLUDE / real / "sp_real.h").read_text(encoding="utf-8"), encoding="utf-8", newline="\n"
     )

@@ -1,6 +1,7 @@
 """The loop in C, the thread of runtime_c/port/posix, and the functions that it calls each tick."""
 
 import os
+import sys
 from dataclasses import asdict, dataclass, field
 
 from springpot.codegen.entry_points import blame_package
@@ -24,6 +25,7 @@ from springpot.host.session.outcome import LinkCounts, LoopSettings, LoopState
 
 _RING_S = 16.0  # of rows that wait while Python does something else
 _PRIORITY = 80
+_FIRST = "TIME_CRITICAL" if sys.platform == "win32" else "SCHED_FIFO"
 
 
 @dataclass(frozen=True)
@@ -148,7 +150,7 @@ class CLoop:
         got = self.get_status().got
         words = {GOT_LOCKED: "memory locked", GOT_CPU: "own CPU", GOT_SLACK: "1 ns timer slack"}
         named = [name for bit, name in words.items() if got & bit]
-        policy = "SCHED_FIFO" if got & GOT_FIFO else "SCHED_OTHER"
+        policy = _FIRST if got & GOT_FIFO else "SCHED_OTHER"
         return ", ".join(["C thread", policy, *named])
 
     def refused(self) -> str:
@@ -156,8 +158,8 @@ class CLoop:
         if self.get_status().got & GOT_FIFO:
             return ""
         return (
-            "the system refused SCHED_FIFO, ticks may be late: `springpot doctor` says how to "
-            "allow it"
+            f"the system refused {_FIRST}, ticks may be late: `springpot doctor` says how to allow "
+            "it"
         )
 
     def _rows(self, table: LoopRows) -> CData:

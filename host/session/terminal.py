@@ -6,6 +6,7 @@ import os
 import select
 import signal
 import sys
+import threading
 from collections.abc import Callable, Iterator
 from types import FrameType
 
@@ -17,6 +18,8 @@ from springpot.host.output import print_line, progress_console
 from springpot.host.session.runner import Progress, SessionRunner
 
 _KEYS = "q stop, p pause, r reset"
+_CTRL_CLOSE = 2  # of a console: its window, or the session of its user, ends
+_PATIENCE_S = 4.0  # Windows itself waits 5 s for a window that was closed
 # A kill, a closed terminal, Ctrl-\ and, on Windows, Ctrl-Break ask for the same thing.
 _ENDING = tuple(
     getattr(signal, name)
@@ -64,6 +67,35 @@ def progress_line(progress: Progress, keys: str = _KEYS) -> str:
     return "  ".join([*words, *(name for name, on in flags.items() if on), f"[{keys}]"])
 
 
+if sys.platform == "win32":
+    import ctypes
+
+    @contextlib.contextmanager
+    def _outliving_its_window() -> Iterator[None]:
+        """Take a console window of Windows that is closed as Ctrl-Break, and end before it does.
+
+        Python hears of it too, but Windows ends a process as soon as the last handler has returned.
+        """
+        over = threading.Event()
+
+        def closed(event: int) -> int:
+            if event < _CTRL_CLOSE:
+                return 0  # Ctrl-C and Ctrl-Break are Python's
+            signal.raise_signal(signal.SIGBREAK)
+            return int(over.wait(_PATIENCE_S))
+
+        handler = ctypes.WINFUNCTYPE(ctypes.c_int, ctypes.c_uint)(closed)
+        ctypes.windll.kernel32.SetConsoleCtrlHandler(handler, 1)
+        try:
+            yield
+        finally:
+            over.set()
+            ctypes.windll.kernel32.SetConsoleCtrlHandler(handler, 0)
+
+else:
+    _outliving_its_window = contextlib.nullcontext
+
+
 @contextlib.contextmanager
 def stopping_on_sigterm() -> Iterator[None]:
     """Leave with statements, and so end with zero force, when the process is asked to end.
@@ -91,7 +123,8 @@ def stopping_on_sigterm() -> Iterator[None]:
     for number in before:
         signal.signal(number, leave)
     try:
-        yield
+        with _outliving_its_window():
+            yield
     finally:
         for number, handler in before.items():
             signal.signal(number, handler)
@@ -100,8 +133,11 @@ def stopping_on_sigterm() -> Iterator[None]:
 @contextlib.contextmanager
 def reading_keys() -> Iterator[Callable[[], str]]:
     """Yield what returns the keys pressed since its last call; none without a terminal."""
-    if sys.platform == "win32" or not sys.stdin.isatty():
+    if not sys.stdin.isatty():
         yield str
+        return
+    if sys.platform == "win32":
+        yield _pressed
         return
     import termios
     import tty
@@ -124,6 +160,10 @@ def wait_for_enter(line: str) -> None:
 
 def _pressed() -> str:
     """Return the keys that were pressed, without waiting."""
+    if sys.platform == "win32":
+        import msvcrt
+
+        return "".join(iter(lambda: msvcrt.getwch() if msvcrt.kbhit() else "", ""))
     pressed = b""
     with contextlib.suppress(OSError):  # a terminal that was closed gives none
         while select.select([sys.stdin], [], [], 0)[0] and (

@@ -13,7 +13,7 @@ static const double closing = 4.0;
 
 static const double skin_npm = 4000.0; /* in series: without it, a sudden press would be rigid */
 static const double densest = 0.95;    /* strain beyond which the force no longer rises */
-static const double cell_m = 0.020 / SIM_POROUS_CELLS;
+static const double cell_m = 0.020 / (double)SIM_POROUS_CELLS;
 
 /* Of the solid, rising without bound as its pores close. */
 static double solid_n(double strain)

@@ -33,7 +33,7 @@ static double elastic_n(double depth_m)
 /* The box in equal steps of the logarithm of time, a branch at the middle of each. */
 static double branch_width(void)
 {
-    return log(longest_s / shortest_s) / SIM_TISSUE_BRANCHES;
+    return log(longest_s / shortest_s) / (double)SIM_TISSUE_BRANCHES;
 }
 
 /* Share of the elastic response that relaxes, of each branch. */

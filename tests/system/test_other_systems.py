@@ -10,11 +10,21 @@ import h5py
 import numpy as np
 import pytest
 from support.pages.job import small_job
-from support.paths import TESTS
+from support.paths import ROOT, TESTS
 
-from springpot.runtime_c.paths import INCLUDE, PORT_POSIX, PORT_TESTBENCH, PORT_WIRE, SIM, flags
+from springpot.runtime_c.paths import (
+    INCLUDE,
+    PORT_FIT,
+    PORT_POSIX,
+    PORT_TESTBENCH,
+    PORT_WIRE,
+    SIM,
+    SOURCE,
+    flags,
+)
 
 MINGW = "x86_64-w64-mingw32-gcc"
+ZIG = ROOT / "build/zig/ziglang/zig"
 
 # Without the modules of the first argument; with those of Unix, their attributes go.
 WITHOUT = """
@@ -87,17 +97,38 @@ def test_no_module_of_the_folder_is_run(tmp_path: Path) -> None:
     assert not (tmp_path / "ran").exists()
 
 
+def compiled(folder: Path, real: str, compiler: list[str], options: list[str]) -> list[Path]:
+    """Objects of loop, links, simulated bench and checks: what is built on first use."""
+    folders = [PORT_POSIX, PORT_WIRE, PORT_TESTBENCH, SIM]
+    folders += [PORT_FIT, SOURCE] if real == "double" else []
+    include = [f"-I{at}" for at in (*folders, INCLUDE, INCLUDE / real)]
+    objects = []
+    for source in (file for at in folders for file in sorted(at.glob("*.c"))):
+        objects.append(folder / f"{source.stem}.o")
+        command = [*compiler, *flags("SP_CFLAGS"), *options, *include, "-c", source, "-o"]
+        done = subprocess.run([*command, objects[-1]], capture_output=True, text=True, check=False)
+        assert done.returncode == 0, done.stderr
+    return objects
+
+
 @pytest.mark.slow
 @pytest.mark.skipif(shutil.which(MINGW) is None, reason="no mingw: gcc-mingw-w64-x86-64-win32")
 @pytest.mark.parametrize("real", ["float", "double"])
 def test_the_c_of_a_pc_compiles_for_windows(tmp_path: Path, real: str) -> None:
-    """Loop, links, simulated bench and checks: what a Windows springpot builds on first use."""
-    folders = [PORT_POSIX, PORT_WIRE, PORT_TESTBENCH, SIM, INCLUDE, INCLUDE / real]
-    # Not SP_STRICT: mingw's own isfinite converts.
-    options = [*flags("SP_CFLAGS"), "-Wall", "-Wextra", "-Werror", *(f"-I{at}" for at in folders)]
-    sources = [file for folder in folders[:4] for file in sorted(folder.glob("*.c"))]
-    for source in sources:
-        built = tmp_path / f"{source.stem}.o"
-        done = subprocess.run([MINGW, *options, "-c", source, "-o", built],
-                              capture_output=True, text=True, check=False)  # fmt: skip
-        assert done.returncode == 0, done.stderr
+    """Not under SP_STRICT: mingw's own isfinite converts."""
+    assert compiled(tmp_path, real, [MINGW], ["-Wall", "-Wextra", "-Werror"])
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not ZIG.exists(), reason="no zig: make build/zig/ziglang/zig")
+@pytest.mark.parametrize("real", ["float", "double"])
+@pytest.mark.parametrize("system", ["windows-gnu", "macos"])
+@pytest.mark.parametrize("processor", ["x86_64", "aarch64"])
+def test_the_c_of_a_pc_is_strict_elsewhere(
+    tmp_path: Path, processor: str, system: str, real: str
+) -> None:
+    zig = [str(ZIG), "cc", "-target", f"{processor}-{system}"]
+    objects = compiled(tmp_path, real, zig, flags("SP_STRICT"))
+    if system == "macos":  # a library for Windows takes minutes: zig makes that of the system first
+        library = tmp_path / "library.dylib"
+        subprocess.run([*zig, *flags("SP_SHARED"), *objects, "-o", library], check=True)

@@ -5,7 +5,8 @@
 #     make_python.sh FOLDER CHECKOUT PYTHON
 #
 # python311.dll comes out of a wheel of panda3d, the library from PYTHON, a 3.11 of this system. The
-# compiler that it finds, gcc.exe, hands its arguments to mingw's gcc.
+# compilers that it finds, gcc.exe and ziglang, hand their arguments to mingw's gcc and Linux's zig:
+# the zig.exe of ziglang does not run under wine 8.
 set -euo pipefail
 out=$(realpath -m "$1") checkout=$(realpath "$2") python=$3
 here=$(dirname "$(realpath "$0")")
@@ -36,9 +37,13 @@ site=$out/py/Lib/site-packages
 $python -m pip install $windows --target "$site" numpy scipy scikit-learn cffi h5py pydantic jinja2 \
     click colorama rich pyserial annotated-types matplotlib tzdata
 ln -sfn "$checkout" "$site/springpot"
+mkdir -p "$site/ziglang"
+echo 'import subprocess, sys; sys.exit(subprocess.call(["zig.exe", *sys.argv[1:]]))' > "$site/ziglang/__main__.py"
+touch "$site/ziglang/__init__.py"
 cp -r "$($python -c 'import importlib.metadata as m; print(m.distribution("springpot")._path)')" "$site"
 $cc -municode -O1 -static -o "$out/py/python.exe" "$here/python.c"
-$cc -O1 -static -o "$out/cc/gcc.exe" "$here/gcc.c"
+$cc -O1 -static -DTOOL='"$SP_WINE_CC"' -o "$out/cc/gcc.exe" "$here/gcc.c"
+$cc -O1 -static -DTOOL='"$SP_WINE_ZIG"' -o "$out/cc/zig.exe" "$here/gcc.c"
 $python "$here/missing_dlls.py" "$out"
 $cc -static -O2 -shared -o "$out/py/spx-ms-win-crt-math-l1-1-0.dll" "$out/shim/math.c" "$out/shim/math.def"
 $cc -static -O2 -shared -o "$out/py/spx-ms-win-crt-runtime-l1-1-0.dll" "$out/shim/runtime.c" "$out/shim/runtime.def"
@@ -47,7 +52,7 @@ as_windows="Z:${out//\//\\}"
 cat > "$out/wpy" <<S
 #!/bin/sh
 export WINEPREFIX=$out/prefix WINEDEBUG=-all WINEARCH=win64 SP_WINE_C=$out/prefix/dosdevices/c:
-export SP_WINE_CC="\${SP_WINE_CC:-$cc -static}" SP_WINE_SCRATCH='$as_windows\\cc' WINEPATH='$as_windows\\cc;$as_windows\\py'
+export SP_WINE_CC="\${SP_WINE_CC:-$cc}" SP_WINE_ZIG="$checkout/build/zig/ziglang/zig" SP_WINE_SCRATCH='$as_windows\\cc' WINEPATH='$as_windows\\cc;$as_windows\\py'
 exec timeout \${T:-580} wine '$as_windows\\py\\python.exe' "\$@"
 S
 cat > "$out/wsp" <<S

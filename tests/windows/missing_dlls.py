@@ -47,7 +47,7 @@ int shim_feholdexcept(E *e) { if (e) e->c = e->s = 0; return 0; }
 
 
 def imported(folder: Path) -> dict[str, set[str]]:
-    """Names that the libraries below a folder import, by DLL."""
+    """Names that the libraries below a folder import, by DLL; those renamed before count too."""
     names: dict[str, set[str]] = {}
     for file in [*folder.rglob("*.pyd"), *folder.rglob("*.dll")]:
         done = subprocess.run(
@@ -56,7 +56,7 @@ def imported(folder: Path) -> dict[str, set[str]]:
         dll = ""
         for line in done.stdout.splitlines():
             if found := re.match(r"\s*DLL Name: (\S+)", line):
-                dll = found[1].lower().removesuffix(".dll")
+                dll = found[1].lower().removesuffix(".dll").replace("spx-", "api-")
             elif dll and (found := IMPORT.match(line)):
                 names.setdefault(dll, set()).add(found[1])
     return names

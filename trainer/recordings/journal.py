@@ -11,7 +11,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import closing, suppress
 from dataclasses import replace
 from pathlib import Path
-from time import monotonic
+from time import perf_counter
 from typing import Any, Self
 
 import numpy as np
@@ -104,7 +104,7 @@ class JournalWriter:
         self.full = False
         self.committed_rows = 0  # that survive whatever happens to this process
         self._width = 2 + len(channels)
-        self.rows, self._parts, self._committed_s = 0, 0, monotonic()
+        self.rows, self._parts, self._committed_s = 0, 0, perf_counter()
         self._store: sqlite3.Connection | None = None
         metadata = {
             "schema": RECORDING_SCHEMA, "name": name, "dt_s": dt_s, "source": source,
@@ -135,7 +135,7 @@ class JournalWriter:
             rows[:, 2:] = channels
         self._write(rows.tobytes())
         self.rows += len(rows)
-        if monotonic() - self._committed_s > _COMMIT_S:
+        if perf_counter() - self._committed_s > _COMMIT_S:
             self._commit()
 
     def finish(
@@ -195,7 +195,7 @@ class JournalWriter:
         if not self.full and self._store is not None:
             if self._store.in_transaction:
                 self._execute("COMMIT")
-            self.committed_rows, self._committed_s = self.rows, monotonic()
+            self.committed_rows, self._committed_s = self.rows, perf_counter()
 
     def _execute(self, statement: str, values: tuple[object, ...] = ()) -> None:
         assert self._store is not None, "the journal is closed"

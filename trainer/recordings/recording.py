@@ -239,6 +239,8 @@ def require_recording_name(name: Any) -> None:
 def safe_recording_name(text: str) -> str:
     """Return a name that `require_recording_name` accepts, as near to the text as can be."""
     safe = _UNSAFE_CHARACTERS.sub("_", text).strip("._")
+    if safe.partition(".")[0].lower() in _WINDOWS_DEVICES:
+        safe = f"_{safe}"
     return safe.encode()[: MAX_NAME_BYTES - 20].decode("utf-8", "ignore") or "recording"
 
 

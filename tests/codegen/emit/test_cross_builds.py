@@ -14,7 +14,7 @@ from support.small import scene
 from springpot.host.emission.emission import emit
 from springpot.runtime_c.paths import flags
 
-pytestmark = [pytest.mark.board, pytest.mark.slow]
+pytestmark = [pytest.mark.board, pytest.mark.slow, pytest.mark.long]  # zig makes C libraries first
 
 KINDS = ("rf-fd", "rbf-pv", "hammerstein")
 RUN_BY = {  # None: built, not run

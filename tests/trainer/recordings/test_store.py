@@ -216,7 +216,7 @@ def test_files_that_are_no_recording_are_one_line(tmp_path: Path) -> None:
 
 
 HOSTILE = ["", ".", "..", "/tmp/x", "../x", "a/b", "a\\b", ".hidden", "a\nb", "\x1b[31m", "a\0b",
-           "\ud800", "x" * 300, "\u202etxt"]  # fmt: skip
+           "\ud800", "x" * 300, "\u202etxt", "aux", "COM1.left", "a:b"]  # fmt: skip
 
 
 @pytest.mark.parametrize("name", [n for n in HOSTILE if "\0" not in n and n != "\ud800"])
