@@ -21,6 +21,22 @@ static double any_or_none(double scale)
     return what > 0.97 ? (double)NAN : what > 0.95 ? 1e300 : scale * any();
 }
 
+/* Turns at half a second, then ten fast ones: slow turns between fast ones count nothing. */
+TEST(only_turns_that_follow_fast_upon_each_other_are_an_oscillation)
+{
+    static const uint32_t slow_ticks = 500, fast_ticks = 20;
+    for (uint32_t between = 1; between <= 2 * SP_PRESS_TURNS; between++) {
+        sp_press press = {.dt_s = 1e-3, .p_gain = 1.0};
+        int oscillates = 0;
+        for (uint32_t turn = 0; turn < 4 * SP_PRESS_TURNS; turn++) {
+            press.tick += turn % between == 0 ? slow_ticks : fast_ticks;
+            press.speed_mps = turn % 2 == 0 ? 0.1 : -0.1;
+            oscillates = oscillates || is_oscillating(&press);
+        }
+        CHECK(oscillates == (between > SP_PRESS_TURNS));
+    }
+}
+
 TEST(a_force_is_within_its_bounds_both_ways)
 {
     double command_n[TICKS];

@@ -23,9 +23,9 @@ from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.passive import passive_fit
 from springpot.trainer.models.passive.nonnegative import normal_equations, sparse_solve
 from springpot.trainer.models.passive.passive_force import simulate_passive, store_memory
-from springpot.trainer.models.passive.passive_terms import build_model, plain_terms
+from springpot.trainer.models.passive.passive_terms import Terms, build_model, plain_terms
 from springpot.trainer.models.passive.start import select_start
-from springpot.trainer.models.passive.term_values import build_design_matrix
+from springpot.trainer.models.passive.term_values import build_design_matrix, simulate_flow
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.models.training_set import build_training_set
 from springpot.trainer.recordings.recording_file import read_recordings
@@ -215,6 +215,35 @@ def test_the_finest_curves_alone_need_a_row_between_all_nodes(covered: bool, nod
         return SimpleNamespace(covers_every_interval=covered, fit_law=lambda _: [its])
 
     assert passive_fit._select_curves(laws, ())[1].terms.nodes == nodes
+
+
+@pytest.mark.parametrize("gap", [(0.0, 0.0), (0.0, 0.26), (0.24, 0.51), (0.74, 1.01)])
+def test_an_interval_of_a_curve_without_a_row_is_seen(gap: tuple[float, float]) -> None:
+    depth = np.linspace(0.0, 1.0, 101)
+    depth = depth[(depth < gap[0]) | (depth >= gap[1])]
+    laws = SimpleNamespace(
+        _data=SimpleNamespace(depths_m=[depth]),
+        _rows=SimpleNamespace(rows=np.arange(len(depth))),
+        _plain=SimpleNamespace(nodes=5, normalised_depth=lambda depth_m: depth_m),
+    )
+    assert passive_fit.Laws.covers_every_interval.func(laws) == (gap == (0.0, 0.0))
+
+
+def test_a_dashpot_that_flows_relaxes_through_a_pause() -> None:
+    """Held for 100 s between two recordings, as long as for 100 000 ticks."""
+    terms = Terms(0.0, 5e-3, 5, (0.1,), (), (), flow=((0.1, 3, 1),))
+    pressed_m = np.concatenate([np.linspace(0.0, 4e-3, 50), np.full(10, 4e-3)])
+    at = np.array([50, 51, 59])
+    states = [
+        simulate_flow(terms, 1e-3, DepthMotion(pressed_m, (0,), (0,), pauses), at)[:, 0]
+        for pauses in ((), ((51, 100.0),))
+    ]
+    held_m = np.concatenate([pressed_m[:51], np.full(100_000, 4e-3)])
+    ticked = simulate_flow(
+        terms, 1e-3, DepthMotion(held_m, (0,), (0,)), np.array([len(held_m) - 1])
+    )
+    assert states[0][0] == states[1][0] and states[1][1] < 0.1 * states[0][1]
+    assert states[1][1] == pytest.approx(ticked[0, 0], rel=0.01)
 
 
 def test_the_error_on_what_is_held_out_is_that_of_a_fit_without_it() -> None:

@@ -15,6 +15,7 @@ from springpot.codegen.arrays import Samples
 from springpot.codegen.errors import DataError
 from springpot.trainer.recordings.conditioning import Conditioning, condition
 from springpot.trainer.recordings.contact_point import find_contact
+from springpot.trainer.recordings.quality import signs
 from springpot.trainer.recordings.quality.channels import channel_findings
 from springpot.trainer.recordings.recording import Recording, Zero
 
@@ -364,6 +365,18 @@ def test_exchanged_columns_are_refused_by_what_happens_in_the_air() -> None:
             DataError, match=r"exchange the columns, --map position=COL:m,force=COL:N"
         ):
             springpot.check_recordings(found).refuse()
+
+
+@pytest.mark.parametrize(("moved", "is_exchanged"), [(5, True), (3, True), (2, False), (1, False)])
+def test_most_visits_of_an_end_have_to_tell_that_columns_are_exchanged(
+    moved: int, is_exchanged: bool
+) -> None:
+    """Of five: an object that creeps back under a tool at rest moves in some."""
+    swing = np.sin(np.linspace(0.0, np.pi, 40))
+    level = np.tile(np.concatenate([np.zeros(40), swing]), 5)
+    other = np.concatenate([swing * (visit < moved) for visit in range(5)])
+    other = np.stack([other.reshape(5, 40), np.zeros((5, 40))], axis=1).ravel()
+    assert signs._comes_and_goes(level, other) == is_exchanged
 
 
 @pytest.mark.parametrize(("channel", "factor"), [("force_n", 1e3), ("position_m", 1e-3)])
