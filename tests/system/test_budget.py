@@ -44,7 +44,7 @@ def code_lines(text: str) -> int:
 # two per cent of air, and change once a release, in a commit of their own.
 @pytest.mark.parametrize(
     ("files", "max_lines"),
-    [("codegen/*.py", 5430), ("trainer/*.py", 7600), ("host/*.py", 9620), ("tests/*.py", 17300)],
+    [("codegen/*.py", 5380), ("trainer/*.py", 7600), ("host/*.py", 9560), ("tests/*.py", 17450)],
 )
 def test_lines_of_code(files: str, max_lines: int) -> None:
     assert sum(map(code_lines, tracked(files))) <= max_lines
