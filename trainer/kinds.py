@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING
 
@@ -63,7 +64,7 @@ def kind_names() -> tuple[str, ...]:
     >>> "hammerstein" in kind_names()
     True
     """
-    return (AUTO, *KINDS)
+    return (AUTO, *_kinds())
 
 
 def fit_model(
@@ -153,7 +154,7 @@ def _fit_entry_point(
     """Fit as one kind does. Raises UsageError if the fit of another package's kind fails."""
     from springpot.trainer.models.fit import Fit
 
-    kind = KINDS[entry]
+    kind = _kinds()[entry]
     with blame_package(f"kind {entry!r}", kind.fit, UsageError):
         _check_name("Kind", kind.name, entry)
         fit = kind.function()(name, data, options, validation)
@@ -169,5 +170,16 @@ def _check_name(what: str, name: str, entry: str) -> None:
         raise TypeError(f"{what} has the name {name!r}: give that of its entry point")
 
 
-# Entry points of the group springpot.kinds, by name; a package's module may import the above.
-KINDS: dict[str, Kind] = load_entries("kinds", Kind)
+KINDS: dict[str, Kind]  # entry points of the group springpot.kinds, by name
+
+
+@cache
+def _kinds() -> dict[str, Kind]:
+    """Load them when they are first asked for: a package whose device is loaded imports `Kind`."""
+    return load_entries("kinds", Kind)
+
+
+def __getattr__(name: str) -> object:
+    if name != "KINDS":
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    return _kinds()

@@ -13,7 +13,7 @@ import numpy as np
 from springpot.codegen.arrays import Reals, Samples
 from springpot.codegen.errors import UsageError
 from springpot.codegen.literals import array_text
-from springpot.codegen.model.regressors import OPERATIONS, Expression
+from springpot.codegen.model.regressors import OPERATIONS, Expression, Regressor
 from springpot.codegen.native.c_library import CLibrary
 from springpot.codegen.native.compiler import shared_library
 from springpot.codegen.scene import Runtime
@@ -60,12 +60,18 @@ def expression_stage(
 ) -> ExpressionStage:
     """Raises UsageError for a bare board."""
     if runtime.target != "host":
+        require_no_libm(expression, f'runtime.target = "{runtime.target}"')
+    return ExpressionStage(expression, dtype)
+
+
+def require_no_libm(regressor: Regressor | None, where: str) -> None:
+    """Raise UsageError for a regressor that computes with functions that are not there."""
+    if isinstance(regressor, Expression):
         raise UsageError(
-            f'runtime.target = "{runtime.target}": this regressor computes in double, with exp or '
-            "pow of libm, for which a bare board has no unit: fit trees, or what is linear in the "
+            f"{where}: this regressor computes in double, with exp or pow of libm, which are not "
+            "there, or take too long without a unit for them: fit trees, or what is linear in the "
             "features"
         )
-    return ExpressionStage(expression, dtype)
 
 
 def run_expression(expression: Expression, features: Reals) -> Samples:

@@ -3,7 +3,9 @@
  *     cc examples/soft_pad/main.c examples/soft_pad/soft_pad.c -lm && ./a.out
  *
  * soft_pad.c and soft_pad.h are what `springpot emit` writes for a silicone pad (Ecoflex 00-30):
- * nothing else is needed, neither Python nor a library. A hand on a force-feedback device needs
+ * nothing else is needed, neither Python nor a library. Beside the pad and above it pass a negative
+ * depth. A pad s times as deep and g / s times as stiff: pass depth_m / s, take g times the force.
+ * A hand on a force-feedback device needs
  * soft_pad_step in a loop of 1 kHz instead. */
 #include <stdio.h>
 

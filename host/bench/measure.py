@@ -6,7 +6,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from springpot.codegen.errors import SpringpotError
+from springpot.codegen.errors import SpringpotError, UsageError
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import model_bytes, model_hash
@@ -210,13 +210,14 @@ def target_compiler(target: Target) -> str | None:
 def measure_sizes(model: Model, number: Number, target: Target) -> Point:
     """Return bytes of RAM, flash and stack of a model's C on `target`.
 
-    Without a compiler for it flash and stack are null, and `why` says so.
+    What is not known is null, and `why` says why.
     """
-    plan = make_plan(model, bench_scene(number, target), accept_unsafe=True)
-    ram: Point = {"ram_bytes": state_bytes(plan)}
+    ram: Point = {"ram_bytes": None}
     try:
+        plan = make_plan(model, bench_scene(number, target), accept_unsafe=True)
+        ram = {"ram_bytes": state_bytes(plan)}
         with emitted_folder_of(plan) as folder:
             size = measure_footprint(folder, target)
-    except CompilerError as error:
+    except (CompilerError, UsageError) as error:  # no compiler; a regressor that needs a PC
         return ram | {"flash_bytes": None, "stack_bytes": None, "why": str(error)}
     return ram | {"flash_bytes": size.flash_bytes, "stack_bytes": size.stack_bytes, "why": None}

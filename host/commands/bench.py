@@ -77,7 +77,7 @@ def bench(
     rows = [
         (point_label(p), f"{p['rmse_n']:.3g}", f"{p['rmse_percent_of_peak']:.2g}",
          _digits(p["rendered_rmse_percent_of_peak"]), _percent(p["contact_below_jnd"]),
-         f"{p['tick_ns_hot']:.0f}", _known(p["flash_bytes"]), str(p["ram_bytes"]),
+         f"{p['tick_ns_hot']:.0f}", _known(p["flash_bytes"]), _known(p["ram_bytes"]),
          _known(p["fit_s"]),
          "" if not p["pareto"] else "yes" if p["bounded"] else "not bounded in every hand")
         for p in result["points"]

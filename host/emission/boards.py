@@ -16,6 +16,7 @@ from springpot.codegen.messages import short_repr
 from springpot.codegen.native.compiler import CompilerError, run_compiler
 from springpot.codegen.plan import Plan, state_bytes
 from springpot.codegen.scene import Target
+from springpot.codegen.stages.expressions import require_no_libm
 from springpot.host.emission.checksums import is_edited, require_replaceable, write_checksums
 from springpot.host.emission.emission import read_emission
 from springpot.host.native.scene_library import scene_prefix, write_port
@@ -139,6 +140,7 @@ def build_batch(folder: Path, board: Board, out: Path) -> Path:
 
 def _copied(folder: Path, out: Path, plan: Plan, ports: tuple[str, ...]) -> tuple[str, ...]:
     """Copy the scene's C and the port's files to a folder; name the sources to compile."""
+    require_no_libm(plan.model.regressor, "a bare board")
     out.mkdir(parents=True, exist_ok=True)
     source = f"{scene_prefix(folder)}.c"
     for file in [*folder.glob("*.h"), folder / source]:

@@ -12,6 +12,7 @@ from springpot.codegen.emit.golden import differentiate, golden_positions
 from springpot.codegen.errors import MismatchError, SpringpotError, UsageError
 from springpot.codegen.native.compiler import packaged_compiler, run_compiler
 from springpot.codegen.plan import Plan
+from springpot.codegen.stages.expressions import require_no_libm
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary, write_port
 from springpot.runtime_c.paths import PORT_BROWSER, PORT_WASM, SIM, flags
@@ -26,6 +27,7 @@ def page_module(folder: Path, plan: Plan) -> bytes:
 
     Raises UsageError without compiler or linker, CompilerError where they refuse.
     """
+    require_no_libm(plan.model.regressor, "the page")
     prefix = plan.scene.runtime.prefix
     compiler, linker = _tools()
     with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:

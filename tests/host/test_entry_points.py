@@ -2,7 +2,6 @@
 
 import json
 import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -10,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from support.pages.prepared_pages import installed
 from support.paths import TESTS
 
 from springpot.codegen.errors import DeviceError
@@ -18,16 +18,6 @@ from springpot.host.devices.device import DeviceRequirements, OpenedDevice
 from springpot.host.devices.drivers import Driver, open_device
 
 SCENE = 'schema = 1\nname = "rig"\nmodel = "rig.spm"\n[runtime]\nrate_hz = 1000.0\n'
-
-
-def installed(folder: Path) -> Path:
-    """The package of tests/support/stranger, as pip installs it."""
-    source, target = folder / "source", folder / "installed"
-    shutil.copytree(TESTS / "support" / "stranger", source)
-    pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps", "--no-build-isolation",
-           "--disable-pip-version-check", "--target", str(target), str(source)]  # fmt: skip
-    subprocess.run(pip, check=True, capture_output=True)
-    return target
 
 
 def write_rig_file(path: Path) -> None:
@@ -41,7 +31,8 @@ def write_rig_file(path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_package_adds_a_kind_and_a_device(tmp_path: Path) -> None:
-    path = os.pathsep.join([str(installed(tmp_path)), str(TESTS)])
+    path = os.pathsep.join([str(tmp_path / "installed"), str(TESTS)])
+    installed(tmp_path / "installed")
     write_rig_file(tmp_path / "rig.csv")
     (tmp_path / "scene.toml").write_text(SCENE)
     commands = [

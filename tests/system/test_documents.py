@@ -35,7 +35,7 @@ TESTED = {
     "c": "",
     "text": "",
     "sh": "",
-}  # sh: commands that need a device, people or root: their options are compared
+}  # sh: commands that need a device, people, root or pip: their options are compared
 EVERY = [block for page in PAGES for block in blocks(page)]
 COMMANDS = [block for block in EVERY if not block.language]
 TARGETS = set(re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text(), re.M))
@@ -64,7 +64,6 @@ def test_every_block_is_of_a_kind_that_a_test_looks_at() -> None:
         *PREPARED,
         "README.md",
         "how-to/drives.md",
-        "how-to/microcontroller.md",
         "reference/python.md",  # by test_python_examples.py
     }
     executable = [block for block in EVERY if block.language in {"", "python"}]

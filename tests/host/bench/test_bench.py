@@ -10,7 +10,7 @@ from unittest import mock
 import pytest
 from sklearn.linear_model import Ridge
 from support.in_process import spring
-from support.small import press, recording, small_model, training
+from support.small import press, recording, small_model, training, written_model
 
 from springpot import write_model
 from springpot.codegen.errors import UsageError
@@ -119,6 +119,9 @@ def test_a_model_file_stands_beside_the_kinds(tmp_path: Path) -> None:
     counts = not missing(next(one for one in BOARDS.values() if one.target == "cortex-m4f"))
     for one in (point, worse):
         assert one["tick_ns_p999"] > 0.0 and (one["instructions"] is not None) == counts
+    write_model(file, written_model())  # of which no board can be
+    (point,) = run(tmp_path / "pc", [], (str(file),))["points"]
+    assert point["ram_bytes"] is point["flash_bytes"] is None and "libm" in point["why"]
     with pytest.raises(UsageError, match="neither a file nor one of rf-fd"):
         run(tmp_path / "bench", [], ("no-such",))
 

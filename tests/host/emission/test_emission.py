@@ -12,6 +12,7 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from support.messages import refusing
 from support.small import (
     model_file,
     passive_model,
@@ -26,10 +27,12 @@ from support.small import (
 from springpot.codegen.errors import BudgetError, DataError, MismatchError, UsageError
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Budget, Scene
+from springpot.host.emission.boards import BOARDS, build_firmware
 from springpot.host.emission.budget_fit import emit_fitting
 from springpot.host.emission.emission import emit
 from springpot.host.emission.result import Emission
 from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.pages.wasm_module import page_module
 from springpot.host.validation.validation import validate
 from springpot.runtime_c.paths import flags
 
@@ -98,6 +101,18 @@ def test_builds_by_hand_without_python(tmp_path: Path, emission_of: Emitted, sha
                                capture_output=True, check=False)  # fmt: skip
         assert (wrong.returncode, len(wrong.stdout.splitlines())) == (1, 1)
         assert "line 2 is not a number" in wrong.stderr
+
+
+@pytest.mark.parametrize("make", ["firmware", "page"])
+def test_what_needs_libm_is_for_no_board_and_no_page(
+    tmp_path: Path, emission_of: Emitted, make: str
+) -> None:
+    folder = emission_of("m2cgen").folder
+    with refusing(UsageError, "libm", "fit trees"):
+        if make == "page":
+            page_module(folder, emission_of("m2cgen").plan)
+        else:
+            build_firmware(folder, BOARDS["mps2-an386"], tmp_path / "firmware")
 
 
 CONTRACTED = ("-mfma", "-ffp-contract=fast")  # the file keeps the two operations apart

@@ -206,6 +206,12 @@ def test_what_is_no_fitted_ensemble_is_told_what_to_give():
             from_ensemble(given, training())
 
 
+def test_without_m2cgen_an_svr_is_told_what_to_install(monkeypatch):
+    monkeypatch.setitem(sys.modules, "m2cgen", None)
+    with refusing(UsageError, "SVR: m2cgen writes its C", "pip install 'springpot[m2cgen]'"):
+        from_ensemble(svm.SVR().fit(*CHECKED), training())
+
+
 def test_weights_that_cancel_and_thresholds_that_are_not_finite_are_refused() -> None:
     values = np.random.default_rng(0).uniform(1.0, 2.0, (200, 2)).astype(np.float32).astype(float)
     values[:, 1] = values[:, 0]

@@ -1,6 +1,10 @@
 """What a reader has before the first command of a page, made in a folder."""
 
+import shutil
+import subprocess
+import sys
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import numpy as np
 from scipy.io import savemat
@@ -8,6 +12,7 @@ from scipy.io import savemat
 from springpot.host.emission.emission import emit
 from springpot.host.emission.scene_file import read_scene
 from support.pages.job import small_job
+from support.paths import TESTS
 from support.small import DT_S, press, soft_force
 
 
@@ -42,13 +47,33 @@ def emitted_job(folder: Path) -> None:
     emit(read_scene(folder / "scene.toml"), folder / "model.spm", folder / "c")
 
 
+def eco_job(folder: Path) -> None:
+    small_job(folder)
+    scene = (folder / "scene.toml").read_text()
+    (folder / "eco.toml").write_text(f'{scene}[runtime]\nprefix = "eco"\n')
+
+
+def installed(folder: Path) -> None:
+    """The package of tests/support/stranger, as pip installs it."""
+    with TemporaryDirectory() as scratch:
+        source = shutil.copytree(TESTS / "support" / "stranger", Path(scratch) / "source")
+        pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps",
+               "--no-build-isolation", "--disable-pip-version-check", "--target", str(folder),
+               str(source)]  # fmt: skip
+        subprocess.run(pip, check=True, capture_output=True)
+
+
 PREPARED = {
     "explanation/stability.md": small_job,
+    "how-to/extend.md": installed,
+    "how-to/game-engine.md": eco_job,
     "how-to/import.md": rig_files,
+    "how-to/microcontroller.md": small_job,
     "how-to/places.md": few_places,
     "how-to/record.md": nothing,
     "how-to/run-a-device.md": emitted_job,
     "reference/c.md": small_job,
+    "reference/commands.md": small_job,
     "tutorials/embedded-engineer.md": nothing,
     "tutorials/haptics-researcher.md": nothing,
     "tutorials/material-scientist.md": nothing,
