@@ -3,7 +3,7 @@
 # make test-long: the further cases and whole studies; test-all: every test.
 # make check: format, lint, types, C tests under sanitizers with every compiler found.
 PYTHON ?= python3
-BIN := .venv/bin
+BIN := .venv/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 STAMP := .venv/installed
 ZIG := build/zig/ziglang/zig
 SANITIZE := -fsanitize=address,undefined -fno-sanitize-recover=all
