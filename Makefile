@@ -65,7 +65,7 @@ setup-mcu:
 test-mcu: $(STAMP)
 	$(BIN)/pytest -n 2 -m board
 
-# A Windows Python under wine (Debian's wine64 and mingw, as root), and the whole job with it.
+# A Windows Python under wine (Debian's wine64 and mingw, as root), and the whole job: nine minutes.
 test-windows: $(STAMP) $(ZIG)
 	tests/windows/make_python.sh build/windows . $(BIN)/python
 	tests/windows/smoke.sh build/windows $(BIN)/python
