@@ -3,7 +3,7 @@
 # make test-long: the further cases and whole studies; test-all: every test.
 # make check: format, lint, types, C tests under sanitizers with every compiler found.
 PYTHON ?= python3
-BIN := .venv/bin
+BIN := .venv/$(if $(filter Windows_NT,$(OS)),Scripts,bin)
 STAMP := .venv/installed
 ZIG := build/zig/ziglang/zig
 SANITIZE := -fsanitize=address,undefined -fno-sanitize-recover=all
@@ -65,7 +65,7 @@ setup-mcu:
 test-mcu: $(STAMP)
 	$(BIN)/pytest -n 2 -m board
 
-# A Windows Python under wine (Debian's wine64 and mingw, as root), and the whole job with it.
+# A Windows Python under wine (Debian's wine64 and mingw, as root), and the whole job: nine minutes.
 test-windows: $(STAMP) $(ZIG)
 	tests/windows/make_python.sh build/windows . $(BIN)/python
 	tests/windows/smoke.sh build/windows $(BIN)/python

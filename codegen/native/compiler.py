@@ -117,6 +117,8 @@ def shared_library(
     build_flags = [*flags("SP_CFLAGS"), *flags("SP_SHARED"), *extra_flags]
     if sys.platform == "win32":  # or a library of MSYS2's gcc needs DLLs that lie beside gcc
         build_flags.append("-static")
+    if sys.platform == "darwin":  # whose libraries keep to themselves; Apple's ld refuses the word
+        build_flags.remove("-Wl,-Bsymbolic")
     library = cache_folder() / f"{_key(sources, include, build_flags)}.so"
     try:
         library.parent.mkdir(parents=True, exist_ok=True, mode=0o700)

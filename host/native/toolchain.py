@@ -3,6 +3,7 @@
 import re
 import shutil
 import subprocess
+import sys
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -63,7 +64,7 @@ def toolchain(target: str) -> Toolchain | None:
     Raises CompilerError for the host without any compiler.
     """
     if target == "host":
-        size = shutil.which("size")
+        size = None if sys.platform == "darwin" else shutil.which("size")  # Apple's has other words
         return Toolchain(find_compiler(), size, ()) if size else None
     prefix, flags = _CROSS[target]
     compiler, size = shutil.which(prefix + "gcc"), shutil.which(prefix + "size")

@@ -39,6 +39,7 @@ from springpot.host.devices import dhd
 from springpot.host.devices.device import DeviceRequirements
 from springpot.host.devices.drivers import open_device
 from springpot.host.devices.serial_port import open_port
+from springpot.host.native.toolchain import toolchain
 from springpot.host.session import terminal
 from springpot.host.study.plan import append_only_table
 
@@ -128,6 +129,20 @@ def test_the_same_arrays_are_the_same_file(monkeypatch: pytest.MonkeyPatch) -> N
     here = model_bytes(model)
     monkeypatch.setattr(sys, "platform", "win32")
     assert model_bytes(model) == here
+
+
+def test_the_linker_of_macos_gets_no_word_of_another(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Apple's ends at -Bsymbolic, and its `size` at -A."""
+    words: list[str] = []
+    monkeypatch.setattr(sys, "platform", "darwin")
+    monkeypatch.setattr(compiler, "run_compiler", words.extend)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    with refusing(compiler.CompilerError, "wrote no library"):
+        compiler.shared_library([], [])
+    assert "-shared" in words and not any("symbolic" in word for word in words)
+    assert toolchain("host") is None
 
 
 @pytest.mark.parametrize("loaded", [True, False])

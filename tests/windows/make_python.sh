@@ -35,7 +35,7 @@ tar -C "$library" --exclude site-packages --exclude lib-dynload --exclude test -
 site=$out/py/Lib/site-packages
 # pip takes markers from the system it runs on: colorama, which click needs on Windows, by name.
 $python -m pip install $windows --target "$site" numpy scipy scikit-learn cffi h5py pydantic jinja2 \
-    click colorama rich pyserial annotated-types matplotlib tzdata
+    click colorama rich pyserial annotated-types matplotlib tzdata pytest pytest-xdist
 ln -sfn "$checkout" "$site/springpot"
 mkdir -p "$site/ziglang"
 echo 'import subprocess, sys; sys.exit(subprocess.call(["zig.exe", *sys.argv[1:]]))' > "$site/ziglang/__main__.py"

@@ -36,10 +36,10 @@ step() {
     fi
     if ! cat "${typed:-/dev/null}" | "$program" "$@" 2>&1 | cat > out.txt; then
         cat out.txt
-        echo "windows: springpot $* failed"
+        echo "windows: $* failed"
         exit 1
     fi
-    echo "windows: springpot $1 ${2:-}: $((SECONDS - begin)) s"
+    echo "windows: $1 ${2:-}: $((SECONDS - begin)) s"
 }
 expect() { grep -aq "$1" out.txt || { cat out.txt; echo "windows: no \"$1\""; exit 1; }; }
 
@@ -71,6 +71,10 @@ expect "^ticks *4000 of 4000"
 grep -a '^ticks' out.txt
 step validate c --recording felt.h5
 expect "0 of .* ticks differ"
+
+step python -m pytest -n 0 -p no:cacheprovider "$tests/system/test_forces.py" \
+    -k are_the_stored_ones -m "not slow and not long"
+echo "windows: the forces of every stored model to the bit"
 
 "$python" "$tests/support/peers/serial_device.py" --object ecoflex-00-30 > peer.txt &
 peer=$!
