@@ -16,10 +16,10 @@ import pytest
 from support.pages.documents import PAGES, Block, blocks, inline_commands, name_of, page_blocks
 from support.pages.job import SCENE
 from support.pages.notebooks import QUICK_START, code_cells, run_cells
-from support.pages.prepared_pages import PREPARED
+from support.pages.prepared_pages import PREPARED, emitted_job
 from support.pages.run_pages import print_urls, run_page
 from support.paths import ROOT
-from support.peer import CLI, peer
+from support.peer import CLI, cli, peer
 
 from springpot import read_recordings
 from springpot.host.cli import springpot
@@ -154,6 +154,15 @@ _LAB = {"record": ("--pressing", "--cell-ms", 3, "--surface-mm", 12), "run": ("-
 
 
 @pytest.mark.realtime
+def test_a_session_runs_on_each_device_to_try(tmp_path: Path) -> None:
+    emitted_job(tmp_path)
+    (block,) = (one for one in page_blocks("how-to/run-a-device.md") if one.note == "prints URL")
+    for url in print_urls(block, tmp_path):
+        words = ["run", "--scene", "c", "--device", url, "--seconds", "1"]
+        done = cli(*words, cwd=tmp_path)
+        assert done.returncode == 0, f"{url}\n{done.stderr}"
+
+
 @pytest.mark.realtime
 def test_the_lab_s_first_session(tmp_path: Path) -> None:
     """Every command of the page on the stand-in: to a log that repeats, bit for bit.
