@@ -1,18 +1,21 @@
 """Limits of a scene, of any trained range, rate and guard: numbers as in explanation/output.md."""
 
-from dataclasses import FrozenInstanceError
+from dataclasses import FrozenInstanceError, replace
 from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
+from support.small import damage, passive_model, scene as small_scene
 
 from springpot import Scene
 from springpot.codegen import limits
 from springpot.codegen.errors import DataError, UsageError
+from springpot.codegen.make_plan import FADE_DEPTH_FRACTION, make_plan
 from springpot.codegen.model.model import TrainedRange
-from springpot.codegen.scene import Guard
+from springpot.codegen.model.passive import Memory
+from springpot.codegen.scene import Guard, Runtime
 from springpot.codegen.stages.stage import SceneTicks
 
 RATES_HZ = st.floats(10.0, 8000.0)
@@ -118,3 +121,38 @@ def test_a_model_that_never_pushes_out_is_refused_with_what_turns_it_round(max_n
         with pytest.raises(DataError, match=r"never push out \(.* N\): turn the sign round") as no:
             limits.build_output_config(model(trained), scene(), ticks(1000.0, surface))
         assert f"(maximum {trained.max_n:g} N)" in str(no.value)
+
+
+def test_the_fade_is_a_fraction_of_the_trained_depth_wherever_that_begins() -> None:
+    model = passive_model()
+    trained = replace(model.trained, min_m=0.4 * model.trained.max_m)
+    always = replace(small_scene(), guard=Guard(contact="always", outside="zero"))
+    plan = make_plan(replace(model, trained=trained), always)
+    depth_m = 0.6 * model.trained.max_m
+    assert float(plan.fade_per_m) == pytest.approx(1.0 / (FADE_DEPTH_FRACTION * depth_m))
+
+
+def test_the_stiffness_is_that_of_the_rested_object_however_a_session_starts() -> None:
+    """Damage softens: a hand that lets it heal meets the stiffer object."""
+    model = passive_model()
+    law = model.hammerstein
+    assert law is not None
+    curves = damage(np.full(len(law.elastic_n), 4.0 * law.elastic_n.max()))
+    memory = Memory(
+        np.zeros(len(law.tau_s)),
+        np.zeros(0),
+        np.full(4, 1.0),
+        np.zeros(len(law.radius_m)),
+        0.0,
+        0.0,
+    )
+    damaged = replace(law, damage=curves, end_memory=memory)
+    plans = [
+        make_plan(
+            replace(model, hammerstein=damaged),
+            replace(small_scene(), runtime=Runtime(start=start)),
+            True,
+        )
+        for start in ("rested", "continues")
+    ]
+    assert plans[0].stiffness_npm == plans[1].stiffness_npm

@@ -225,3 +225,12 @@ def test_what_cannot_be_fitted_is_refused(
         chosen, model = dataclasses.replace(chosen, budget=budget), small_model()
     with pytest.raises(error, match=told):
         emit_fitting(chosen, model, tmp_path / "c", False, recordings, fit=fit)
+
+
+@pytest.mark.parametrize("beside", ["validation/rows.csv", "example/main.c", "report.html"])
+def test_what_springpot_put_beside_an_emission_goes_with_it(tmp_path: Path, beside: str) -> None:
+    emit(scene(), passive_model(), tmp_path / "c")
+    (tmp_path / "c" / beside).parent.mkdir(exist_ok=True)
+    (tmp_path / "c" / beside).write_text("later")
+    emit(scene(), passive_model(), tmp_path / "c")
+    assert not (tmp_path / "c" / beside).exists()

@@ -1,7 +1,9 @@
 """The page that is pressed in a browser: its forces have the bits of the C."""
 
+import base64
 import json
 import shutil
+import zlib
 from dataclasses import replace
 from pathlib import Path
 
@@ -14,7 +16,9 @@ from springpot.codegen.errors import UsageError
 from springpot.codegen.model.model_file import write_model
 from springpot.codegen.model.places import Places
 from springpot.host.emission.emission import emit
+from springpot.host.pages import press_page
 from springpot.host.pages.press_page import write_press_page
+from springpot.trainer.recordings.recording import Recording
 
 NEEDS_CLANG = pytest.mark.skipif(
     shutil.which("clang") is None or shutil.which("wasm-ld") is None,
@@ -64,3 +68,15 @@ def test_a_missing_compiler_is_one_line(tmp_path: Path, monkeypatch: pytest.Monk
         UsageError, match="no compiler for WebAssembly: `apt-get install clang lld`"
     ):
         write_press_page([folder], tmp_path / "press.html")
+
+
+def test_a_page_shows_the_first_recording_that_was_validated(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    shown = [Recording(f"{k}", 1e-3 * k * np.arange(3.0), np.arange(3.0), 1e-3) for k in (1, 2)]
+    pairs = [(recording, recording.force_n) for recording in shown]
+    monkeypatch.setattr(press_page, "read_validation", lambda _: (None, pairs))
+    packed = press_page._recording(tmp_path)
+    assert packed is not None
+    depth_m = np.frombuffer(zlib.decompress(base64.b64decode(packed[0])), np.float32)
+    np.testing.assert_allclose(depth_m, [0.0, 1e-3, 2e-3])

@@ -93,3 +93,14 @@ def test_a_wrong_file_names_the_key(tmp_path, text, named):
         protocols.load_protocol(str(file), 0)
     message = str(caught.value)
     assert named in message and str(file) in message and "\n" not in message
+
+
+def test_a_multisine_comes_and_goes_and_reaches_its_peak():
+    """As a hand may leave it: a force that steps to zero throws the tool."""
+    (multisine,) = [p for p in protocols.extended(3) if p.metadata["kind"] == "multisine"]
+    command_n = multisine.command_n
+    assert command_n.min() >= 0.0 and command_n.max() == pytest.approx(10.0)
+    assert command_n[[0, -1]] == pytest.approx([0.0, 0.0], abs=1e-3)
+    second = protocols.RATE_HZ
+    assert command_n[:50].max() < 0.2 and command_n[-50:].max() < 0.2
+    assert command_n[second:-second].std() > 1.0

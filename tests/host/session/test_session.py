@@ -1,7 +1,9 @@
 """Real-time sessions on simulated hands, recordings and lossy devices, and what they warn of."""
 
 import ctypes
+import os
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -16,8 +18,18 @@ from springpot.codegen.notes import CLAMPED, HELD, LATCHED, OUTSIDE, RAMPED, RES
 from springpot.codegen.scene import Guard
 from springpot.host.cli import exit_status
 from springpot.host.emission.emission import emit
-from springpot.host.native.c_library import COLUMN, IDLE, NONE, RESET, SILENT, UNSENT, empty_rows
+from springpot.host.native.c_library import (
+    COLUMN,
+    IDLE,
+    NONE,
+    RESET,
+    SILENT,
+    UNSENT,
+    empty_rows,
+    loop_library,
+)
 from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.session.c_loop import CLoop, StepFunctions
 from springpot.host.session.live_warnings import LiveWarnings
 from springpot.host.session.outcome import NOTE_WORDS, LoopSettings, LoopState, expected_ticks
 from springpot.host.validation.validation import validate
@@ -302,3 +314,18 @@ def test_a_session_deeper_than_trained_warns_and_its_log_keeps_it(folder, log, t
     first_s = read.channels["time_s"][np.argmax(outside)]
     assert deeper["time_s"] == pytest.approx(first_s, abs=1e-3)
     assert any(DEEP in line for line in said) and read.details["end"]["warnings"] == warnings
+
+
+@pytest.mark.parametrize(("cpus", "chosen"), [({0, 1, 5}, 5), ({3}, -1)])
+def test_the_loop_asks_for_the_last_processor_if_one_is_left_for_the_rest(
+    cpus: set[int], chosen: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked: list[int] = []
+    library = loop_library("float")
+    loop = CLoop(StepFunctions(library, 0, 0, 0, 0), LoopSettings(1e-3))
+    start = SimpleNamespace(sp_loop_start=lambda _loop, config, _link: asked.append(config.cpu))
+    monkeypatch.setattr(loop, "_c", start)
+    monkeypatch.setattr(loop, "_adopt", lambda device: device)
+    monkeypatch.setattr(os, "sched_getaffinity", lambda _: cpus)
+    loop.start(library.ffi.NULL)
+    assert asked == [chosen]

@@ -282,6 +282,15 @@ def test_a_linear_loop_that_is_unstable_is_refused_whatever_the_closed_one_did()
         ).require_bounded()
 
 
+def test_a_damping_in_another_unit_is_named_and_not_called_unstable() -> None:
+    for mode in ("tool", "proxy"):
+        coupling = Coupling(mode=mode, stiffness_npm=1500.0, damping_nspm=20_000.0)
+        chosen = dataclasses.replace(scene(), coupling=coupling)
+        plan = make_plan(golden_forces.model("hammerstein"), chosen, accept_unsafe=True)
+        with pytest.raises(UnsafeError, match=r"20 N s/m\) was probably meant"):
+            require_stable(plan)
+
+
 @pytest.mark.slow
 def test_a_loop_that_is_not_bounded_is_refused_by_name() -> None:
     chosen = dataclasses.replace(scene(mode="off"), device=HEAVY)

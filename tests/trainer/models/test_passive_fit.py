@@ -246,6 +246,13 @@ def test_a_dashpot_that_flows_relaxes_through_a_pause() -> None:
     assert states[1][1] == pytest.approx(ticked[0, 0], rel=0.01)
 
 
+def test_a_choice_is_remembered_for_the_options_that_decide_it() -> None:
+    data = build_training_set([Recording("a", press(1.0), 300.0 * press(1.0), DT_S)], 0.0)
+    few, many = (passive_fit.select_passive(data, FitOptions(poles=p))[0] for p in (2, 9))
+    assert few is passive_fit.select_passive(data, FitOptions(poles=2))[0]
+    assert len(few.terms.tau_s) < len(many.terms.tau_s)
+
+
 def test_the_error_on_what_is_held_out_is_that_of_a_fit_without_it() -> None:
     """One of three is ten times as stiff: what the two others say misses nine tenths of it."""
     depth_m = press(1.0)

@@ -248,6 +248,15 @@ def test_repeats_of_one_press_go_to_different_folds() -> None:
     assert set(split_repeats(six_m, DT_S, 3, 0).number[[0, 1, 3]].tolist()) == {0, 1, 2}
 
 
+def test_other_seeds_put_the_recordings_into_other_folds() -> None:
+    data = with_repeats()
+    drawn = {
+        tuple(split_repeats(data.depths_m, data.dt_s, 5, seed).number.tolist())
+        for seed in range(20)
+    }
+    assert len(drawn) > 15
+
+
 def test_each_depth_and_each_speed_is_held_out_whole() -> None:
     data = with_repeats()
     rows = data.bounds[:-1] + 1
