@@ -5,12 +5,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from support.c.same_bits import require_same_bits
 from support.small import DEPTH_M, fitted, model_file, passive_model, scene, small_model
 
 from springpot import Scene
 from springpot.codegen.errors import UnsafeError, UsageError
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.notes import OUTSIDE
+from springpot.codegen.proxy_motion import apply_onset_and_fade
 from springpot.codegen.scene import Coupling, Guard, Runtime
 from springpot.host.emission.emission import emit
 from springpot.host.native.scene_library import SceneLibrary
@@ -122,3 +124,18 @@ def test_what_cannot_be_done_is_refused() -> None:
     with pytest.raises(UnsafeError, match="20 N s/m"):
         make_plan(small_model(), unit_error)
     assert make_plan(small_model(), unit_error, accept_unsafe=True).accept_unsafe
+
+
+def test_a_force_fades_on_both_sides_of_the_trained_depth_behind_a_proxy_too() -> None:
+    """Of an object that the tool never leaves: the C and its reference, bit for bit."""
+    model = passive_model()
+    trained = dataclasses.replace(model.trained, min_m=0.4 * DEPTH_M)
+    chosen = dataclasses.replace(
+        scene(mode="proxy"), guard=Guard(contact="always", outside="zero", max_force_n=50.0)
+    )
+    plan = make_plan(dataclasses.replace(model, trained=trained), chosen, accept_unsafe=True)
+    motion = 0.5 * DEPTH_M - 0.5 * DEPTH_M * np.sin(np.linspace(0.0, 12.0, 2000))
+    require_same_bits(plan, motion)
+    pressed = np.array([0.1, 0.41, 0.7]).astype(np.float32) * np.float32(DEPTH_M)
+    faded_n = apply_onset_and_fade(plan, pressed, np.ones(3, np.float32))
+    assert faded_n[0] == 0.0 and faded_n[1] == faded_n[2] == 1.0

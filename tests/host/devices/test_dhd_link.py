@@ -15,10 +15,11 @@ class Sdk:
         self.library = loop_library("double")
         ffi, c = self.library.ffi, self.library.c
         self.answer, self.place_m, self.forces, self.put = 0, PLACE_M, [], 0
+        self.speeds_mps = (0.0, 0.0, 0.0)
         types = dict(ffi.typeof("sp_dhd").fields)
         calls = {
             "get_position": self._position,
-            "get_linear_velocity": lambda x, y, z, _id: self._put((x, y, z), (0.0, 0.0, 0.0)),
+            "get_linear_velocity": lambda x, y, z, _id: self._put((x, y, z), self.speeds_mps),
             "set_force": lambda x, y, z, _id: self.forces.append((x, y, z)) or self.put,
             "get_status": self._status,
             "get_button": lambda _index, _id: 0,
@@ -66,6 +67,17 @@ def test_walls_pull_nowhere_before_the_first_place_and_hold_after_it() -> None:
     sdk.link.released = 1
     sdk.tick(1010)
     assert sdk.forces[-1] == (0.0, 0.0, 0.0)
+
+
+def test_walls_brake_a_tool_that_leaves_its_line_and_one_that_comes_back() -> None:
+    sdk, forces_n = Sdk(wall_npm=1000.0), []
+    sdk.tick(1)
+    for speed_mps in (0.05, 0.0, -0.05):
+        sdk.place_m, sdk.speeds_mps = (PLACE_M[0] + 1e-3, *PLACE_M[1:]), (speed_mps, 0.0, 0.0)
+        for now_ms in range(1001, 1020):
+            sdk.tick(now_ms)
+        forces_n.append(sdk.forces[-1][0])
+    assert forces_n[1] == pytest.approx(-1.0) and forces_n[0] < forces_n[1] < forces_n[2]
 
 
 @pytest.mark.parametrize("seed", range(20))

@@ -1,12 +1,14 @@
 """How a Force Dimension device is found, checked and armed: each refusal names cause and remedy."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 from support.peer import peer
 
 from springpot.codegen.errors import DeviceError, UsageError
 from springpot.host.devices.device import DeviceRequirements
+from springpot.host.devices.dhd_device import DhdDevice
 from springpot.host.devices.drivers import open_device
 
 WANTED = DeviceRequirements(rate_hz=1000.0, watchdog_s=0.02, max_n=8.0, presses=True)
@@ -69,3 +71,24 @@ def test_without_a_watchdog_where_that_is_accepted() -> None:
         assert "last force may still act" in opened.unreached
         opened.close()
         assert device.wait_for("stop")["force_n"] == 0
+
+
+@pytest.mark.parametrize(
+    ("watchdog_s", "steps"), [(0.02, 160), (0.0201, 161), (125e-6, 1), (0.05, 255)]
+)
+def test_the_device_s_watchdog_waits_no_less_than_the_scene_s(
+    watchdog_s: float, steps: int
+) -> None:
+    """It counts steps of 125 us, 255 at most: a shorter one would trip where the scene holds."""
+    asked: list[int] = []
+    functions = SimpleNamespace(
+        dhdEnableExpertMode=lambda: 0,
+        dhdDisableExpertMode=lambda: 0,
+        dhdSetWatchdog=lambda count, _id: asked.append(count) or 0,
+    )
+    opened = SimpleNamespace(
+        _sdk=SimpleNamespace(has=lambda _: True, c=functions), id=0,
+        _required=replace(WANTED, watchdog_s=watchdog_s),
+    )  # fmt: skip
+    DhdDevice._set_watchdog(opened)
+    assert asked == [steps]

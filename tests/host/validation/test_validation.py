@@ -269,6 +269,16 @@ def test_figures_of_a_known_error() -> None:
     np.testing.assert_allclose(just_noticeable_n(np.array([0.5, 2.0, -9.0])), [0.2, 0.2, 0.9])
 
 
+def test_the_start_up_ramp_is_left_out_of_contact_as_of_the_error() -> None:
+    """Of each recording the first samples: what they miss, and where they are in the air."""
+    measured = [np.array([0.0, 0.0, 5.0, 5.0]), np.array([5.0, 5.0, 0.0])]
+    predicted = [np.array([9.0, 0.0, 5.0, 8.0]), np.array([9.0, 5.0, 9.0])]
+    contacts = [np.array([False, False, True, True]), np.array([True, True, False])]
+    found = accuracy(measured, predicted, [1, 1], contacts)
+    assert found.contact_below_jnd == pytest.approx(2 / 3)
+    assert found.ramped == 2 and found.max_abs_error_n == 9.0
+
+
 def test_the_share_of_contact_below_the_threshold_does_not_count_the_air() -> None:
     """Errors of 0.19 N below 2 N and of 9 % above pass, of 0.21 N and 11 % do not."""
     position_m = np.array([1e-3, 1e-3, 1e-3, 1e-3])

@@ -13,7 +13,8 @@ from springpot.trainer.features import gl_weights, highpass
 from springpot.trainer.kinds import fit_model
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.predict import predict_n
-from springpot.trainer.models.springpot import Solid, _metadata, _Table
+from springpot.trainer.models.springpot import Solid, _metadata, _Table, to_hammerstein
+from springpot.trainer.models.training_set import build_training_set
 from springpot.trainer.recordings.recording import Recording
 
 DT_S = 1e-3
@@ -188,3 +189,16 @@ def test_half_an_interval_is_1_96_errors_of_a_mean() -> None:
     law = _metadata(Solid(101.0, 5.0, 0.2, None), others, table, 1)["material"]
     error_npm = said_npm.std(ddof=1) / np.sqrt(5.0)
     assert law["stiffness_npm"] == pytest.approx([101.0, 1.96 * error_npm], rel=1e-3)
+
+
+def test_the_same_law_as_branches_begins_where_the_recordings_do() -> None:
+    """Of an object that the tool never leaves, pressed from 4 to 10 mm."""
+    depth_m = 4e-3 + press(1.0, 6e-3)
+    data = build_training_set([Recording("a", depth_m, 300.0 * depth_m, DT_S)], 0.0)
+    assert data.trained.min_m == pytest.approx(4e-3)
+    tau_s = np.geomspace(1e-3, 10.0, 20)
+    law = to_hammerstein(Solid(100.0, 50.0, 0.2, None), tau_s, data)
+    assert law.span_m == pytest.approx(6e-3) and law.origin_m == pytest.approx(4e-3)
+    assert law.elastic_n[0] / law.span_m == pytest.approx(
+        Solid(100.0, 50.0, 0.2, None).weights(tau_s)[0]
+    )

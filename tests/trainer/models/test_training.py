@@ -4,6 +4,7 @@ import dataclasses
 from collections import Counter
 from dataclasses import replace
 from itertools import combinations
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,8 +20,9 @@ from springpot.codegen.errors import DataError
 from springpot.codegen.model.forest import quantise_leaves
 from springpot.codegen.model.model_file import model_hash
 from springpot.trainer.kinds import fit_model
-from springpot.trainer.models import rbf
+from springpot.trainer.models import doubts, rbf
 from springpot.trainer.models.depths import is_adhesive, join_motions
+from springpot.trainer.models.ensembles import convert_linear
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.folds import (
     build_cv_schemes,
@@ -312,3 +314,27 @@ def test_the_pair_of_orders_is_tried_as_it_ships(name: str) -> None:
     errors_n = [error_n(orders=pair) for pair in combinations(PAPER_ORDERS, 2)]
     assert error_n(select="paper") <= 1.02 * min(errors_n)
     assert error_n() <= 1.4 * min(errors_n)
+
+
+def test_what_is_linear_but_for_a_single_row_is_not_linear() -> None:
+    values = np.random.default_rng(1).normal(size=(2000, 3))
+    regressor = SimpleNamespace(predict=lambda features: features @ [1.0, 2.0, 3.0] + 0.5)
+    predicted_n = regressor.predict(values)
+    linear = convert_linear(regressor, values, predicted_n)
+    assert linear is not None and linear.intercept_n == pytest.approx(0.5)
+    np.testing.assert_allclose(linear.weights_n, [1.0, 2.0, 3.0])
+    predicted_n[7] += 1e-5 * np.abs(predicted_n).max()
+    assert convert_linear(regressor, values, predicted_n) is None
+
+
+def test_the_recording_with_the_clearest_step_of_its_force_is_named(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    compared = [
+        doubts._Compared(Recording(name, press(1.0), press(1.0), DT_S), *[np.zeros(3)] * 4)
+        for name in ("weak", "strong", "none")
+    ]
+    steps = iter([doubts.ForceStep(1, 10, 1.1, 3.0), doubts.ForceStep(5, 10, 1.4, 30.0), None])
+    monkeypatch.setattr(doubts, "find_force_step", lambda *_: next(steps))
+    (line,) = doubts._force_step_message(compared, 10.0)
+    assert line.startswith("strong: from 0.5 s on") and "1.4 times" in line
