@@ -60,7 +60,7 @@ def constant_text(name: str, value: Scalar) -> str:
 
 
 def members_text(name: str, c_type: str, members: Mapping[str, str]) -> str:
-    """Return the same from the text of each member, in the order of the C struct.
+    """`static const` definition of a struct from its members' C text, in the struct's order.
 
     Without designators: C++ has none before 2020.
     """

@@ -27,7 +27,7 @@ write_scene = scene_file.write_scene
 
 
 @contextmanager
-def refusing_places() -> Iterator[None]:
+def naming_unwritable_paths() -> Iterator[None]:
     """Raise UsageError, which is one line, where a file or folder cannot be written."""
     try:
         yield
@@ -59,11 +59,11 @@ def write_recordings(path: File, recordings: Recordings) -> list[Path]:
     """
     out, chosen = parse_path(path), resolve_recordings(recordings)
     if out.suffix != RECORDING_SUFFIX:
-        with refusing_places():
+        with naming_unwritable_paths():
             return write_in_folder(out, chosen)
     if len(chosen) != 1:
         raise UsageError(f"{out}: {len(chosen)} recordings for one file: give a folder")
-    with refusing_places():
+    with naming_unwritable_paths():
         hdf5_file.write_recording(out, chosen[0])
     return [out]
 
@@ -144,7 +144,7 @@ def write_model(path: File, model: "Model | Fit") -> str:
     >>> write_model("model.spm", model) == write_model("again.spm", model)
     True
     """
-    with refusing_places():
+    with naming_unwritable_paths():
         return model_file.write_model(parse_path(path), given_model(model))
 
 

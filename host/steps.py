@@ -21,8 +21,8 @@ from springpot.host.files import (
     File,
     given_model,
     given_scene_and_model,
+    naming_unwritable_paths,
     read_recordings,
-    refusing_places,
     some_recordings,
 )
 from springpot.trainer.models.fit import Engine, Fit, FitOptions
@@ -212,7 +212,7 @@ def emit(
     from springpot.host.emission.emission import emit as emit_folder
 
     stated, chosen = given_scene_and_model(scene, model)
-    with refusing_places():
+    with naming_unwritable_paths():
         emission = emit_folder(stated, chosen, parse_path(folder), accept_unsafe)
     for line in emission.notices:
         if line.startswith("warning: "):
@@ -266,7 +266,7 @@ def bench(
     if not testing:
         training, testing = holdout(training, seed)
     asked = Bench(tuple(training), tuple(testing), target, seed, tuple(models))
-    with refusing_places():
+    with naming_unwritable_paths():
         return run_bench(asked, parse_path(out), "springpot.bench")
 
 

@@ -7,7 +7,7 @@ from functools import cache, partial
 
 import numpy as np
 
-from springpot.codegen.coupling.gains import is_unit_error
+from springpot.codegen.coupling.gains import is_implausible
 from springpot.codegen.coupling.linear_loop import CHECKED_HANDS, LinearLoop
 from springpot.codegen.coupling.loop_device import LoopDevice
 from springpot.codegen.coupling.loop_margin import (
@@ -141,13 +141,17 @@ class _ProxySearch:
             )
 
     def find_stiffest(self) -> Coupling | None:
-        """Return the stiffest quiet proxy that is stable, as is every softer one down to a tenth.
+        """Return the stiffest proxy that is stable in every loop, softened by GAIN_MARGIN.
 
-        It is softened by GAIN_MARGIN. Damping has a window: the object's force is held for a tick,
-        which drives the proxy like a negative damper of K dt/2, and the tool's held force bounds it
-        from above. Beyond a gap there may be a far stiffer branch, of couplings that only pass the
-        object's own loop on: they are stable in part of their range alone, and vibrate with an
-        encoder's steps. None if no damping is stable even with the softest spring.
+        A proxy is a mass that spring and damper join to the tool; every softer spring, down to a
+        tenth of it, has to be stable too. A quiet one (vibration of QUIET_MPS at most, from the
+        encoder's noise) comes before any louder one.
+
+        Damping has a window: the object's force is held for a tick, which drives the proxy like a
+        negative damper of K dt/2, and the tool's held force bounds it from above. Beyond a gap
+        there may be a far stiffer branch, of couplings that only pass the object's own loop on:
+        they are stable in part of their range alone, and vibrate with an encoder's steps.
+        None if no damping is stable even with the softest spring.
         """
         quiet = loud = None
         for softest in _SOFTEST:
@@ -161,7 +165,7 @@ class _ProxySearch:
                 loud = stiffest
             quiet = self._find_quiet(stiffest, quiet) or quiet
         stiffest = quiet or loud
-        if stiffest is None or is_unit_error(_soften(stiffest)):
+        if stiffest is None or is_implausible(_soften(stiffest)):
             return None
         return _soften(stiffest)
 
@@ -188,7 +192,7 @@ class _ProxySearch:
 
     def find_calmest(self) -> Coupling:
         """Return the softest proxy that swings least, for an object that none holds."""
-        plausible = [proxy for proxy in _SOFTEST if not is_unit_error(proxy)]
+        plausible = [proxy for proxy in _SOFTEST if not is_implausible(proxy)]
         return min(plausible, key=lambda proxy: max(self._radii(proxy)))
 
     def _find_stiffest_for(self, softest: Coupling, than_npm: float) -> Coupling | None:

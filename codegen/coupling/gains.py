@@ -106,7 +106,7 @@ def require_plausible_damping(coupling: Coupling) -> None:
     raise UnsafeError(f"{stated}: the paper's gains are 1500 N/m, 20 N s/m and 0.05 kg")
 
 
-def is_unit_error(coupling: Coupling) -> bool:
+def is_implausible(coupling: Coupling) -> bool:
     """Return True if `require_plausible_damping` refuses these gains; never "auto" and "off"."""
     return coupling.mode in ("tool", "proxy") and not _is_plausible(coupling)
 

@@ -44,7 +44,7 @@ class LoopMargin:
     @property
     def object_text(self) -> str:
         """The object, and how it was counted if that is cautious."""
-        return "this object" + (", taken as a spring without losses," if self.as_spring else "")
+        return "this object" + (" (taken as a spring without losses)" if self.as_spring else "")
 
     @property
     def least(self) -> float:

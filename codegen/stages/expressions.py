@@ -88,7 +88,8 @@ def run_expression(expression: Expression, features: Reals) -> Samples:
 def _load(text: str) -> CLibrary:
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "expression.c"
-        file.write_text(f"#include <math.h>\n#include <stddef.h>\n{text}\n{_RUN}\n{_LOOP}\n")
+        source = f"#include <math.h>\n#include <stddef.h>\n{text}\n{_RUN}\n{_LOOP}\n"
+        file.write_text(source, encoding="utf-8", newline="\n")
         return CLibrary(shared_library([file], []), f"{_RUN};")
 
 

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 90501a223a959b39f477cac14b45c142b7a3442ef7e2c227fa0fa843048b5051 */
+/* springpot 0.1.0 b56b0c4a7af762d13c2a82c3a1b9f0d51e864945a83c43091cdb1d22f253b0a1 */
 /* pad: the whole scene with its self-test. soft_pad.h says how to call it.
  *
  * First the units, in the order of a tick: each is named by its file in springpot, without the
@@ -620,8 +620,8 @@ static inline float soft_pad_output_last_along(const soft_pad_output_state *stat
     return last_n < zero ? last_n : zero;
 }
 
-/* Limit the model's force of a good sample. ticks: of this call, at most 1. Returns the force to
- * render, N. */
+/* Limit the model's force of a good sample. Only growth away from 0 is limited: a force may fall at
+ * once. ticks: of this call, at most 1. Returns the force to render, N. */
 static inline float soft_pad_output_limit(const soft_pad_output_config *config,
                                           soft_pad_output_state *state, float ticks, float force_n,
                                           int *notes)
@@ -955,7 +955,7 @@ uint32_t soft_pad_state_size(void)
 
 const char *soft_pad_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"90501a223a959b39f477cac14b45c142b7a3442ef7e2c227fa0fa843048b5051\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"b56b0c4a7af762d13c2a82c3a1b9f0d51e864945a83c43091cdb1d22f253b0a1\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

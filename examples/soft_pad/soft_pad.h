@@ -1,4 +1,4 @@
-/* springpot 0.1.0 90501a223a959b39f477cac14b45c142b7a3442ef7e2c227fa0fa843048b5051 */
+/* springpot 0.1.0 b56b0c4a7af762d13c2a82c3a1b9f0d51e864945a83c43091cdb1d22f253b0a1 */
 /* springpot: the force of a recorded soft object, tick by tick.
  *
  * The loop of a haptic device, at the rate SOFT_PAD_RATE_HZ:

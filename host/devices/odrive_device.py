@@ -112,7 +112,7 @@ class OdriveDevice(OpenedDevice):
             "sp_odrive *",
             {
                 "node": self.node,
-                "with_torque": int(self.drive.family == "0.6"),
+                "with_torque": int(self.drive.family == "0.6"),  # it alone sends its torque
                 **{name: value for name, value in vars(train).items() if name != "nm_per_a"},
                 "max_turns_per_s": train.limits.turns_per_s,
                 "max_current_a": train.limits.current_a,

@@ -67,15 +67,15 @@ def progress_line(progress: Progress, keys: str = _KEYS) -> str:
     return "  ".join([*words, *(name for name, on in flags.items() if on), f"[{keys}]"])
 
 
-if sys.platform == "win32":
-    import ctypes
+@contextlib.contextmanager
+def _outliving_its_window() -> Iterator[None]:
+    """Take a console window of Windows that is closed as Ctrl-Break, and end before it does.
 
-    @contextlib.contextmanager
-    def _outliving_its_window() -> Iterator[None]:
-        """Take a console window of Windows that is closed as Ctrl-Break, and end before it does.
+    Python hears of it too, but Windows ends a process as soon as the last handler has returned.
+    """
+    if sys.platform == "win32":
+        import ctypes
 
-        Python hears of it too, but Windows ends a process as soon as the last handler has returned.
-        """
         over = threading.Event()
 
         def closed(event: int) -> int:
@@ -91,9 +91,8 @@ if sys.platform == "win32":
         finally:
             over.set()
             ctypes.windll.kernel32.SetConsoleCtrlHandler(handler, 0)
-
-else:
-    _outliving_its_window = contextlib.nullcontext
+    else:
+        yield
 
 
 @contextlib.contextmanager

@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from springpot.codegen.coupling.auto import select_coupling
 from springpot.codegen.coupling.gains import (
-    is_unit_error,
+    is_implausible,
     max_published_damping_nspm,
     published_step_is_stable,
     require_plausible_damping,
@@ -46,7 +46,7 @@ def plan_margin(plan: Plan, hands: Sequence[tuple[Hand, int]] = OWN_DELAY) -> Lo
 
 def is_stable(plan: Plan) -> bool:
     """Return True if every hand can hold the scene, at every depth and on all softer objects."""
-    return plan_margin(plan).is_stable and not is_unit_error(plan.coupling.coupling)
+    return plan_margin(plan).is_stable and not is_implausible(plan.coupling.coupling)
 
 
 def margin_sentence(margin: LoopMargin, hands: str = "every hand") -> str:
@@ -57,7 +57,7 @@ def margin_sentence(margin: LoopMargin, hands: str = "every hand") -> str:
             f"{margin.least:.2g} times as stiff as it is: do not hold the device with this scene."
         )
     return (
-        f"Stable in {hands}: the loop holds {margin.object_text} {margin.least:.2g} times as stiff."
+        f"Stable in {hands}, up to {margin.least:.2g} times the stiffness of {margin.object_text}."
     )
 
 

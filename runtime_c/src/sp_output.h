@@ -79,8 +79,8 @@ static inline sp_real sp_output_last_along(const sp_output_state *state, sp_real
     return last_n < zero ? last_n : zero;
 }
 
-/* Limit the model's force of a good sample. ticks: of this call, at most 1. Returns the force to
- * render, N. */
+/* Limit the model's force of a good sample. Only growth away from 0 is limited: a force may fall at
+ * once. ticks: of this call, at most 1. Returns the force to render, N. */
 static inline sp_real sp_output_limit(const sp_output_config *config, sp_output_state *state,
                                       sp_real ticks, sp_real force_n, int *notes)
 {

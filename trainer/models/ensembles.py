@@ -77,7 +77,10 @@ def _convert_gradient_boosting(regressor: Any) -> Forest:
 
 
 def _convert_hist_gradient_boosting(regressor: Any) -> Forest:
-    """Convert its baseline and trees, which decide on doubles as on features in float32."""
+    """Convert its baseline and trees.
+
+    Their thresholds are doubles, and features are float32 here: both compare alike.
+    """
     trees: list[_NodeTable] = []
     for nodes in (predictor[0].nodes for predictor in regressor._predictors):
         feature = np.where(nodes["is_leaf"], -1, nodes["feature_idx"])

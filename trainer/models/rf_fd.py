@@ -35,11 +35,12 @@ def build_fractional_features(
     engine: Engine | None = None,
     orders: tuple[float, ...] = PAPER_ORDERS,
 ) -> FractionalBank:
-    """Build the features of equation (5) over `window_s`, by default 171 taps, for `engine`.
+    """Build the paper's fractional derivatives of depth, equation (5), over `window_s`.
 
-    Default engine: taps, and exponentials where the window is long. Without a window, exponentials
-    reach far: a true derivative forgets where the tool is held, taps do not. Raises UsageError for
-    a window that is too short, or too long for the engine.
+    The default window has 171 samples (PAPER_TAPS). The default engine is taps, and exponentials
+    where the window is long. Exponentials without a stated window reach far back (RECURSIVE_S): the
+    derivative of a depth that is held fades to 0, as the true one does, and that of a short window
+    does not. Raises UsageError for a window that is too short, or too long for the engine.
     """
     length = PAPER_TAPS if window_s is None else window_samples(window_s, dt_s)
     if engine == "recursive" or (engine is None and length > MAX_TAPS):

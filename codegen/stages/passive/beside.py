@@ -69,7 +69,10 @@ class FlowBranches:
         return steep @ self.force_n.astype(np.float64)
 
     def advance(self, u: Reals, before: Reals, h: Reals) -> tuple[Reals, Reals, Reals]:
-        """Return the dashpots' forces of ticks at u (n,), N, and their state after them."""
+        """Return the dashpots' force, (n,), N, at depths u, (n,), and their state after it.
+
+        u is the depth over the trained one. The operations are those of sp_flow.h, in its order.
+        """
         real = self.loss.dtype.type
         root = sqrt if real is np.float64 else np.sqrt
         functions = evaluate_flow_functions(u)
@@ -132,7 +135,11 @@ class DamageCurves:
         ]
 
     def advance(self, u: Reals, place: CurveLocation, deepest: Reals) -> tuple[Reals, Reals]:
-        """Return the damage curves' forces of ticks at u (n,), N, and the greatest depths."""
+        """Return the damage curves' force, (n,), N, at depths u, (n,), and their greatest depths.
+
+        The Mullins effect. u is the depth over the trained one. The operations are those of
+        sp_damage.h, in its order.
+        """
         real, v = u.dtype.type, np.where(u > 0, u, u.dtype.type(0))[:, None]
         max_depth, ends = np.empty((len(u), len(deepest)), u.dtype), np.empty_like(deepest)
         for k, begin in enumerate(to_scalars(deepest)):

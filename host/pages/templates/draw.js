@@ -169,7 +169,7 @@ class Pictures {
   draw_loop(scene, trace) {
     const { context, width, height } = cleared(this.loop), { sizes } = this, most_m = 1.3 * sizes.depth_m;
     const box = { left: LEFT, top: TOP, width: width - LEFT, height: height - TOP - 22 };
-    const y = panel(context, box, sizes.min_n, 1.1 * sizes.max_n, "force, N");
+    const y = panel(context, box, sizes.min_n, 1.1 * sizes.max_n, "force, N, against depth");
     const x = (depth_m) => LEFT + ((depth_m - sizes.free_m) / (most_m - sizes.free_m)) * box.width;
     for (let depth_m = 0; x(depth_m) < width - 90; depth_m += tick_step(most_m))
       write(context, `${Number((1e3 * depth_m).toPrecision(4))}`, x(depth_m), height - 18, "center", "top");

@@ -50,8 +50,9 @@ static inline int has_sensor_mismatch(sp_press *press)
     return press->unlike_s > press_unlike_s;
 }
 
-/* Whether the tool has turned round, again and again, faster than any command does: a feedback
- * that is unstable. */
+/* Count the turns of the tool that follow each other faster than any command makes them; returns
+ * whether there are so many that the feedback is unstable. Without feedback (no p_gain, and no
+ * observer with a mass) fast turns are the object's own, and no fault. */
 static inline int is_oscillating(sp_press *press)
 {
     const int way = press->speed_mps > press_turn_mps    ? 1

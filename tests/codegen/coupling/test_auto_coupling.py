@@ -13,7 +13,7 @@ from scipy.linalg import expm
 from support.springs import select_for_spring
 
 from springpot.codegen.coupling import auto
-from springpot.codegen.coupling.gains import is_unit_error
+from springpot.codegen.coupling.gains import is_implausible
 from springpot.codegen.coupling.linear_loop import CHECKED_HANDS, Hand, LinearLoop
 from springpot.codegen.coupling.loop_device import LoopDevice
 from springpot.codegen.coupling.loop_margin import (
@@ -131,7 +131,7 @@ def require_none_stiffer(
 @MANY
 def test_a_choice_is_quiet_with_an_encoder_and_can_be_stated(count: int) -> None:
     for stiffness_npm, rate_hz, device, choice in held_proxies(count):
-        assert not is_unit_error(choice.coupling)
+        assert not is_implausible(choice.coupling)
         assert holds(stiffness_npm, rate_hz, device, choice.coupling)
         for hand, more in CHECKED_HANDS:
             speed_mps = held_speed_mps(

@@ -137,7 +137,7 @@ def test_the_printed_damping_is_refused_as_a_unit_error() -> None:
     critical_nspm = 2.0 * np.sqrt(1500.0 * 0.05)
     for ratio, is_error in ((9.9, False), (10.1, True)):
         proxy = Coupling("proxy", 1500.0, ratio * critical_nspm, 0.05)
-        assert gains.is_unit_error(proxy) is is_error
+        assert gains.is_implausible(proxy) is is_error
 
 
 @given(st.floats(1.0, 1e4), st.floats(0.01, 1.0), st.floats(1e-4, 1e-3))

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 b7d8b7a58876a2513e526cd279e15c04a089f0578bb7289bb782c8e0f391f8ba */
+/* springpot 0.1.0 a442bb3707eeef94b28ee18bd143b01a92ff148312acd47081179d77330b2d76 */
 /* springpot: the force of a recorded soft object, tick by tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 041c94f3a9c3c469f2dd2940590ef593860f6eea4cf2845ad36a4218cd32dc61 */
+/* springpot 0.1.0 1fb166e760076c2ddc804525f2dbae148840bb490fbd7f05b3b857fb5914184e */
 /* springpot: the force of a recorded soft object, tick by tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:

@@ -89,4 +89,4 @@ def test_a_verdict_on_a_regressor_says_that_its_losses_are_not_counted(
 ) -> None:
     plan = make_plan(golden_forces.model(kind), scene(mode="auto"))
     lines = [plan.coupling.why, margin_sentence(plan_margin(plan))]
-    assert [("this object, taken as a spring" in line) for line in lines] == [as_spring] * 2
+    assert [("this object (taken as a spring" in line) for line in lines] == [as_spring] * 2

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.c import golden_forces
-from support.paths import TESTS
+from support.paths import ROOT, TESTS
 from support.silicones import paper_presses
 from support.small import DEPTH_M, model_file, passive_model, scene, small_model
 
@@ -25,8 +25,9 @@ from springpot.codegen.plan import Plan
 from springpot.codegen.scene import Coupling, Device, Runtime, Scene
 from springpot.host.emission.emission import emit, read_emission
 from springpot.host.native.scene_library import build_and_load
+from springpot.host.simulation import cases as cases_module
 from springpot.host.simulation.cases import HOLDS, NUDGE_N, NUDGE_S, cases, hold_case
-from springpot.host.simulation.scenarios import Workspace, hold_motion, press_scenario
+from springpot.host.simulation.scenarios import Case, Workspace, hold_motion, press_scenario
 from springpot.host.stability import closed_loop
 from springpot.host.stability.check import Check, Stability, stability
 from springpot.host.stability.closed_loop import Outcome, band_rms, case_outcome, measure_vibration
@@ -315,3 +316,14 @@ def test_past_positions_vibrate_between_the_depths_that_were_looked_at_before() 
     ]
     near = [speed for share, speed in zip(HOLDS, speeds, strict=True) if 0.85 < share < 0.95]
     assert near and max(near) > 2e-3
+
+
+def test_the_page_on_further_cases_names_what_is_there() -> None:
+    page = (ROOT / "docs/how-to/extend.md").read_text(encoding="utf-8")
+    section = page.split("## A case of the stability check")[1]
+    (line,) = re.findall(r"`(Case\(.*?\))`,", section)
+    there = {*vars(cases_module), "press"}  # a motion for so many seconds, in `cases`
+    assert set(re.findall(r"\b([A-Za-z_]+)\(", line)) <= there
+    fields = {field.name for field in dataclasses.fields(Case)}
+    assert {"must_be_quiet", "hold_ticks"} <= fields
+    assert all(f"`{name}`" in section for name in ("must_be_quiet", "hold_ticks"))

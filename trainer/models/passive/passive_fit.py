@@ -106,9 +106,10 @@ class PassiveChoice:
 
     @cached_property
     def fold_weights(self) -> Samples:
-        """Return the weights of fits without each fold of `rows.held`, (terms, folds), N.
+        """Return the weights of fits without each fold of `rows.held_out`, (terms, folds), N.
 
-        NaN where a fold leaves no rows.
+        Cross-validation predicts a fold by weights that have not seen it. NaN where that leaves no
+        rows to fit.
         """
         none = np.full(self.terms.count, np.nan)
         normals = [self.normal(1 + k) for k in range(len(self.rows.held_out))]

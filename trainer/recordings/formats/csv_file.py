@@ -99,7 +99,7 @@ def _decode_lines(path: Path) -> tuple[list[str], str]:
 class _Table:
     """The rows of numbers below a header, cell by cell.
 
-    rows: number of each row in the file, from 1. left_out: a note on text behind the numbers.
+    rows: number of each row in the file, from 1. trailer_note: on text behind the numbers, or "".
     """
 
     def __init__(self, path: Path, lines: Sequence[str], layout: Layout) -> None:
