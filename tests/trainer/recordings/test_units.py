@@ -11,7 +11,7 @@ from support.messages import refusing
 from springpot.codegen.errors import DataError, UsageError
 from springpot.trainer.recordings.formats.column_map import Column, parse_map
 from springpot.trainer.recordings.formats.importing import import_file, parse_place
-from springpot.trainer.recordings.formats.units import Quantity, factor_to_si
+from springpot.trainer.recordings.formats.units import Quantity, choose_unit, factor_to_si
 
 
 @pytest.mark.parametrize(
@@ -105,3 +105,22 @@ def test_the_printed_factors_of_a_specimen_lead_to_its_force(
     if units[0] == "%":
         with pytest.raises(DataError, match="m high"):
             import_file(tmp_path / "a.csv", parse_map("position=Strain [%]:33mm,force=3:18N"))
+
+
+@pytest.mark.parametrize("text", ["0mm", "0.0mm", "-0mm"])
+def test_a_factor_of_zero_leaves_nothing(text: str) -> None:
+    with pytest.raises(DataError, match="a factor of 0"):
+        factor_to_si(text, "position", "a.csv")
+
+
+@pytest.mark.parametrize(
+    ("stated", "to_si"), [("18N", 18.0), ("1N", 1.0), ("N", None), ("-1N", None)]
+)
+def test_a_unit_of_stress_wants_an_area_or_a_1(stated: str, to_si: float | None) -> None:
+    """ "1N": it is in newtons after all, as a person says."""
+    found = {"map": stated, "header": "kPa"}
+    if to_si is None:
+        with pytest.raises(DataError, match="a unit of stress or strain"):
+            choose_unit(found, "force", "a.csv", "F")
+    else:
+        assert choose_unit(found, "force", "a.csv", "F").to_si == to_si
