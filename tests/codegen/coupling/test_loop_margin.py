@@ -8,7 +8,7 @@ from typing import Literal
 
 import numpy as np
 import pytest
-from support.small import passive_model, scene
+from support.small import damage, passive_model, scene
 
 from springpot.codegen.coupling.linear_loop import CHECKED_HANDS, HAND_MODELS, Hand, LinearLoop
 from springpot.codegen.coupling.loop_device import LoopDevice
@@ -128,15 +128,21 @@ def test_the_noise_of_a_coupling_grows_with_its_damping_and_the_encoders_step() 
     )
 
 
-def test_the_tangent_of_a_model_is_the_slope_of_its_force() -> None:
-    """Spring and branches at rest, stops that stick; a nudge of a micrometre, in double."""
-    plan = make_plan(passive_model(), scene("float64"))
+@pytest.mark.parametrize("is_damaged", [False, True])
+def test_the_tangent_of_a_model_is_the_slope_of_its_force(is_damaged: bool) -> None:
+    """Spring and branches at rest, stops that stick, damage of both powers; a nudge in double."""
+    model = passive_model()
+    assert model.hammerstein is not None
+    if is_damaged:
+        curve_n = 3.0 * np.linspace(0.5, 2.0, len(model.hammerstein.elastic_n))
+        model = replace(model, hammerstein=replace(model.hammerstein, damage=damage(curve_n)))
+    plan = make_plan(model, scene("float64"))
     stage = plan.passive
     assert stage is not None
     tangent = plan.tangent
     depth_m = np.array([0.5 * plan.model.trained.max_m])
     row = int(np.argmin(np.abs(np.arange(0.05, 1.101, 0.05) - 0.5)))
-    nudge_m = 1e-7
+    nudge_m = -1e-7  # the way out, on which damage is stiffer
     rest = np.full(20_000, depth_m[0])
     motion = np.concatenate([rest, [depth_m[0] + nudge_m]])
     force_n = stage.reference(motion, np.array([0]))

@@ -4,12 +4,14 @@
 """
 
 import dataclasses
+import re
 import shutil
 import subprocess
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from support.messages import refusing
@@ -29,8 +31,8 @@ from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Budget, Scene
 from springpot.host.emission.boards import BOARDS, build_firmware
 from springpot.host.emission.budget_fit import emit_fitting
-from springpot.host.emission.emission import emit
-from springpot.host.emission.result import Emission
+from springpot.host.emission.emission import emit, read_emission
+from springpot.host.emission.result import Emission, over_budget
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.pages.wasm_module import page_module
 from springpot.host.validation.validation import validate
@@ -234,3 +236,22 @@ def test_what_springpot_put_beside_an_emission_goes_with_it(tmp_path: Path, besi
     (tmp_path / "c" / beside).write_text("later")
     emit(scene(), passive_model(), tmp_path / "c")
     assert not (tmp_path / "c" / beside).exists()
+
+
+@pytest.mark.parametrize("size", ["flash", "ram", "stack"])
+def test_a_budget_of_what_it_takes_is_kept_and_a_byte_less_is_not(size: str) -> None:
+    emission = SimpleNamespace(flash_bytes=900, ram_bytes=80, stack_bytes=70, unmeasured="")
+    has = getattr(emission, f"{size}_bytes")
+    assert over_budget(emission, Budget(**{f"{size}_bytes": has})) == ""
+    over = over_budget(emission, Budget(**{f"{size}_bytes": has - 1}))
+    assert over.lower() == f"{size}: {has} bytes, the scene's budget is {has - 1}"
+
+
+def test_the_limits_that_are_stated_are_those_that_act(tmp_path: Path) -> None:
+    emission = emit(scene(), passive_model(), tmp_path / "c")
+    plan = read_emission(tmp_path / "c").plan
+    limits = emission.manifest["limits"]
+    assert limits["slew_nps"] * plan.dt_s == pytest.approx(float(plan.output.slew_n))
+    header = (tmp_path / "c/sp.h").read_text()
+    (stated,) = re.findall(r"WATCHDOG_S .*?([0-9.]+)f?\b", header)
+    assert float(stated) == pytest.approx(plan.watchdog_s) == pytest.approx(0.02)

@@ -35,7 +35,7 @@ def with_rate(rate_hz: float | None, mode: str = "auto") -> Scene:
     return replace(scene(mode=mode), runtime=Runtime(number="float32", rate_hz=rate_hz))
 
 
-@pytest.mark.slow
+@pytest.mark.few(1)
 @pytest.mark.parametrize("stiff", [0.5, 1.0, 2.5])
 def test_the_rate_that_is_named_gives_what_is_said(stiff: float) -> None:
     model = fitted("hammerstein", 200.0, stiff)

@@ -29,6 +29,7 @@ from springpot.host.native.c_library import (
     loop_library,
 )
 from springpot.host.native.scene_library import SceneLibrary
+from springpot.host.session import outcome
 from springpot.host.session.c_loop import CLoop, StepFunctions
 from springpot.host.session.live_warnings import LiveWarnings
 from springpot.host.session.outcome import NOTE_WORDS, LoopSettings, LoopState, expected_ticks
@@ -329,3 +330,13 @@ def test_the_loop_asks_for_the_last_processor_if_one_is_left_for_the_rest(
     monkeypatch.setattr(os, "sched_getaffinity", lambda _: cpus)
     loop.start(library.ffi.NULL)
     assert asked == [chosen]
+
+
+@pytest.mark.parametrize(
+    ("line", "steal_ms"), [("cpu 1 2 3 4 5 6 7 80 9 10", 800.0), ("cpu 1", 0.0)]
+)
+def test_the_time_that_a_hypervisor_took_is_the_eighth(
+    line: str, steal_ms: float, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(outcome.Path, "read_text", lambda *_, **__: f"{line}\nintr 3\n")
+    assert outcome.hypervisor_steal_ms() == steal_ms

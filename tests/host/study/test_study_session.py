@@ -16,9 +16,9 @@ from springpot import read_recordings
 from springpot.codegen.errors import UsageError
 from springpot.host.native.c_library import NONE
 from springpot.host.study import session as study_session
-from springpot.host.study.definition import LOWER_BOUND, UPPER_BOUND, read_study
+from springpot.host.study.definition import LOWER_BOUND, RENDERED, UPPER_BOUND, read_study
 from springpot.host.study.plan import StudyPlan, Trial, make_orders, read_table
-from springpot.host.study.report import anova, study_report, tukey
+from springpot.host.study.report import anova, consistency, study_report, tukey
 from springpot.host.study.session import RESPONSE_COLUMNS, run_session
 
 
@@ -184,3 +184,18 @@ def test_the_paper_s_design(paper: StudyPlan) -> None:
     assert found["conditions"][-1]["mean"] < 10.0
     counts = [(row["answer"], row["count"]) for row in found["questions"]]
     assert counts == [("no", 4), ("yes", 14)]
+
+
+@pytest.mark.parametrize(("more_left", "broken"), [(30, True), (-30, True), (20, False)])
+def test_a_person_who_prefers_a_side_is_left_out_whichever_it_is(
+    more_left: int, broken: bool
+) -> None:
+    study = SimpleNamespace(exclude_repeat_sd_above=None, exclude_side_difference_above=25.0)
+    answers = [
+        {"left": RENDERED, "right": "real", "method": "a", "material": "m",
+         "rating": str(50 + more_left)},
+        {"left": "real", "right": RENDERED, "method": "a", "material": "m", "rating": "50"},
+    ]  # fmt: skip
+    figures = consistency(study, answers)
+    assert figures["side_difference"] == more_left
+    assert figures["broken"] == (["side_difference"] if broken else [])

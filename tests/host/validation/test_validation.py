@@ -3,6 +3,7 @@
 import re
 from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 from unittest import mock
 
@@ -16,6 +17,8 @@ from support.small import DT_S, model_file, passive_model, press, recording, sce
 import springpot
 from springpot import Model, Recording, check_recordings
 from springpot.codegen.arrays import rms
+from springpot.codegen.coupling.linear_loop import DESIGN_HAND
+from springpot.codegen.coupling.loop_margin import LoopMargin
 from springpot.codegen.model.model_file import write_model
 from springpot.codegen.model.places import Places
 from springpot.codegen.reference import Run, run_reference
@@ -267,6 +270,22 @@ def test_figures_of_a_known_error() -> None:
     weak = accuracy([np.array([0.5, 1.0])], [np.array([0.5, 1.5])])  # one recording
     assert weak.interval_n is None and weak.ape_below_jnd is None
     np.testing.assert_allclose(just_noticeable_n(np.array([0.5, 2.0, -9.0])), [0.2, 0.2, 0.9])
+
+
+@pytest.mark.parametrize(
+    ("mismatches", "gain", "pressed", "word"),
+    [(0, 2.0, 2.0, "Good"), (1, 2.0, 2.0, "Do not hold"), (0, 0.9, 2.0, "Do not hold"),
+     (0, 2.0, 0.9, "Do not hold")],
+)  # fmt: skip
+def test_a_scene_that_no_hand_may_hold_is_not_good(
+    mismatches: int, gain: float, pressed: float, word: str
+) -> None:
+    found = SimpleNamespace(
+        accuracy=accuracy([np.full(9, 5.0)], [np.full(9, 5.1)], None, [np.ones(9, dtype=bool)]),
+        seen=[], mismatches=mismatches, ticks=SimpleNamespace(hot_median=100.0),
+        margin=LoopMargin(gain, pressed, 1e-4, DESIGN_HAND, 0, False),
+    )  # fmt: skip
+    assert Validation.verdict.fget(found).startswith(f"{word}: ")
 
 
 def test_the_start_up_ramp_is_left_out_of_contact_as_of_the_error() -> None:

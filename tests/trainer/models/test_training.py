@@ -25,11 +25,13 @@ from springpot.trainer.models.depths import is_adhesive, join_motions
 from springpot.trainer.models.ensembles import convert_linear
 from springpot.trainer.models.fit import FitOptions
 from springpot.trainer.models.folds import (
+    Folds,
     build_cv_schemes,
     compute_fold_cells,
     split_by_condition,
     split_repeats,
 )
+from springpot.trainer.models.passive.nonnegative import normal_equations
 from springpot.trainer.models.passive.passive_fit import fit_passive, select_passive
 from springpot.trainer.models.predict import predict_n
 from springpot.trainer.models.rf_fd import PAPER_ORDERS, build_lag_features, compute_depth_scale
@@ -338,3 +340,15 @@ def test_the_recording_with_the_clearest_step_of_its_force_is_named(
     monkeypatch.setattr(doubts, "find_force_step", lambda *_: next(steps))
     (line,) = doubts._force_step_message(compared, 10.0)
     assert line.startswith("strong: from 0.5 s on") and "1.4 times" in line
+
+
+def test_pairs_are_tried_with_less_damping_than_they_ship_with() -> None:
+    """Two columns alike but for a millionth, whose difference is all of the force."""
+    rng = np.random.default_rng(4)
+    column, small = rng.normal(size=(2, 60))
+    system = np.stack([column, column + 1e-5 * small], axis=1)
+    force_n = small
+    halves = Folds(np.arange(60) % 2, (0, 1))
+    assert rbf._held_out_rmse(system, force_n, halves) < 0.02
+    damped = rbf.solve_damped(normal_equations(system, force_n))
+    assert rms(system @ damped - force_n) > 0.1

@@ -133,3 +133,15 @@ def test_what_never_leaves_the_object_has_no_surface() -> None:
         condition(touched(2e-3, 0.0), Conditioning(contact_force=50.0))
     with pytest.raises(UsageError, match="leave out --zero"):
         condition(recording(POSITION_M, zero="min"), Conditioning(contact_force="auto"))
+
+
+def test_the_surface_that_is_known_better_counts_by_the_square() -> None:
+    bounds_m = {7.00e-3: 30e-6, 7.02e-3: 60e-6}
+    found = [
+        replace(recording(np.zeros_like(POSITION_M), POSITION_M),
+                details={"contact_position_m": at_m, "contact_uncertainty_m": bound_m})
+        for at_m, bound_m in bounds_m.items()
+    ]  # fmt: skip
+    moved, _ = align_surfaces(found, AUTO)
+    surface_m = moved[0].details["contact_position_m"]
+    assert surface_m == pytest.approx((4 * 7.00e-3 + 7.02e-3) / 5, abs=1e-9)

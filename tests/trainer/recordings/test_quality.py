@@ -13,7 +13,12 @@ from support.small import DT_S, press, recording, training
 
 import springpot
 from springpot import Recording, check_recordings
-from springpot.trainer.recordings.quality.repeats import find_cycles, find_noise_floor
+from springpot.trainer.recordings.quality.repeats import (
+    Skew,
+    find_cycles,
+    find_noise_floor,
+    skew_findings,
+)
 from springpot.trainer.recordings.signals import sensor_noise_n
 
 TIME_S = np.arange(4000) * 1e-3
@@ -283,3 +288,12 @@ def test_repeats_of_one_session_are_no_noise() -> None:
     assert find_noise_floor(timed).source != "repeats"
     apart = [replace(each, session=f"{k}") for k, each in enumerate(timed)]
     assert find_noise_floor(apart).source == "repeats"
+
+
+@pytest.mark.parametrize("taken_s", [0.0, 0.002])
+def test_the_delay_that_is_named_is_the_whole_one(taken_s: float) -> None:
+    """Of what was taken out at the import already, and of what is left of it."""
+    late = Recording("a", np.zeros(9), np.zeros(9), 1e-3, details={"aligned_s": taken_s})
+    skew = Skew(delay_s=0.006, uncertainty_s=0.001)
+    (finding,) = skew_findings([late, late], skew)
+    assert f"--force-delay-s {0.006 + taken_s:.2g} --align" in finding.to_do
