@@ -57,9 +57,10 @@ def test_a_package_adds_a_kind_and_a_device(tmp_path: Path) -> None:
 
 def test_what_cannot_be_loaded_is_left_out_and_said(tmp_path: Path) -> None:
     entries = "[springpot.kinds]\nbroken = no_such_module:BROKEN\nrf-fd = json:loads\n"
-    entries += "hammerstein = springpot.trainer.kinds:RBF_FD\n"
+    entries += "hammerstein = other:TAKEN\n"
     script = "from springpot.trainer.kinds import KINDS; print(KINDS['hammerstein'].fit, *KINDS)"
-    result = python(beside(tmp_path, entries, ""), script)
+    module = "from springpot.trainer.kinds import RBF_FD as TAKEN"
+    result = python(beside(tmp_path, entries, module), script)
     left_out = [line for line in result.stderr.splitlines() if "left out" in line]
     names = ("'broken' of other", "'rf-fd' of other", "'hammerstein' of other")
     assert sorted(name for line in left_out for name in names if name in line) == sorted(names)
