@@ -45,6 +45,7 @@ def test_a_model_that_fails_is_said_and_writes_nothing(
     assert ended.value.code not in (0, None)
 
 
+@pytest.mark.slow
 def test_the_page_says_what_a_silence_does() -> None:
     """The greatest of its figures, measured again."""
     effects = list(silences.effects("ecoflex-00-30", "bare", 8.0, silences.SILENCES_S[-1]))

@@ -31,6 +31,7 @@ def types(monkeypatch: pytest.MonkeyPatch, *lines: str, seconds: float = 0.18) -
     monkeypatch.setattr("sys.stdin", Typist(list(lines), seconds))
 
 
+@pytest.mark.slow
 def test_sessions_to_the_last_question(plan: StudyPlan, monkeypatch: pytest.MonkeyPatch) -> None:
     """Practice, two sessions, of which one is stopped and goes on; the questions; the report."""
     types(monkeypatch, "l", "r", "50")
