@@ -163,8 +163,8 @@ class ForceSensor:
 
     def require_rate(self) -> None:
         """Wait until its rate is known. Raises DeviceError where it is too low, or it failed."""
-        self._over.wait(_COUNT_S)
-        rate_hz = len(self._samples) / 3 / _COUNT_S
+        self._over.wait(_COUNT_S)  # shorter if the thread failed
+        rate_hz = len(self._samples) / 3 / _COUNT_S  # flat: stamp, arrival, force of each
         if self.error is not None:
             raise self.error
         if rate_hz < _MIN_RATE_HZ:

@@ -79,8 +79,8 @@ class Check:
         return margin_sentence(self.margin)
 
     def require_stable(self) -> None:
-        """Raise UnsafeError where a hand cannot hold the scene."""
-        require_stable(self.plan)
+        """Raise UnsafeError if the margin is too small, or a hold of the emitted C vibrates."""
+        require_stable(self.plan)  # by the margin; it names gains that do
         if not self.stable:
             raise UnsafeError(
                 f'{self.plan.scene.name}: {self.sentence} Take coupling.mode = "auto", a passive '

@@ -119,7 +119,7 @@ def _what_is_stable(plan: Plan) -> str:
     if not is_stable(remedy):
         return (
             f"no coupling is stable at {1 / plan.dt_s:g} Hz with "
-            f"{counted_noun(device.delay_samples, 'sample')} of delay: {_what_holds_it(plan)}"
+            f"{counted_noun(device.delay_samples, 'sample')} of delay: {_other_remedy(plan)}"
         )
     gains = choice.coupling
     if gains.mode == "off":
@@ -131,7 +131,7 @@ def _what_is_stable(plan: Plan) -> str:
     )
 
 
-def _what_holds_it(plan: Plan) -> str:
+def _other_remedy(plan: Plan) -> str:
     """The lowest rate at which a coupling is stable, if there is one, or what else would help."""
     less_delay = "take a device of less delay" if plan.loop_device.delay_samples else ""
     either = f", or {less_delay}" if less_delay else ""

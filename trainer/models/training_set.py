@@ -119,7 +119,10 @@ class TrainingSet:
         return join_motions(recordings, self.depths_m, self.contact == "surface")
 
     def rows_by_motion(self, rows: Indices) -> list[Indices]:
-        """Split row numbers of all recordings into samples of each motion, (its rows,) each."""
+        """Split row numbers of all recordings by motion: samples of each, (its rows,).
+
+        A motion is the recordings of one session and place, joined (`DepthMotion`).
+        """
         by_recording = self.split(rows)
         return [
             np.concatenate([
@@ -214,7 +217,7 @@ def find_common_time_step(recordings: Sequence[Recording]) -> float:
             for k, (rate, names) in enumerate(fewest_first)
         )
         if max(rates_hz) > _UNIT_ERROR_RATIO * min(rates_hz):
-            raise DataError(f"{sampled}: one is no rate of its own: give time, and dt_s, in s")
+            raise DataError(f"{sampled}: one has a wrong unit: give time, or dt_s, in s")
         raise DataError(
             f"{sampled}: import all again with one rate, --resample-hz "
             f"{min(max(rates_hz), MAX_UPSAMPLING * min(rates_hz)):.6g}"

@@ -117,7 +117,7 @@ static void set_poles(const sp_fit_terms *t, sp_fit_work *w, sp_curve_position p
 }
 
 /* Advance every regressor of the linear fit by a tick to depth u: for each relaxation a state a
- * node of the curve, for each slider its play, for each damage curve the deepest depth. */
+ * node of the curve, for each stop (a slider) its play, for each damage curve the deepest depth. */
 static void step_terms(const sp_fit_terms *t, sp_fit_work *w, double u, const double *healed)
 {
     double *h = w->h;

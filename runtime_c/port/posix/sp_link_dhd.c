@@ -111,7 +111,7 @@ static int store_if_finite(device *self, const double *at_m, const double *at_mp
 {
     for (int i = 0; i < AXES; i++) {
         if (!isfinite(at_m[i]) || !isfinite(at_mps[i])) {
-            self->link.crc_errors++;
+            self->link.crc_errors++; /* counted as a damaged answer */
             return 0;
         }
     }

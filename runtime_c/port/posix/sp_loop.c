@@ -129,12 +129,14 @@ int sp_loop_start(sp_loop *loop, const sp_loop_config *config, sp_link *link)
 {
     memset(loop, 0, sizeof *loop);
     loop->config = *config;
+    /* ISO C converts no void * to a function pointer: its bytes are copied. */
     memcpy(&loop->step, &config->step, sizeof loop->step);
     memcpy(&loop->idle, &config->idle, sizeof loop->idle);
     memcpy(&loop->reset, &config->reset, sizeof loop->reset);
     loop->ring.rows = config->rows;
     loop->ring.mask = config->capacity - 1;
     loop->period_ns = (uint64_t)(1e9 * config->period_s + 0.5);
+    /* Periods that may wait for a late sample: those of max_open_ns, at least one. */
     const uint64_t open_periods = max_open_ns / loop->period_ns;
     loop->max_open = open_periods < 1                  ? 1
                      : open_periods > MAX_OPEN_PERIODS ? MAX_OPEN_PERIODS

@@ -169,7 +169,8 @@ static int decode_frame(sp_wire_receiver *receiver, sp_wire_frame *frame)
     return 1;
 }
 
-/* Take one byte from the line. Returns SP_WIRE_NEW and the frame where it ends a good one. */
+/* Take one byte from the line. Returns SP_WIRE_NEW or SP_WIRE_OLD, and the frame, where it ends a
+ * good one; else SP_WIRE_NONE. */
 int sp_wire_receive(sp_wire_receiver *receiver, uint8_t byte, sp_wire_frame *frame)
 {
     if (byte != 0) {

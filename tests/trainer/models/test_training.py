@@ -142,7 +142,7 @@ def test_recordings_that_do_not_fit_together_are_refused() -> None:
     as_a_rate = dataclasses.replace(good, name="q", dt_s=1.0 / good.dt_s)
     for given, told in (
         ([good, moved], "moved was imported with --zero"),
-        ([good, as_a_rate], "give time, and dt_s, in s"),
+        ([good, as_a_rate], "one has a wrong unit: give time, or dt_s, in s"),
         ([], "no recordings"),
     ):
         with pytest.raises(DataError, match=told):

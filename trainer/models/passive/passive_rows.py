@@ -31,8 +31,8 @@ class PassiveRows:
     """Numbers of the rows, their measured force, N, and the piece that each is in, all (rows,).
 
     families: ways to fold them. surface: the object has one, from which the tool can come off.
-    let_go: rows in which it has, (rows,). varied: presses differ in depth or speed; those of one
-    kind show no law.
+    separated: rows in which it has, (rows,). peak_n: greatest force, N. varied: presses differ in
+    depth or speed; those of one kind show no law.
     """
 
     rows: Indices

@@ -53,6 +53,7 @@ def read_csv(path: Path, request: FileRequest) -> RawChannels:
     layout = find_layout(path, lines, request)
     table = _Table(path, lines, layout)
     rate_hz = request.rate_hz
+    # LabVIEW: the step stands above the header, and the column of time is empty.
     if layout.step_s and "time" in layout.columns and table.is_empty(layout.columns["time"]):
         rate_hz = 1.0 / layout.step_s
         layout = table.layout = layout.without_time()

@@ -67,8 +67,8 @@ class NoRecordingError(DataError):
 class Layout:
     """Layout of a table: cells to a row, index of the first line of numbers, columns from 0.
 
-    below: the row of units below the header, empty without one. step_s: time between rows, if lines
-    above the header say it; None: they do not.
+    unit_row: the row of units below the header, empty without one. step_s: time between rows, if
+    lines above the header say it; None: they do not.
     """
 
     delimiter: str

@@ -46,7 +46,11 @@ class Dissipation:
 
 
 def measure_dissipation(x: Samples, f: Samples) -> Dissipation:
-    """Integrate over as many loops as some level of the travel closes, or over one press."""
+    """Return the energy that the object takes in whole loops: a negative one shows a wrong sign.
+
+    Loops are cut at the level of the travel that gives most of them; without any, a single press is
+    integrated.
+    """
     low_m, span, crossings = float(x.min()), float(np.ptp(x)), np.empty(0, dtype=np.intp)
     for level_m in (low_m + level * span for level in _CUT_LEVELS):
         rises = np.flatnonzero((x[:-1] < level_m) & (x[1:] >= level_m))

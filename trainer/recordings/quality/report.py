@@ -288,7 +288,7 @@ def _has_refusal(findings: Sequence[Finding]) -> bool:
 def _compute_figures(
     recording: Recording, cycles: Cycles | None, signs: Signs, skew: Skew | None
 ) -> JsonObject:
-    """Return the figures of a recording for `check --json`: ranges, speed, signs, cycles."""
+    """Return the figures of a recording for `check --json`: ranges, signs, cycles, loss angle."""
     position_m, force_n = recording.position_m, recording.force_n
     place = {"place_m": list(recording.place_m)} if recording.place_m else {}
     return place | {
