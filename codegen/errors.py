@@ -7,8 +7,9 @@ _MAX_LETTERS = 2000
 _COMMAND = re.compile(
     r"`springpot (bench|check|emit|import|record|stability|train|validate)\b[^`]*`"
 )
-_OPTION = re.compile(
-    r"--(?!reload)([a-z-]*[a-z])(?:[= ]('[^']*'|-?\d[\w.]*|[^\s;]*[=:][^\s;]*[^\s;,.:)]"
+_OPTION = re.compile(  # not in the middle of a file's name
+    r"(?<![\w.\-/])--(?!reload)([a-z-]*[a-z])"
+    r"(?:[= ]('[^']*'|-?\d[\w.]*|[^\s;]*[=:][^\s;]*[^\s;,.:)]"
     r"|-?[A-Z][A-Z,_]*\b|auto|first|min|comma|paper|recursive|rf-fd|hammerstein|springpot))?"
 )
 # What Python names otherwise than by underscores, and what a command alone has.

@@ -192,7 +192,7 @@ def member_offset(plan: Plan, name: str) -> int:
 
 
 def _compute_layout(plan: Plan) -> tuple[dict[str, int], int]:
-    """Return where each curve of a material lies in the tables of a model with a map of places."""
+    """Return the offset of each member of sp_state, and its size, bytes, as a C compiler aligns."""
     sizes = {REAL: plan.dtype(0).itemsize, U32: 4, DOUBLE: 8}
     offsets = {}
     total, widest = 0, 1

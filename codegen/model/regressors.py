@@ -2,7 +2,7 @@
 
 from abc import ABC, abstractmethod
 from dataclasses import dataclass, replace
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +17,14 @@ MAX_DEPTH = 256  # splits on a path; fully grown trees on 50 000 rows have about
 class Regressor(ABC):
     """Force, N, of a vector of features.
 
+    needs_libm: its C calls more of libm than sqrt, which bare boards and pages lack.
+
     A kind of one's own has a stage that is registered with `regressor_stage`
     (codegen/stages/stage.py) and a float64 force registered with `regressor_force`
     (trainer/models/predict.py).
     """
+
+    needs_libm: ClassVar[bool] = False
 
     @abstractmethod
     def on_scaled(self, scale: float) -> Self:
@@ -169,6 +173,7 @@ OPERATIONS = {
     "AbsExpr": 1, "AtanExpr": 1, "ExpExpr": 1, "LogExpr": 1, "Log1pExpr": 1, "SqrtExpr": 1,
     "TanhExpr": 1, "LT": 2, "LTE": 2, "GT": 2, "GTE": 2, "EQ": 2, "NOT_EQ": 2, "IfExpr": 3,
 }  # fmt: skip
+MAX_NESTING = 4000  # of operations: m2cgen writes them by recursion, and Python ends that
 COMPARISONS = ("LT", "LTE", "GT", "GTE", "EQ", "NOT_EQ")
 
 
@@ -181,6 +186,8 @@ class Expression(Regressor):
     Inputs are zero + gain * feature[column], each (inputs,).
     """
 
+    needs_libm: ClassVar[bool] = True
+
     operation: NDArray[np.int32]
     operand: Samples
     column: NDArray[np.int32]
@@ -192,7 +199,7 @@ class Expression(Regressor):
         return replace(self, gain=self.gain * scale)
 
     def require_valid(self, n_features: int) -> None:
-        """Raise DataError, with field and reason, unless the postfix program leaves one number."""
+        """Raise DataError, with field and reason, unless the program leaves numbers alone."""
         require_shape("operand", self.operand, self.operation.shape)
         for name in ("zero", "gain"):
             require_shape(name, getattr(self, name), self.column.shape)
@@ -202,12 +209,15 @@ class Expression(Regressor):
         inputs = self.operand[self.operation == names.index("FeatureRef")]
         _require_range("operand", inputs.astype(np.int32), 0, len(self.column))
         stack: list[bool] = []  # whether each result is a comparison, which an IfExpr alone takes
+        depths: list[int] = []  # and how deep its operations are nested
         for name in (names[i] for i in self.operation):
             count = OPERATIONS[name]
             taken = stack[len(stack) - count :]
             fits = len(taken) == count and taken == [name == "IfExpr", False, False][:count]
             require(fits, f"operation: {name} has no operands")
             stack[len(stack) - count :] = [name in COMPARISONS]
+            depths[len(depths) - count :] = [1 + max(depths[len(depths) - count :], default=0)]
+            require(depths[-1] <= MAX_NESTING, f"operation: nested deeper than {MAX_NESTING}")
         require(stack != [] and not any(stack), "operation: leaves no force")
 
 

@@ -66,7 +66,7 @@ def expression_stage(
 
 def require_no_libm(regressor: Regressor | None, where: str) -> None:
     """Raise UsageError for a regressor that computes with functions that are not there."""
-    if isinstance(regressor, Expression):
+    if regressor is not None and regressor.needs_libm:
         raise UsageError(
             f"{where}: this regressor computes in double, with exp or pow of libm, which are not "
             "there, or take too long without a unit for them: fit trees, or what is linear in the "

@@ -217,7 +217,7 @@ class SerialDevice(OpenedDevice):
         )
 
     def _check(self, hello: JsonObject) -> None:
-        """Refuse a device of another version, of less force, or with another scene."""
+        """Refuse a device with other messages, or of less force than is required."""
         url, required = self.address.url, self.requirements
         if hello["layout"] != layout():
             raise DeviceError(

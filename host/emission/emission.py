@@ -184,7 +184,7 @@ def _activity(checked: Check) -> list[str]:
 
 
 def _unchecked(plan: Plan) -> list[str]:
-    """Return the emission of C for which this machine has no compiler, and say so."""
+    """Say what of the scene an emission does not check or count."""
     scene = plan.scene
     messages = []
     if scene.budget.tick_us is not None:

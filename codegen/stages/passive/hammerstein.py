@@ -164,7 +164,7 @@ class HammersteinStage(Stage):
         return {name: values for name, values in arrays.items() if values.size}
 
     def at(self, place_m: tuple[float, float] | None) -> "HammersteinStage":
-        """Return the stage with the curves of a site, x and y, m; None: of the first site."""
+        """Return the stage with the curves of a site, x and y, m; None: of the stiffest."""
         if self.placed is None:
             return self
         mixed = self.placed.at(place_m or self.placed.start_m)
@@ -302,7 +302,7 @@ def hammerstein_stage(model: Hammerstein, ticks: SceneTicks, follows: str) -> Ha
 def _build_surface(
     model: Hammerstein, slopes_n: Reals, flow: FlowBranches | None, dtype: RealType
 ) -> RecoveringSurface:
-    """Return the recovering surface of a model that never pulls; None for one that may."""
+    """Return the recovering surface, by the most that all curves together rise at each node."""
     most_n = slopes_n.sum(axis=0)
     if flow is not None:
         most_n = most_n + flow.slopes_n(model.nodes)

@@ -19,8 +19,9 @@ from springpot.codegen.errors import DataError
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import MODEL_SCHEMA, model_bytes, model_hash, read_model
-from springpot.codegen.model.regressors import Expression
+from springpot.codegen.model.regressors import MAX_NESTING, OPERATIONS, Expression
 from springpot.codegen.scene import Guard
+from springpot.codegen.stages.expressions import _terms_text
 from springpot.host.native.scene_library import build_and_load
 
 KIND = "rf-fd"
@@ -213,3 +214,22 @@ def test_an_expression_that_is_none_is_refused(tmp_path: Path) -> None:
     ):
         with refusing(DataError, says):
             model_bytes(replace(model, regressor=replace(right, **changes)))
+
+
+@pytest.mark.parametrize(("levels", "is_taken"), [(MAX_NESTING, True), (MAX_NESTING + 1, False)])
+def test_an_expression_is_nested_no_deeper_than_it_can_be_written(
+    tmp_path: Path, levels: int, is_taken: bool
+) -> None:
+    """A small file once ended `emit` by Python's limit of recursion."""
+    model, names = written_model(), list(OPERATIONS)
+    assert isinstance(model.regressor, Expression)
+    written = ["FeatureRef"] + ["AbsExpr"] * (levels - 1)
+    operation = np.array([names.index(name) for name in written], np.int32)
+    deep = replace(model.regressor, operation=operation, operand=np.zeros(levels))
+    if is_taken:
+        kept = read(tmp_path, model_bytes(replace(model, regressor=deep))).regressor
+        assert isinstance(kept, Expression)
+        assert _terms_text(kept.operation.tobytes(), kept.operand.tobytes())
+        return
+    with refusing(DataError, "nested deeper than"):
+        model_bytes(replace(model, regressor=deep))

@@ -137,3 +137,9 @@ def test_where_nothing_can_be_written_a_call_says_so_in_a_line(tmp_path: Path, p
     ):
         with refusing(UsageError, str(where), ": "):
             call()
+
+
+def test_names_of_files_stay_as_they_are() -> None:
+    text = "press--late.csv, rig/--align.csv: bad: pass --zero first, or (--align)"
+    said = 'press--late.csv, rig/--align.csv: bad: pass zero="first", or (align=True)'
+    assert str(DataError(text)) == said

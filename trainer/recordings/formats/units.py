@@ -141,7 +141,7 @@ def format_map_option(quantity: str, column: str, unit: str) -> str:
 def choose_unit(
     found: Mapping[str, str | None], quantity: Quantity, where: str, column: str
 ) -> Unit:
-    """Return the unit that counts of those found: the map's, else the header's, else the file's.
+    """Return the unit that counts of those found: the map's, the header's or the row's below it.
 
     found: place -> text, the place "map" being a person's word. where: begins a message; column: as
     in `Unit`. Raises DataError as `factor_to_si` does, and if the map contradicts a unit of the
