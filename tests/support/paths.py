@@ -7,6 +7,7 @@ ROOT = Path(__file__).parents[2]
 TESTS = ROOT / "tests"
 C_TESTS = TESTS / "c"
 BENCH = TESTS / "bench"
+ZIG = ROOT / "build/zig/ziglang/zig"
 
 
 def commit() -> str:

@@ -14,11 +14,11 @@ from typing import Any
 import click
 import pytest
 from support.pages.documents import PAGES, Block, blocks, inline_commands, name_of, page_blocks
-from support.pages.job import SCENE
+from support.pages.job import SCENE, small_job
 from support.pages.notebooks import QUICK_START, code_cells, run_cells
 from support.pages.prepared_pages import PREPARED, emitted_job
 from support.pages.run_pages import print_urls, run_page
-from support.paths import ROOT
+from support.paths import ROOT, ZIG
 from support.peer import CLI, cli, peer
 
 from springpot import read_recordings
@@ -34,8 +34,8 @@ TESTED = {
     "csharp": "test_documented_c.py",
     "c": "",
     "text": "",
-    "sh": "",
-}  # sh: commands that need a device, people, root or pip: their options are compared
+    "sh": "test_shell_lines.py",
+}
 EVERY = [block for page in PAGES for block in blocks(page)]
 COMMANDS = [block for block in EVERY if not block.language]
 TARGETS = set(re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text(), re.M))
@@ -63,7 +63,8 @@ def test_every_block_is_of_a_kind_that_a_test_looks_at() -> None:
     run = {
         *PREPARED,
         "README.md",
-        "how-to/drives.md",
+        "how-to/drives.md",  # by a test below, as how-to/own-device.md
+        "how-to/own-device.md",
         "reference/python.md",  # by test_python_examples.py
     }
     executable = [block for block in EVERY if block.language in {"", "python"}]
@@ -112,6 +113,15 @@ def test_the_readme_runs(tmp_path: Path) -> None:
 def test_a_page_runs(tmp_path: Path, name: str) -> None:
     PREPARED[name](tmp_path)
     run_page(name, tmp_path, *(["arm"] if shutil.which("arm-none-eabi-gcc") else []))
+
+
+@pytest.mark.long
+@pytest.mark.skipif(not ZIG.exists(), reason="no zig: make build/zig/ziglang/zig")
+def test_a_library_for_windows_is_made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.syspath_prepend(ZIG.parents[1])
+    PREPARED["how-to/game-engine.md"](tmp_path)
+    run_page("how-to/game-engine.md", tmp_path, "zig")
+    assert (tmp_path / "eco.dll").read_bytes().startswith(b"MZ")
 
 
 @pytest.mark.slow
@@ -190,6 +200,34 @@ def test_the_lab_s_first_session(tmp_path: Path) -> None:
     peaks_n = sorted(one.force_n.max() for one in read_recordings(tmp_path / "training"))
     assert peaks_n == pytest.approx([2.5, 4.0], abs=0.5)
     assert json.loads(printed["validate"])["mismatches"] == 0
+
+
+def device_line(name: str) -> list[str]:
+    """Return the words of the one command of a page that needs a device, as its note has them."""
+    (block,) = (one for one in page_blocks(name) if one.need == "device")
+    (line,) = block.substituted
+    return shlex.split(line)
+
+
+@pytest.mark.realtime
+def test_a_device_without_a_force_is_recorded_with_a_load_cell(tmp_path: Path) -> None:
+    (tmp_path / "short.toml").write_text(
+        "[[profile]]\namplitude_n = 4.0\nfrequency_hz = 1.0\ncycles = 2\n"
+    )
+    assert "ms late" in lab_command(device_line("how-to/record.md"), tmp_path)
+    (press,) = read_recordings(tmp_path / "training")
+    assert press.force_n.max() == pytest.approx(4.0, abs=0.5)
+
+
+@pytest.mark.realtime
+def test_the_first_connection_of_a_device_of_one_s_own(tmp_path: Path) -> None:
+    small_job(tmp_path)
+    words = device_line("how-to/own-device.md")
+    with peer("serial_device") as device:
+        words[words.index("--device") + 1] = device.url
+        done = cli(*words[1:], cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "felt.h5").exists()
 
 
 def lab_command(words: list[str], folder: Path) -> str:

@@ -10,7 +10,7 @@ import h5py
 import numpy as np
 import pytest
 from support.pages.job import small_job
-from support.paths import ROOT, TESTS
+from support.paths import TESTS, ZIG
 
 from springpot.runtime_c.paths import (
     INCLUDE,
@@ -24,7 +24,6 @@ from springpot.runtime_c.paths import (
 )
 
 MINGW = "x86_64-w64-mingw32-gcc"
-ZIG = ROOT / "build/zig/ziglang/zig"
 
 # Without the modules of the first argument; with those of Unix, their attributes go.
 WITHOUT = """

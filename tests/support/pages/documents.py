@@ -5,7 +5,8 @@ A comment in front of a block, which a reader does not see, says what a test has
     <!-- test: file scene.toml -->     the block is written to that file
     <!-- test: URL = sim://pad, 60 = 1 -->     words that stand for others when it runs
     <!-- test: arm -->                 needs a cross compiler
-    <!-- test: device -->              needs a device that no test has
+    <!-- test: zig -->                 needs the compiler of springpot[cc]
+    <!-- test: device -->              needs a device: a test of its own has a stand-in
     <!-- test: package -->             needs a package that no test has
     <!-- test: seen -->                lines of what the commands before it print, with any numbers
     <!-- test: prints URL -->          each line is a process that prints a URL, and goes on
@@ -25,7 +26,7 @@ _BLOCK = re.compile(
     re.M | re.S,
 )
 _INLINE = re.compile(r"`((?:springpot|make) [^`]+)`")
-NEEDS = ("arm", "device", "package")
+NEEDS = ("arm", "zig", "device", "package")
 
 
 @dataclass(frozen=True)
@@ -45,7 +46,7 @@ class Block:
     @property
     def need(self) -> str:
         """What the block needs beside Python and a compiler: one of NEEDS, or ""."""
-        return next((word for word in self.note.split() if word in NEEDS), "")
+        return next((word for word in re.findall(r"\w+", self.note) if word in NEEDS), "")
 
     @property
     def commands(self) -> list[str]:

@@ -1,10 +1,6 @@
 """What a reader has before the first command of a page, made in a folder."""
 
-import shutil
-import subprocess
-import sys
 from pathlib import Path
-from tempfile import TemporaryDirectory
 
 import numpy as np
 from scipy.io import savemat
@@ -12,7 +8,6 @@ from scipy.io import savemat
 from springpot.host.emission.emission import emit
 from springpot.host.emission.scene_file import read_scene
 from support.pages.job import small_job
-from support.paths import TESTS
 from support.small import DT_S, press, soft_force
 
 
@@ -53,19 +48,9 @@ def eco_job(folder: Path) -> None:
     (folder / "eco.toml").write_text(f'{scene}[runtime]\nprefix = "eco"\n')
 
 
-def installed(folder: Path) -> None:
-    """The package of tests/support/stranger, as pip installs it."""
-    with TemporaryDirectory() as scratch:
-        source = shutil.copytree(TESTS / "support" / "stranger", Path(scratch) / "source")
-        pip = [sys.executable, "-m", "pip", "install", "--quiet", "--no-deps",
-               "--no-build-isolation", "--disable-pip-version-check", "--target", str(folder),
-               str(source)]  # fmt: skip
-        subprocess.run(pip, check=True, capture_output=True)
-
-
 PREPARED = {
     "explanation/stability.md": small_job,
-    "how-to/extend.md": installed,
+    "how-to/extend.md": nothing,
     "how-to/game-engine.md": eco_job,
     "how-to/import.md": rig_files,
     "how-to/microcontroller.md": small_job,

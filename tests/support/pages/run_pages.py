@@ -3,6 +3,7 @@
 import os
 import re
 import shlex
+import shutil
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -83,7 +84,17 @@ def _run_commands(block: Block, folder: Path) -> list[str]:
     return printed
 
 
+def installed(words: list[str], folder: Path) -> list[str]:
+    """Return a `pip install` into `folder`, which Python imports from."""
+    if words[2] == "-e":  # a copy: setuptools builds beside what it installs
+        source = shutil.copytree(ROOT / words[3], folder / "source" / Path(words[3]).name)
+        words = [*words[:2], "--no-build-isolation", "--target", str(folder), str(source)]
+    return ["python", "-m", *words, "--quiet", "--no-deps", "--disable-pip-version-check"]
+
+
 def run_words(words: list[str], folder: Path, where: str) -> str:
+    if words[0] == "pip":
+        words = installed(words, folder)
     if words[0] == "python":
         words[0] = sys.executable
     elif words[0] == "make" and words[1] != "-C":  # the checkout's own: that it is there must do
