@@ -17,12 +17,12 @@ from springpot.host.session.session import Session
 from springpot.host.session.terminal import stopping_on_sigterm
 from springpot.host.study.definition import RENDERED
 from springpot.host.study.plan import Row, StudyPlan, Trial, append_only_table
+from springpot.trainer.models.predict import SPEED_WINDOW_S
 
 RESPONSES, ANSWERS = "responses.csv", "answers.csv"
 RESPONSE_COLUMNS = (*Trial._fields, "rating", "seconds", "warnings", "log")
 ANSWER_COLUMNS = ("participant", "question", "answer")
 _KEYS = "l, r: feel left, right; 0 to 100: your rating; q: stop"
-_SPEED_S = 0.01  # speed is the change of position over so long: an encoder's step is no speed
 _CALM_S = 1.0  # between two warnings
 _START_S = 0.01  # between two looks for the first tick
 
@@ -34,8 +34,8 @@ class PressWatch:
     """
 
     def __init__(self, dt_s: float, deepest_m: float, fastest_mps: float) -> None:
-        self._deepest_m, self._step_m = deepest_m, fastest_mps * _SPEED_S
-        self._earlier_m = np.full(max(1, round(_SPEED_S / dt_s)), np.nan)
+        self._deepest_m, self._step_m = deepest_m, fastest_mps * SPEED_WINDOW_S
+        self._earlier_m = np.full(max(1, round(SPEED_WINDOW_S / dt_s)), np.nan)
         self._last_s = -np.inf
         self.warnings = 0
 

@@ -160,17 +160,30 @@ def test_the_output_s_newest_force_has_a_weight_of_0_7() -> None:
     assert gains.stiffness_npm == text.SPRING_NPM
 
 
-def test_deep_and_fast_motion_warns() -> None:
+def warnings(position_m: np.ndarray) -> int:
+    """Count the paper's warnings of a motion, on an object known to 10 mm and 10 mm/s."""
     study = read_study(ROOT / "examples" / "paper_study.toml")
     assert (study.warn_depth, study.warn_speed) == (1.0, 4.0)
+    watch = PressWatch(DT_S, study.warn_depth * 1e-2, study.warn_speed * 1e-2)
+    rows = np.zeros((len(position_m), len(COLUMN)))
+    rows[:, COLUMN["position_m"]] = position_m
+    rows[:, COLUMN["time_s"]] = DT_S * np.arange(len(position_m))
+    watch.append(rows)
+    return watch.warnings
+
+
+def test_deep_and_fast_motion_warns() -> None:
     for speed_mps, depth_m, warned in ((0.03, 0.9e-2, 0), (0.05, 0.9e-2, 1), (0.03, 1.1e-2, 1)):
-        watch = PressWatch(DT_S, study.warn_depth * 1e-2, study.warn_speed * 1e-2)
         position_m = np.append(np.arange(0.0, depth_m, speed_mps * DT_S), depth_m)
-        rows = np.zeros((len(position_m), len(COLUMN)))
-        rows[:, COLUMN["position_m"]] = position_m
-        rows[:, COLUMN["time_s"]] = DT_S * np.arange(len(position_m))
-        watch.append(rows)
-        assert watch.warnings == warned, (speed_mps, depth_m)
+        assert warnings(position_m) == warned, (speed_mps, depth_m)
+
+
+def test_speed_is_taken_over_ten_milliseconds() -> None:
+    """Faster for 8 ms is not fast over 10 ms; for 12 ms it is, and would not be over 20 ms."""
+    for moving, warned in ((8, 0), (12, 1)):
+        position_m = np.interp(np.arange(200), [0, 100, 100 + moving, 200],
+                               0.048 * DT_S * np.array([0, 0, moving, moving]))  # fmt: skip
+        assert warnings(position_m) == warned, moving
 
 
 def test_rbf_pv_ticks_at_1000_hz() -> None:
