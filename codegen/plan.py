@@ -133,6 +133,11 @@ class Plan(Stages):
         return self.passive is not None and self.passive.placed is not None
 
     @property
+    def draws_pictures(self) -> bool:
+        """True if a game may call the C once a picture: it has sp_advance then, and no board does."""
+        return self.scene.runtime.target == "host"
+
+    @property
     def max_force_n(self) -> float:
         """Largest force that leaves, in either direction, N."""
         return max(float(self.output.max_n), -float(self.output.min_n))

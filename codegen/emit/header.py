@@ -10,7 +10,7 @@ from springpot.codegen.literals import c_literal
 from springpot.codegen.plan import Plan, list_headers, list_state_members, state_bytes
 from springpot.runtime_c.paths import INCLUDE, SOURCE
 
-_PUBLIC = "abi_version|state_size|manifest|init|reset|step|run|idle|place|selftest|state"
+_PUBLIC = "abi_version|state_size|manifest|init|reset|step|run|idle|advance|place|selftest|state"
 _WHOLE_HZ = 1e-6  # a rate nearer to a whole number is one, but for rounding
 # What the source includes itself, at its head.
 _INCLUDES = re.compile(r'^#include (?:"[^"]*"|<(?:float|math|std\w+|string)\.h>)\n', re.MULTILINE)
@@ -23,11 +23,11 @@ _ELSEWHERE = re.compile(r" \((?:see )?flags\.mk\)")
 def render_header(plan: Plan) -> str:
     """sp.h for one scene: with its prefix, its number type, its notes and its state."""
     prefix = plan.scene.runtime.prefix
-    before, _, rest = (
-        (INCLUDE / "sp.h").read_text(encoding="utf-8").partition("/* springpot places begin */\n")
-    )
-    place_section, _, after = rest.partition("/* springpot places end */\n")
-    text = before + place_section * plan.has_places + after
+    text = (INCLUDE / "sp.h").read_text(encoding="utf-8")
+    for section, kept in (("pictures", plan.draws_pictures), ("places", plan.has_places)):
+        before, _, rest = text.partition(f"/* springpot {section} begin */\n")
+        inside, _, after = rest.partition(f"/* springpot {section} end */\n")
+        text = before + inside * kept + after
     note = render_template(
         "note.txt.j2", prefix=prefix, square_roots="sp_rbf.h" in list_headers(plan)
     )

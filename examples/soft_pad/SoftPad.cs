@@ -11,13 +11,10 @@ sealed class Point : IDisposable
     [DllImport("soft_pad")] static extern int soft_pad_selftest();
     [DllImport("soft_pad")] static extern void soft_pad_init(IntPtr state);
     [DllImport("soft_pad")] static extern int soft_pad_step(IntPtr state, float position_m, float velocity_mps, out float force_n);
+    [DllImport("soft_pad")] static extern int soft_pad_advance(IntPtr state, float seconds, float position_m, out float force_n);
     [DllImport("soft_pad")] static extern void soft_pad_reset(IntPtr state);
 
-    const float RateHz = 1000.0f;      // SOFT_PAD_RATE_HZ of soft_pad.h
-    const float LongestHitchS = 0.1f;  // a longer one is a pause
-
-    readonly IntPtr state = Marshal.AllocHGlobal((int)soft_pad_state_size());
-    float owed_s, last_m, last_n;
+    IntPtr state;
 
     public int Notes { get; private set; }
 
@@ -27,40 +24,35 @@ sealed class Point : IDisposable
         {
             throw new InvalidOperationException("this build gives other forces: render none");
         }
+        state = Marshal.AllocHGlobal((int)soft_pad_state_size());
         soft_pad_init(state);
     }
 
+    /// One tick of a loop of 1 kHz, beside a device.
     public float Step(float position_m, float velocity_mps)
     {
         Notes = soft_pad_step(state, position_m, velocity_mps, out float force_n);
         return Notes < 0 ? 0.0f : force_n;
     }
 
-    /// For a force that no hand feels: the ticks of the time that went by, on a straight line.
+    /// One picture, for a force that no hand feels: any position, and the seconds since the last.
     public float Advance(float position_m, float elapsed_s)
     {
-        owed_s = Math.Min(owed_s + elapsed_s, LongestHitchS);
-        int ticks = (int)(owed_s * RateHz);
-        float way_m = position_m - last_m;
-        for (int tick = 1; tick <= ticks; tick++)
-        {
-            last_n = Step(last_m + way_m * tick / ticks, way_m * RateHz / ticks);
-        }
-        if (ticks > 0)
-        {
-            owed_s -= ticks / RateHz;
-            if (!float.IsNaN(way_m) && !float.IsInfinity(way_m))  // else held: Notes has 1
-            {
-                last_m = position_m;
-            }
-        }
-        return last_n;
+        Notes = soft_pad_advance(state, elapsed_s, position_m, out float force_n);
+        return Notes < 0 ? 0.0f : force_n;
     }
 
-    /// After a pause, and where Notes has 32 (latched): the force comes back as a ramp.
+    /// In a loop of 1 kHz after a pause, and where Notes has 32 (latched): the force comes back as a ramp.
     public void Reset() { soft_pad_reset(state); }
 
-    public void Dispose() { Marshal.FreeHGlobal(state); }
+    ~Point() { Dispose(); }
+
+    public void Dispose()
+    {
+        Marshal.FreeHGlobal(state);  // of zero: nothing
+        state = IntPtr.Zero;
+        GC.SuppressFinalize(this);
+    }
 }
 
 static class Program

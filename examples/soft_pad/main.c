@@ -1,11 +1,11 @@
 /* A soft pad in a game that draws 60 pictures a second: one press, one force a picture.
  *
- *     cc examples/soft_pad/main.c examples/soft_pad/soft_pad.c -lm && ./a.out
+ *     cc -o soft_pad examples/soft_pad/main.c examples/soft_pad/soft_pad.c -lm && ./soft_pad
  *
  * soft_pad.c and soft_pad.h are what `springpot emit` writes for a silicone pad (Ecoflex 00-30):
- * nothing else is needed, neither Python nor a library. Beside the pad and above it pass a negative
- * depth. A pad s times as deep and g / s times as stiff: pass depth_m / s, take g times the force.
- * A hand on a force-feedback device needs
+ * nothing else is needed, neither Python nor a library. Any position may be passed: above the pad
+ * its height as a negative depth, beside it any negative depth. docs/how-to/game-engine.md has pads
+ * of other sizes and stiffnesses, pauses and hitches. A hand on a force-feedback device needs
  * soft_pad_step in a loop of 1 kHz instead. */
 #include <stdio.h>
 

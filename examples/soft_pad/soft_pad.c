@@ -1,4 +1,4 @@
-/* springpot 0.1.0 b56b0c4a7af762d13c2a82c3a1b9f0d51e864945a83c43091cdb1d22f253b0a1 */
+/* springpot 0.1.0 35a723105e8502613e3453d335c66bf437179df1dd7e798367c3a7881ffd4594 */
 /* pad: the whole scene with its self-test. soft_pad.h says how to call it.
  *
  * First the units, in the order of a tick: each is named by its file in springpot, without the
@@ -928,6 +928,50 @@ int soft_pad_idle(soft_pad_state *state, float dt_s, float *force_n)
     return soft_pad_hold_force(state, dt_s, 1.0f, force_n);
 }
 
+/* The ticks of a game's picture, on a straight line to position_m. */
+int soft_pad_advance(soft_pad_state *state, float seconds, float position_m, float *force_n)
+{
+    if (state == NULL || force_n == NULL) {
+        return SP_ERROR_NULL;
+    }
+    if (state->begun != SOFT_PAD_STATE_MAGIC) {
+        return SP_ERROR_STATE;
+    }
+    if (!(seconds >= 0.0f)) { /* false for NaN */
+        return SP_ERROR_TIME_STEP;
+    }
+    /* A damaged state may hold any remainder. */
+    const int whole = soft_pad_abs(state->remainder_s) <= soft_pad_scene_silence.dt_s;
+    const float since_s =
+        (whole ? state->remainder_s : 0.0f) + (seconds < 1.0f ? seconds : 1.0f);
+    /* A thousandth of a tick is added against rounding. */
+    const float ticks = since_s / soft_pad_scene_silence.dt_s + (float)0.001;
+    const uint32_t n_ticks = ticks > 0.0f ? (uint32_t)ticks : 0u;
+    /* A cursor jumps, leaves the screen and goes through walls. The tool behind it stays between
+     * a step above the surface and the trained depth, and is no faster than a hand: the guard,
+     * which is for a sensor, rejects none of its positions, and no dent is left that takes a
+     * minute to recover, as of ten trained depths. */
+    const float lowest_m = -soft_pad_scene_guard.max_step_m;
+    const int known = position_m == position_m;
+    float to_m = known ? position_m : state->guard.last_good_m;
+    to_m = to_m > lowest_m ? to_m : lowest_m;
+    to_m = to_m < soft_pad_scene_range.max_m ? to_m : soft_pad_scene_range.max_m;
+    const float from_m = state->guard.started ? state->guard.last_good_m : to_m;
+    /* A hundredth less than the guard lets pass, for rounding. */
+    const float longest_m = (float)0.99 * soft_pad_scene_guard.max_step_m;
+    const float tick_share = since_s > 0.0f ? soft_pad_scene_silence.dt_s / since_s : 0.0f;
+    float step_m = (to_m - from_m) * tick_share;
+    step_m = step_m < longest_m ? step_m : longest_m;
+    step_m = step_m > -longest_m ? step_m : -longest_m;
+    int notes = known ? 0 : SP_NOTE_HELD;
+    *force_n = state->output.last_n;
+    for (uint32_t tick = 1; tick <= n_ticks; tick++) {
+        notes |= soft_pad_step(state, from_m + (float)tick * step_m, 0.0f, force_n);
+    }
+    state->remainder_s = since_s - (float)n_ticks * soft_pad_scene_silence.dt_s;
+    return notes;
+}
+
 /* Begin with an object at rest and untouched. */
 void soft_pad_init(soft_pad_state *state)
 {
@@ -955,7 +999,7 @@ uint32_t soft_pad_state_size(void)
 
 const char *soft_pad_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"b56b0c4a7af762d13c2a82c3a1b9f0d51e864945a83c43091cdb1d22f253b0a1\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"35a723105e8502613e3453d335c66bf437179df1dd7e798367c3a7881ffd4594\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 b56b0c4a7af762d13c2a82c3a1b9f0d51e864945a83c43091cdb1d22f253b0a1 */
+/* springpot 0.1.0 35a723105e8502613e3453d335c66bf437179df1dd7e798367c3a7881ffd4594 */
 /* springpot: the force of a recorded soft object, tick by tick.
  *
  * The loop of a haptic device, at the rate SOFT_PAD_RATE_HZ:
@@ -52,7 +52,7 @@ enum {
 
 enum {
     SP_ERROR_NULL = -1,      /* a required pointer is null */
-    SP_ERROR_TIME_STEP = -2, /* dt_s is not finite or not positive; soft_pad_advance: above 1 s */
+    SP_ERROR_TIME_STEP = -2, /* dt_s is not finite or not positive; soft_pad_advance: negative */
     SP_ERROR_STATE = -3      /* not an initialised state: call soft_pad_init first */
 };
 /* springpot declarations end */
@@ -90,6 +90,13 @@ int soft_pad_run(soft_pad_state *state, uint32_t n, const float *position_m,
 /* dt_s (s) have passed without a sample: the force holds until the watchdog latches, then falls to
  * zero. */
 int soft_pad_idle(soft_pad_state *state, float dt_s, float *force_n);
+
+/* For a game's picture, without a hand in the loop: run the ticks of `seconds` with the tool on a
+ * straight line from where it was to position_m, no faster than a hand and no deeper than trained,
+ * and keep the rest of a tick for the next call. Of more than 1 s the last second counts. NaN
+ * leaves the tool where it was (note HELD); no position latches. Writes the force of the last tick.
+ * Returns the notes of all ticks, or an error. */
+int soft_pad_advance(soft_pad_state *state, float seconds, float position_m, float *force_n);
 
 /* Replay the golden ticks and compare bits. Returns 0 if all agree, else 1 + the first tick that
  * differs (n_ticks + 1: a NaN comparison or the latch test failed). Catches a compiler whose
@@ -145,39 +152,6 @@ struct soft_pad_state {
 
 /* Fails if a header of another number type or version was included first. */
 typedef char soft_pad_state_is_as_planned[sizeof(struct soft_pad_state) == 160 ? 1 : -1];
-
-/* For a game's picture, without a hand in the loop: run the ticks of `seconds` (at most 1 s) with
- * the tool on a straight line from its last good position to position_m. The rest of a tick is kept
- * for the next call. Writes the force of the last tick. Returns the notes of all ticks, or an
- * error. */
-static inline int soft_pad_advance(soft_pad_state *state, float seconds, float position_m,
-                                   float *force_n)
-{
-    int notes = 0;
-    if (!state || !force_n) {
-        return SP_ERROR_NULL;
-    }
-    if (!(seconds >= 0.0f && seconds <= 1.0f)) {
-        return SP_ERROR_TIME_STEP;
-    }
-    /* A thousandth of a tick is added against rounding. */
-    const float since_s = state->remainder_s + seconds;
-    const float ticks = since_s / SOFT_PAD_DT_S + (float)0.001;
-    const uint32_t n_ticks = ticks > 0.0f ? (uint32_t)ticks : 0u;
-    const float from_m = state->guard.started ? state->guard.last_good_m : position_m;
-    const float step_m = (position_m - from_m) * (SOFT_PAD_DT_S / (since_s > 0.0f ? since_s :
-                                                                   1.0f));
-    *force_n = state->output.last_n;
-    for (uint32_t tick = 1; tick <= n_ticks; tick++) {
-        const int tick_notes = soft_pad_step(state, from_m + (float)tick * step_m, 0.0f, force_n);
-        if (tick_notes < 0) {
-            return tick_notes;
-        }
-        notes |= tick_notes;
-    }
-    state->remainder_s = since_s - (float)n_ticks * SOFT_PAD_DT_S;
-    return notes;
-}
 
 #ifdef __cplusplus
 }

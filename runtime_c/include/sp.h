@@ -65,6 +65,15 @@ int sp_run(sp_state *state, uint32_t n, const sp_real *position_m, const sp_real
  * zero. */
 int sp_idle(sp_state *state, sp_real dt_s, sp_real *force_n);
 
+/* springpot pictures begin */
+/* For a game's picture, without a hand in the loop: run the ticks of `seconds` with the tool on a
+ * straight line from where it was to position_m, no faster than a hand and no deeper than trained,
+ * and keep the rest of a tick for the next call. Of more than 1 s the last second counts. NaN
+ * leaves the tool where it was (note HELD); no position latches. Writes the force of the last tick.
+ * Returns the notes of all ticks, or an error. */
+int sp_advance(sp_state *state, sp_real seconds, sp_real position_m, sp_real *force_n);
+
+/* springpot pictures end */
 /* springpot places begin */
 /* Set the site, m, that is pressed from the next contact on; before the first call it is the
  * stiffest one. sp_reset keeps the site. Beyond the recorded sites the nearest one is rendered. */

@@ -15,7 +15,7 @@ enum {
 
 enum {
     SP_ERROR_NULL = -1,      /* a required pointer is null */
-    SP_ERROR_TIME_STEP = -2, /* dt_s is not finite or not positive; sp_advance: above 1 s */
+    SP_ERROR_TIME_STEP = -2, /* dt_s is not finite or not positive; sp_advance: negative */
     SP_ERROR_STATE = -3      /* not an initialised state: call sp_init first */
 };
 /* springpot declarations end */

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from support.pages.prepared_pages import installed
+from support.pages.run_pages import run_words
 from support.paths import TESTS
 
 from springpot.codegen.errors import DeviceError
@@ -32,7 +32,9 @@ def write_rig_file(path: Path) -> None:
 @pytest.mark.slow
 def test_a_package_adds_a_kind_and_a_device(tmp_path: Path) -> None:
     path = os.pathsep.join([str(tmp_path / "installed"), str(TESTS)])
-    installed(tmp_path / "installed")
+    (tmp_path / "installed").mkdir()
+    install = ["pip", "install", "-e", "tests/support/stranger"]
+    run_words(install, tmp_path / "installed", "extend.md")
     write_rig_file(tmp_path / "rig.csv")
     (tmp_path / "scene.toml").write_text(SCENE)
     commands = [

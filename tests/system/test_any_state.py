@@ -37,7 +37,7 @@ class Calls:
 
     def all(self, at_m: float, dt_s: float = 1e-3) -> Iterator[tuple[int, float]]:
         """Note or error, and the force, of each call; dt_s: of those that take a time."""
-        arguments = {"step": (at_m, 0.0), "idle": (dt_s,)}
+        arguments = {"step": (at_m, 0.0), "idle": (dt_s,), "advance": (dt_s, at_m)}
         for name, its in arguments.items():
             found = self._library.function(name)(self.state, *its, self.force)
             yield found, self.force[0]

@@ -31,9 +31,51 @@ def cxx():
     return pytest.skip("no C++ compiler with a standard library")
 
 
-def test_the_example_in_the_documentation(tmp_path, cxx):
+def example_of_games(file: str) -> str:
+    """Return the C++ that the page of games names so."""
     text = (ROOT / "docs" / "how-to" / "game-engine.md").read_text()
-    example = re.findall(r"```cpp\n(.*?)```", text, re.DOTALL)[0]
+    (example,) = re.findall(rf"```cpp\n(// {file}: .*?)```", text, re.DOTALL)
+    return example
+
+
+FRAMES = """
+#include <cstdio>
+#include <initializer_list>
+int main()
+{
+    float force_n = 0.0f, last_n = 0.0f;
+    for (int rate : {30, 60, 144}) {
+        for (Pad pad : {soft, medium, hard}) { /* copies that nothing has pressed */
+            for (int picture = 0; picture <= rate; picture++) /* 8 mm in a second */
+                force_n = pad.press(1.0f / (float)rate, 0.8f * (float)picture / (float)rate);
+            for (float depth_cm : {900.0f, -1e5f, 30.0f, -2000.0f})
+                last_n = pad.press(0.5f, depth_cm);
+            std::printf("%.4f %.4f\\n", (double)force_n, (double)last_n);
+        }
+    }
+}
+"""
+
+
+def test_the_pads_of_a_game_press_alike_at_any_rate(tmp_path: Path, cxx: str) -> None:
+    """The page's class and the ready pad in one unit; a cursor off the screen ends no pad."""
+    unity = '#include "soft_pad.c"\n' + example_of_games("pads.cpp") + FRAMES
+    (tmp_path / "game.cpp").write_text(unity)
+    program, warnings = tmp_path / "game", ["-Wall", "-Wextra", "-Wpedantic", "-Werror"]
+    include = f"-I{ROOT / 'examples' / 'soft_pad'}"
+    subprocess.run([cxx, "-std=c++17", *warnings, include, tmp_path / "game.cpp", "-o", program],
+                   check=True)  # fmt: skip
+    out = subprocess.run([program], check=True, capture_output=True, text=True).stdout
+    force_n, away_n = np.array([line.split() for line in out.splitlines()], dtype=float).T
+    soft, medium, hard = force_n.reshape(3, 3).T
+    np.testing.assert_allclose(soft / medium, 0.4, rtol=1e-3)
+    np.testing.assert_allclose(hard / medium, 3.0, rtol=1e-3)
+    np.testing.assert_allclose(medium, medium[0], rtol=0.02)
+    assert medium[0] > 2.0 and not away_n.any()
+
+
+def test_the_example_in_the_documentation(tmp_path, cxx):
+    example = example_of_games("loop.cpp")
     assert 35 <= len(example.splitlines()) <= 50
     (tmp_path / "loop.cpp").write_text(example)
     emit(scene(), model_file(tmp_path), tmp_path / "c")

@@ -34,7 +34,7 @@ TESTED = {
     "csharp": "test_documented_c.py",
     "c": "",
     "text": "",
-    "sh": "test_shell_lines.py",
+    "sh": "test_scripts.py",
 }
 EVERY = [block for page in PAGES for block in blocks(page)]
 COMMANDS = [block for block in EVERY if not block.language]

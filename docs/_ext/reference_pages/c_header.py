@@ -25,7 +25,7 @@ def declarations() -> list[Declared]:
     for part in _PART.finditer(_declared_in("sp.h")):
         if part["comment"]:
             text = _plain(part["comment"])
-            if not re.fullmatch(r"springpot (any rate|places) (begin|end)", text):
+            if not re.fullmatch(r"springpot (pictures|places) (begin|end)", text):
                 found.append(Declared([], text))
         elif "(" in part["declared"]:
             found[-1].functions.append(_plain(part["declared"]).removesuffix(";"))

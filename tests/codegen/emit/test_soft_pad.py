@@ -1,17 +1,23 @@
 """The ready C files of examples/soft_pad: a force without Python."""
 
 import os
+import re
 import shutil
 import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
+from support.c import golden_forces
 from support.c.golden_scenes import folder_of, soft_pad
+from support.paths import ROOT
 
-from springpot.host.native.scene_library import build_and_load
+from springpot.codegen.make_plan import make_plan
+from springpot.host.native.scene_library import SceneLibrary, build_and_load
+from springpot.host.stability.linear import margin_sentence, plan_margin
 
 SOFT_PAD = folder_of("soft_pad")
+HELD, LATCHED, TIME_STEP = 1, 32, -2
 
 
 def printed(source: Path, folder: Path) -> str:
@@ -38,14 +44,80 @@ def test_a_compiler_alone_gives_the_forces_of_every_tick(tmp_path: Path) -> None
     assert given_n.max() > 3.0 and np.abs(given_n - force_n[ends]).max() < 2e-3
 
 
-def test_advance_refuses_misuse(tmp_path: Path) -> None:
-    calls = ("0, 0.01f, 0.0f, &n", "&s, 2.0f, 0.0f, &n", "&s, -1.0f, 0.0f, &n")
-    refused = " && ".join(f"soft_pad_advance({call}) < 0" for call in calls)
-    (tmp_path / "misuse.c").write_text(
-        '#include "soft_pad.h"\nint main(void)\n{\nstatic soft_pad_state s;\nfloat n = 7.0f;\n'
-        f"soft_pad_init(&s);\nreturn {refused} && n == 7.0f ? 0 : 1;\n}}\n"
-    )
-    printed(tmp_path / "misuse.c", tmp_path)
+class Pad:
+    """A state behind sp_advance."""
+
+    def __init__(self, library: SceneLibrary) -> None:
+        self._advance, self._kept = library.function("advance"), library.new_state()
+        to_state = library.loaded.ffi.typeof(self._advance).args[0]
+        self._state = library.loaded.ffi.cast(to_state, self._kept.address)
+        self._force_n = library.loaded.ffi.new(f"{library.real} *", 7.0)
+
+    def advance(self, seconds: float, position_m: float) -> tuple[float, int]:
+        notes = self._advance(self._state, seconds, position_m, self._force_n)
+        return self._force_n[0], notes
+
+
+@pytest.fixture(scope="module")
+def library() -> SceneLibrary:
+    return build_and_load(soft_pad())
+
+
+def test_advance_refuses_misuse(library: SceneLibrary) -> None:
+    pad = Pad(library)
+    assert pad.advance(-1e-3, 0.0) == pad.advance(np.nan, 0.0) == (7.0, TIME_STEP)
+    advance, force_n = library.function("advance"), library.loaded.ffi.new("float *")
+    assert advance(library.loaded.ffi.NULL, 0.01, 0.0, force_n) == -1
+    zeros = library.loaded.memory(library.state_bytes, "soft_pad_state")
+    assert advance(zeros, 0.01, 0.0, force_n) == -3
+
+
+CURSOR_M = (np.nan, np.inf, -np.inf, 3e38, -3e38, -11.0, -0.5, -0.1, 0.001, 0.01, 0.15, 0.5)
+
+
+@pytest.mark.parametrize("name", ["hammerstein", "rbf-fd", "springpot"])
+@pytest.mark.parametrize("mode", ["off", "tool", "proxy"])
+def test_a_cursor_that_jumps_anywhere_never_ends_the_force(name: str, mode: str) -> None:
+    """At any frame rate, through the wall, off the screen, from what is no number."""
+    scene = golden_forces.scene(name, "float32", mode)
+    plan = make_plan(golden_forces.model(name), scene, accept_unsafe=True)
+    library, random = build_and_load(plan), np.random.default_rng(1)
+    for seconds in (1 / 400, 1 / 60, 1 / 30, 0.3, 5.0, np.inf):
+        pad = Pad(library)
+        for position_m in random.choice(CURSOR_M, 60):
+            force_n, notes = pad.advance(seconds, position_m)
+            assert 0.0 <= force_n <= plan.max_force_n and notes >= 0
+            assert not notes & LATCHED and bool(notes & HELD) == np.isnan(position_m)
+        pad.advance(1.0, -1.0)  # away, at once
+        assert pad.advance(1e-3, -1.0) == (0.0, 0)
+        assert pad.advance(0.1, 0.011)[0] > 0.2  # below the dent that a springpot keeps
+
+
+def test_a_deep_cursor_presses_as_at_the_trained_depth(library: SceneLibrary) -> None:
+    pad, other = Pad(library), Pad(library)
+    for each in (pad, other):
+        each.advance(0.01, -0.01)
+    for depth_m in (0.05, 0.2, 5.0, np.inf):
+        assert pad.advance(0.2, depth_m)[0] == other.advance(0.2, soft_pad().range.max_m)[0] > 9.0
+    assert pad.advance(0.2, -0.2)[0] == 0.0
+    given_n, notes = pad.advance(1 / 30, np.nan)  # held where it is
+    assert (given_n, notes) == (0.0, HELD)
+
+
+def test_the_page_names_the_pad_s_limits() -> None:
+    page = (ROOT / "docs" / "how-to" / "game-engine.md").read_text()
+    plan = soft_pad()
+    assert f"({1e3 * plan.range.max_m:.1f} mm of the ready pad)" in page
+    assert f"({plan.guard.max_step_m / plan.dt_s:.1f} m/s here)" in page
+    times = re.search(r"up to (\d+) times", margin_sentence(plan_margin(plan)))
+    assert f"stable in every hand up to {times[1]} times its stiffness" in page
+
+
+def test_a_hitch_longer_than_a_second_is_a_second(library: SceneLibrary) -> None:
+    one, long = Pad(library), Pad(library)
+    for pad in (one, long):
+        pad.advance(0.1, 0.008)
+    assert one.advance(1.0, 0.008) == long.advance(60.0, 0.008)
 
 
 RATES = (1000, 30, 60, 75, 100, 150, 400, 2000, 5000)  # frames a second
@@ -79,7 +151,7 @@ static class Frames
             using (Point pad = new Point())
             {
                 float n = 0.0f, begin = 0.0f;
-                for (int frame = 1; frame <= rate * 6 / 5; frame++)
+                for (int frame = 0; frame <= rate * 6 / 5; frame++)  // at first in the air
                 {
                     float depth = 0.005f * Math.Min(frame / (0.1f * rate), 1.0f);
                     n = pad.Advance(depth, 1.0f / rate);

@@ -237,6 +237,50 @@ int sp_idle(sp_state *state, float dt_s, float *force_n)
     return sp_hold_force(state, dt_s, 1.0f, force_n);
 }
 
+/* The ticks of a game's picture, on a straight line to position_m. */
+int sp_advance(sp_state *state, float seconds, float position_m, float *force_n)
+{
+    if (state == NULL || force_n == NULL) {
+        return SP_ERROR_NULL;
+    }
+    if (state->begun != SP_STATE_MAGIC) {
+        return SP_ERROR_STATE;
+    }
+    if (!(seconds >= 0.0f)) { /* false for NaN */
+        return SP_ERROR_TIME_STEP;
+    }
+    /* A damaged state may hold any remainder. */
+    const int whole = sp_abs(state->remainder_s) <= sp_scene_silence.dt_s;
+    const float since_s =
+        (whole ? state->remainder_s : 0.0f) + (seconds < 1.0f ? seconds : 1.0f);
+    /* A thousandth of a tick is added against rounding. */
+    const float ticks = since_s / sp_scene_silence.dt_s + (float)0.001;
+    const uint32_t n_ticks = ticks > 0.0f ? (uint32_t)ticks : 0u;
+    /* A cursor jumps, leaves the screen and goes through walls. The tool behind it stays between
+     * a step above the surface and the trained depth, and is no faster than a hand: the guard,
+     * which is for a sensor, rejects none of its positions, and no dent is left that takes a
+     * minute to recover, as of ten trained depths. */
+    const float lowest_m = -sp_scene_guard.max_step_m;
+    const int known = position_m == position_m;
+    float to_m = known ? position_m : state->guard.last_good_m;
+    to_m = to_m > lowest_m ? to_m : lowest_m;
+    to_m = to_m < sp_scene_range.max_m ? to_m : sp_scene_range.max_m;
+    const float from_m = state->guard.started ? state->guard.last_good_m : to_m;
+    /* A hundredth less than the guard lets pass, for rounding. */
+    const float longest_m = (float)0.99 * sp_scene_guard.max_step_m;
+    const float tick_share = since_s > 0.0f ? sp_scene_silence.dt_s / since_s : 0.0f;
+    float step_m = (to_m - from_m) * tick_share;
+    step_m = step_m < longest_m ? step_m : longest_m;
+    step_m = step_m > -longest_m ? step_m : -longest_m;
+    int notes = known ? 0 : SP_NOTE_HELD;
+    *force_n = state->output.last_n;
+    for (uint32_t tick = 1; tick <= n_ticks; tick++) {
+        notes |= sp_step(state, from_m + (float)tick * step_m, 0.0f, force_n);
+    }
+    state->remainder_s = since_s - (float)n_ticks * sp_scene_silence.dt_s;
+    return notes;
+}
+
 /* Begin with an object at rest and untouched. */
 void sp_init(sp_state *state)
 {
@@ -265,7 +309,7 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"1fb166e760076c2ddc804525f2dbae148840bb490fbd7f05b3b857fb5914184e\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"7bfcf92ce4583ecd940556a53d0eeabc8e7e095ab8b1ff89c07e015611090e26\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */
