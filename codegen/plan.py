@@ -134,7 +134,7 @@ class Plan(Stages):
 
     @property
     def draws_pictures(self) -> bool:
-        """True if a game may call the C once a picture: it has sp_advance then, and no board does."""
+        """True if a game may call the C: it has sp_advance then. No board's has."""
         return self.scene.runtime.target == "host"
 
     @property

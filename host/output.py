@@ -128,15 +128,16 @@ def print_table(
     rows: Iterable[Sequence[str]],
     *,
     header: bool = True,
-    numbers: bool = False,
+    names: int | None = None,
     width: int | None = None,
 ) -> None:
-    """Print a table for people; cells are whole. numbers: columns after the first align right."""
+    """Print a table for people; cells are whole. names: the column of names; the others are
+    numbers then, and align right.
+    """
     table = Table(show_header=header, box=None, pad_edge=False)
     for place, name in enumerate(columns):
-        table.add_column(
-            Text(name), justify="right" if numbers and place else "left", overflow="fold"
-        )
+        is_number = names is not None and place != names
+        table.add_column(Text(name), justify="right" if is_number else "left", overflow="fold")
     for row in rows:
         table.add_row(*map(Text, row))  # text as it is: [cc] is no markup
     Console(file=sys.stdout, width=width).print(table)

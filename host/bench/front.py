@@ -4,14 +4,12 @@ import tempfile
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from springpot.codegen.emit.golden import differentiate
-from springpot.codegen.errors import SpringpotError, UnsafeError
+from springpot.codegen.errors import UnsafeError
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.model import Model
-from springpot.codegen.notes import RESYNC
 from springpot.codegen.scene import Number, Runtime, Scene, Target
 from springpot.host.bench.measure import Point, bench_scene
-from springpot.host.emission.boards import Board, default_board, missing, run_batch, steps
+from springpot.host.emission.boards import TickCost, count_instructions
 from springpot.host.emission.emission import write_emission
 from springpot.host.files import read_model
 from springpot.host.native.replay import Replay, TickTimes
@@ -24,12 +22,11 @@ from springpot.trainer.recordings.recording import Recording
 PACED_S = 2.0
 _PACED_TRIES = 3
 _DISTURBED = 5.0  # times the median: other work had the processor in one of 100 ticks
-_COUNTED_TICKS = 4000
 _AXES = ("rmse_n", "tick_ns_hot", "flash_bytes")
 ALONE = ("tick_ns_p50", "tick_ns_p99", "tick_ns_p999", "tick_ns_max", "bounded",
          "spectral_radius", "held_times_as_stiff", "verdict", "instructions",
-         "instructions_why", "rendered_rmse_n", "rendered_rmse_percent_of_peak",
-         "rendered_contact_below_jnd", "coupling")  # fmt: skip
+         "instructions_after_silence", "instructions_why", "rendered_rmse_n",
+         "rendered_rmse_percent_of_peak", "rendered_contact_below_jnd", "coupling")  # fmt: skip
 
 
 def pareto_front(points: Iterable[Point]) -> list[bool]:
@@ -62,21 +59,14 @@ def measure_alone(
     key: of all that decides the result besides: joblib remembers by it.
     """
     model = read_model(model_file)
-    board = default_board(target)
-    why = missing(board) if board else "a PC has no emulated board: give --target"
-    instructions = None
-    if board is not None and not why:
-        try:
-            instructions = _counted(model, number, recording, board)
-            why = f"emulated {board.name}"
-        except SpringpotError as error:
-            why = str(error)
+    cost = _counted(model, number, target)
     return {
         **_paced_ticks(model, number, recording),
         **_closed_loop(model, number),
         **_rendered(model, number, validation, training),
-        "instructions": instructions,
-        "instructions_why": why,
+        "instructions": cost.usual,
+        "instructions_after_silence": cost.after_silence,
+        "instructions_why": cost.why,
     }
 
 
@@ -124,15 +114,11 @@ def _rendered(
     }
 
 
-def _counted(model: Model, number: Number, recording: Recording, board: Board) -> int:
-    """Return the most instructions of a tick on the target, over the recording's beginning."""
-    scene = bench_scene(number, board.target)
+def _counted(model: Model, number: Number, target: Target) -> TickCost:
+    """Count the instructions of a tick of the model alone on the target."""
+    scene = bench_scene(number, target)
     plan = make_plan(model, scene, accept_unsafe=True)
-    position = recording.position_m[:_COUNTED_TICKS].astype(plan.dtype)
     with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
         folder = Path(scratch) / "c"
         write_emission(plan, scene, model, folder)
-        calls = steps(position, differentiate(position, plan.dt_s))
-        batch = run_batch(folder, board, calls)
-    # A restart fills its filters once, and is no tick of a loop.
-    return int(batch.instructions[(batch.notes & RESYNC) == 0].max())
+        return count_instructions(folder, plan)

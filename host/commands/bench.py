@@ -6,6 +6,7 @@ from pathlib import Path
 
 import click
 
+from springpot.codegen.messages import counted_noun
 from springpot.codegen.scene import Target
 from springpot.host.options import PATH, SEED, recordings_given, recordings_option
 from springpot.host.output import json_option, print_json, print_line, print_table
@@ -62,39 +63,27 @@ def bench(
         return
     if seen := training_overlap_sentence(result["seen"], len(testing)):
         print_line(seen)
-    columns = (
-        "model",
-        "RMSE, N",
-        "% of peak",
-        "as emitted, %",
-        "below JND, %",
-        "tick, ns",
-        "flash",
-        "RAM",
-        "fit, s",
-        "front",
-    )
+    counts = ("instructions",) if target != "host" else ()  # no PC is emulated
+    columns = ("error, %", "emitted, %", "tick, ns", "flash", "RAM", *counts, "model")
+    alone = [point for point in result["points"] if point["coupling"]]  # the front, named files
     rows = [
-        (point_label(p), f"{p['rmse_n']:.3g}", f"{p['rmse_percent_of_peak']:.2g}",
-         _digits(p["rendered_rmse_percent_of_peak"]), _percent(p["contact_below_jnd"]),
-         f"{p['tick_ns_hot']:.0f}", _known(p["flash_bytes"]), _known(p["ram_bytes"]),
-         _known(p["fit_s"]),
-         "" if not p["pareto"] else "yes" if p["bounded"] else "not bounded in every hand")
-        for p in result["points"]
+        (f"{p['rmse_percent_of_peak']:.2g}", _digits(p["rendered_rmse_percent_of_peak"]),
+         f"{p['tick_ns_hot']:.0f}",
+         *(_known(p[key]) for key in ("flash_bytes", "ram_bytes", *counts)),
+         point_label(p) + ("" if p["bounded"] else ", not bounded in every hand"))
+        for p in alone
     ]  # fmt: skip
-    print_table(columns, rows, numbers=True)
+    print_table(columns, rows, names=len(columns) - 1)
+    if others := len(result["points"]) - len(alone):
+        print_line(f"{counted_noun(others, 'more model')}, each no better than one of these")
     for refused in result["refused"]:
         print_line(f"refused: {point_label(refused)}: {refused['error']}")
     print_line(f"written: {page}; the models are in {out / 'models'}")
 
 
 def _known(value: float | None) -> str:
-    return "-" if value is None else f"{value:.6g}" if isinstance(value, int) else f"{value:.2f}"
+    return "-" if value is None else f"{value:.6g}"
 
 
 def _digits(value: float | None) -> str:
     return "-" if value is None else f"{value:.2g}"
-
-
-def _percent(share: float | None) -> str:
-    return "-" if share is None else f"{100.0 * share:.0f}"

@@ -10,6 +10,7 @@ import click
 from springpot.host.emission.boards import BOARDS, find_board
 from springpot.host.options import PATH, recordings_option, scene_options, scene_or_folder_option
 from springpot.host.output import json_option, print_line, print_result, progress_bar
+from springpot.runtime_c.paths import flags
 
 if TYPE_CHECKING:
     from springpot.codegen.model.model import Model
@@ -67,13 +68,17 @@ def emission_rows(emission: Emission) -> dict[str, str]:
     """Return what a command prints of an emission."""
     flash, stack = emission.flash_bytes, emission.stack_bytes
     left_out, dt_s = emission.manifest["left_out"], emission.manifest["dt_s"]
+    cost, optimised = emission.cost, next(f for f in flags("SP_CFLAGS") if f.startswith("-O"))
+    counted = cost.usual and f"{cost.usual} in a tick, {cost.after_silence} in the first after "
     return {
         "C source": str(emission.folder),
         "tick": f"{1.0 / dt_s:.6g} Hz: call the step every {1e3 * dt_s:.4g} ms; after a "
         f"silence one call does up to {round(emission.plan.watchdog_s / dt_s)} ticks' work",
-        "size": f"{'?' if flash is None else flash} bytes of flash "
+        "size": f"{emission.plan.scene.runtime.target}, {optimised}: "
+        f"{'?' if flash is None else flash} bytes of flash "
         f"({emission.selftest_bytes or '?'} more with the self-test), {emission.ram_bytes} of RAM, "
         f"{'?' if stack is None else stack} of stack",
+        "instructions": f"{counted}the longest silence ({cost.why})" if counted else cost.why,
         "coupling": emission.manifest["coupling"]["why"],
         "stiffness felt": f"{1e-3 * emission.manifest['coupling']['felt_stiffness_npm']:.3g} N/mm",
         "outside": emission.manifest["outside"],
@@ -122,13 +127,13 @@ def firmware(scene: Path, name: str, out: Path, as_json: bool) -> None:
     """Build a board's firmware; all its sources lie beside it."""
     from springpot.host.emission.boards import TRANSDUCER, build_firmware
     from springpot.host.emission.checksums import is_edited
-    from springpot.host.emission.emission import emitted_folder
+    from springpot.host.emission.emission import emitted_folder, read_emission
 
     board = find_board(name)
     if is_edited(out, TRANSDUCER):
         print_line(f"{out / TRANSDUCER}: built as you changed it")
     with progress_bar("firmware"), emitted_folder(scene) as folder:
-        program = build_firmware(folder, board, out)
+        program = build_firmware(folder, read_emission(folder).plan, board, out)
     print_result(
         {"firmware": str(program), "board": board.name, "target": board.target},
         as_json,

@@ -154,5 +154,5 @@ def _print(qualities: Sequence[PressQuality]) -> None:
         )
         for quality in qualities
     )
-    print_table(columns, rows, numbers=True, width=100)
+    print_table(columns, rows, names=0, width=100)
     click.echo(f"{counted_noun(len(qualities), 'recording')} in {qualities[0].file.parent}")

@@ -118,6 +118,18 @@ def ticks_in_words(ticks: int, expected: int) -> str:
     return f"{ticks} of {expected}"
 
 
+def _felt(max_depth_m: float | None, max_force_n: float) -> str:
+    """Say how deep a session was and how hard; a wrong surface or sign shows here."""
+    if max_depth_m is None:
+        return "nothing: no position came"
+    if max_force_n == 0.0:
+        return (
+            f"no force: the deepest position was {1e3 * max_depth_m:.4g} mm; if the tool touched "
+            "the object, its surface or the sign of the position is another"
+        )
+    return f"to {1e3 * max_depth_m:.4g} mm deep, to {max_force_n:.4g} N"
+
+
 def _rows(result: JsonObject) -> dict[str, str]:
     """Return what a person reads of a session: its end, its timing, what was lost."""
     late, tick = result["lateness_us"], result["tick_us"]
@@ -133,6 +145,7 @@ def _rows(result: JsonObject) -> dict[str, str]:
         f" (the hypervisor took {result['steal_ms']:.0f} ms)",
         "tick": f"{tick['p50']:.1f} us, 99 % below {tick['p99']:.1f}",
         "samples": f"{result['samples']} came, {result['stale_samples']} ticks without a new one",
+        "felt": _felt(result["max_depth_m"], result["max_force_n"]),
         "lost": f"{result['sequence_gaps']} frames missing, {result['crc_errors']} damaged, "
         f"{result['ring_dropped']} rows dropped",
         "watchdog": f"{result['watchdog_trips']} trips"

@@ -44,6 +44,7 @@ def stability_rows(result: Stability) -> dict[str, str]:
     first = next((item for item in judged if item.grade == Grade.GOOD), None)
     if first is not None:
         rows["largest deviation"] = f"{_named(first.outcome)}: {_figures(first.outcome)}"
+    felt_npm, stiff_npm = checked.plan.coupling.felt_npm, result.stiff.coupling.felt_npm
     rows |= {
         "cases": f"{len(judged) - len(doubtful)} of {len(judged)} good in three hands, with the "
         "device's delay and one sample more; --json lists them",
@@ -53,8 +54,12 @@ def stability_rows(result: Stability) -> dict[str, str]:
         f"{checked.loudest.hand} hand",
         "device": checked.plan.loop_device.words(checked.plan.dt_s),
         "passive": f"model {_cells(checked.model_map)}; scene {_cells(checked.scene_map)}",
-        "stiffness felt": f"{1e-3 * checked.plan.coupling.felt_npm:.3g} N/mm; ten times stiffer "
-        f"object {1e-3 * result.stiff.coupling.felt_npm:.3g} N/mm",
+        "stiffness felt": f"{1e-3 * felt_npm:.3g} N/mm; of an object ten times stiffer "
+        + (
+            f"{1e-3 * stiff_npm:.3g} N/mm"
+            if stiff_npm >= felt_npm
+            else "less: no coupling holds it"
+        ),
     }
     return rows
 

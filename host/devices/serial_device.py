@@ -62,8 +62,9 @@ class SerialDevice(OpenedDevice):
     @property
     def rate_advice(self) -> str:
         return (
-            f"set its firmware to {self.requirements.rate_hz:g} Hz, raise ?baud=, or render a "
-            "scene of its rate ([runtime] rate_hz, where the model allows it)"
+            f"set its firmware to {self.requirements.rate_hz:g} Hz, raise ?baud=, look for noise "
+            "or a loose cable if frames are damaged or missing, or render a scene of its rate "
+            "([runtime] rate_hz, where the model allows it)"
         )
 
     def link(self, library: CLibrary) -> CData:

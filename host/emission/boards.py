@@ -1,5 +1,7 @@
 """Boards with a port: the firmware of a scene, and its calls on an emulated board, counted."""
 
+import re
+import shlex
 import shutil
 import subprocess
 import tempfile
@@ -10,17 +12,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from springpot.codegen.arrays import Reals
+from springpot.codegen.emit.golden import LEG_TICKS, differentiate, golden_positions
 from springpot.codegen.errors import BudgetError, MismatchError, SpringpotError, UsageError
 from springpot.codegen.files import write_folder_atomically
 from springpot.codegen.messages import short_repr
 from springpot.codegen.native.compiler import CompilerError, run_compiler
+from springpot.codegen.notes import HELD, RESYNC
 from springpot.codegen.plan import Plan, state_bytes
 from springpot.codegen.scene import Target
 from springpot.codegen.stages.expressions import require_no_libm
 from springpot.host.emission.checksums import is_edited, require_replaceable, write_checksums
-from springpot.host.emission.emission import read_emission
 from springpot.host.native.scene_library import scene_prefix, write_port
 from springpot.host.native.toolchain import PROGRAMS, Toolchain, missing_tools, toolchain
+from springpot.host.stability.linear import require_stable
 from springpot.runtime_c.paths import PORT_MCU, flags
 
 _MPS2 = ("mps2.ld", ("sp_arm.c", "sp_board_mps2.c"), "qemu-system-arm")
@@ -113,57 +117,70 @@ def missing(board: Board) -> str:
     return ""
 
 
-def build_firmware(folder: Path, board: Board, out: Path, strict: bool = False) -> Path:
+def build_firmware(folder: Path, plan: Plan, board: Board, out: Path, strict: bool = False) -> Path:
     """Build the firmware of an emitted folder into `out`, with all its sources beside it.
 
     An earlier firmware there is replaced; TRANSDUCER, where its user changed it, is built as it is.
     Raises UsageError without a compiler, or where `out` holds anything else or other changes,
-    BudgetError where it does not fit the board.
+    BudgetError where it does not fit the board, UnsafeError where a hand could not hold it.
     """
     require_replaceable(out, yours=[TRANSDUCER])
-    plan = read_emission(folder).plan
+    require_stable(plan)  # an emission may have been accepted without
     with write_folder_atomically(out) as aside:
-        sources = _copied(folder, aside, plan, (*_COMMON, *board.sources))
+        sources = _copied(folder, aside, plan, board, _COMMON)
+        line = shlex.join([*find_board_compiler(board).compiler, *_arguments(board, plan, sources)])
+        rule = f"{_PROGRAM}: $(wildcard *.c *.h *.ld)\n\t{line}\n"
+        (aside / "Makefile").write_text(rule, encoding="utf-8", newline="\n")
         write_checksums(aside)
         if is_edited(out, TRANSDUCER):
             shutil.copyfile(out / TRANSDUCER, aside / TRANSDUCER)
-        _linked(board, aside, sources, state_bytes(plan), strict)
+        _link(board, [*(flags("SP_STRICT") if strict else ()),
+                             *_arguments(board, plan, sources, aside)])  # fmt: skip
     return out / _PROGRAM
 
 
-def build_batch(folder: Path, board: Board, out: Path) -> Path:
+def build_batch(folder: Path, plan: Plan, board: Board, out: Path) -> Path:
     """Build the program that makes calls out of a file, for the emulator (sp_batch.c)."""
-    plan = read_emission(folder).plan
-    ports = ("sp_batch.c", "sp_port.c", TRANSDUCER, *board.sources)
-    return _linked(board, out, _copied(folder, out, plan, ports), state_bytes(plan))
+    sources = _copied(folder, out, plan, board, ("sp_batch.c", "sp_port.c", TRANSDUCER))
+    _link(board, _arguments(board, plan, sources, out))
+    return out / _PROGRAM
 
 
-def _copied(folder: Path, out: Path, plan: Plan, ports: tuple[str, ...]) -> tuple[str, ...]:
+def _copied(
+    folder: Path, out: Path, plan: Plan, board: Board, ports: tuple[str, ...]
+) -> tuple[str, ...]:
     """Copy the scene's C and the port's files to a folder; name the sources to compile."""
+    ports += board.sources
     require_no_libm(plan.model.regressor, "a bare board")
     out.mkdir(parents=True, exist_ok=True)
     source = f"{scene_prefix(folder)}.c"
     for file in [*folder.glob("*.h"), folder / source]:
         shutil.copyfile(file, out / file.name)
-    files = [*PORT_MCU.glob("*.h"), *(PORT_MCU / name for name in ports)]
+    script = (PORT_MCU / board.script).read_text(encoding="utf-8")
+    named = (*ports, board.script, *re.findall(r"^INCLUDE (\S+)", script, re.M))
+    files = [*PORT_MCU.glob("*.h"), *(PORT_MCU / name for name in named)]
     write_port(folder, plan.real, files, out)
     return (source, *ports)
 
 
-def _linked(
-    board: Board, out: Path, sources: tuple[str, ...], selftest_bytes: int, strict: bool = False
-) -> Path:
-    """Compile and link a firmware's sources with the board's flags; return the image."""
-    tools = find_board_compiler(board)
-    arguments = [
-        *flags("SP_CFLAGS"), *(flags("SP_STRICT") if strict else ()), *tools.flags,
-        "-nostartfiles", f"-L{PORT_MCU}", f"-T{PORT_MCU / board.script}",
-        # the self-test keeps a state of its own on the stack
-        f"-Wl,--defsym=sp_stack_bytes={-(-(_STACK_BYTES + selftest_bytes) // 8) * 8}",
-        *(str(out / file) for file in sources), "-lm", "-lc", "-lgcc", "-o", str(out / _PROGRAM),
+def _arguments(
+    board: Board, plan: Plan, sources: tuple[str, ...], folder: Path = Path()
+) -> list[str]:
+    """Return the compiler's words that make a firmware of the sources in a folder."""
+    # The self-test keeps a state of its own on the stack.
+    stack_bytes = -(-(_STACK_BYTES + state_bytes(plan)) // 8) * 8
+    return [
+        *flags("SP_CFLAGS"), *find_board_compiler(board).flags, "-nostartfiles", f"-L{folder}",
+        f"-T{folder / board.script}", f"-Wl,--defsym=sp_stack_bytes={stack_bytes}",
+        *(str(folder / file) for file in sources), "-lm", "-lc", "-lgcc",
+        "-o", str(folder / _PROGRAM),
     ]  # fmt: skip
+
+
+def _link(board: Board, arguments: list[str]) -> None:
+    """Compile and link a firmware. Raises BudgetError where it does not fit the board."""
     try:
-        run_compiler(arguments, "the firmware", tools.compiler)
+        run_compiler(arguments, "the firmware", find_board_compiler(board).compiler)
     except CompilerError as error:
         if "overflowed by" not in str(error):
             raise
@@ -171,7 +188,6 @@ def _linked(
             f"{board.name}: the firmware does not fit ({str(error).split(': ')[-1]}): give the "
             "scene a [budget] and `springpot emit --fit`"
         ) from None
-    return out / _PROGRAM
 
 
 CALL_IDLE, CALL_RESET = 1, 2  # CALL_IDLE, CALL_RESET of sp_batch.c
@@ -201,7 +217,7 @@ def steps(position_m: Reals, velocity_mps: Reals) -> NDArray[np.void]:
     return rows
 
 
-def run_batch(folder: Path, board: Board, rows: NDArray[np.void]) -> Batch:
+def run_batch(folder: Path, plan: Plan, board: Board, rows: NDArray[np.void]) -> Batch:
     """Make the calls of `steps` on the emulated board, from a fresh state.
 
     Raises UsageError without the tools, MismatchError where the scene's self-test fails there.
@@ -209,7 +225,7 @@ def run_batch(folder: Path, board: Board, rows: NDArray[np.void]) -> Batch:
     real = rows.dtype["position_m"]
     with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
         place = Path(scratch)
-        program = build_batch(folder, board, place)
+        program = build_batch(folder, plan, board, place)
         rows.tofile(place / "calls.bin")
         emulate(board, program, place)
         names = [("force_n", real), ("notes", "<i4"), ("counts", "<u4")]
@@ -238,6 +254,43 @@ def run_batch(folder: Path, board: Board, rows: NDArray[np.void]) -> Batch:
     )
 
 
+@dataclass(frozen=True)
+class TickCost:
+    """The most instructions of a tick, usually and after a silence; None: not counted, and why."""
+
+    usual: int | None
+    after_silence: int | None
+    why: str
+
+
+def count_instructions(folder: Path, plan: Plan) -> TickCost:
+    """Count on the target's emulated board, over the motion of the self-test.
+
+    The longest silence that does not latch comes before four ticks: each makes up for it.
+    """
+    board = default_board(plan.scene.runtime.target)
+    if board is None:
+        return TickCost(None, None, "a PC has no emulated board: give a target")
+    if why := missing(board):
+        return TickCost(None, None, why)
+    position = golden_positions(plan)
+    at = np.arange(LEG_TICKS // 2, 5 * LEG_TICKS, 5 * LEG_TICKS // 4)
+    rows = np.insert(steps(position, differentiate(position, plan.dt_s)), at, np.zeros(1))
+    at += np.arange(len(at))
+    rows["call"][at], rows["dt_s"][at] = CALL_IDLE, plan.watchdog_s - plan.dt_s
+    try:
+        batch = run_batch(folder, plan, board, rows)
+    except SpringpotError as error:
+        return TickCost(None, None, str(error))
+    lost = np.asarray((batch.notes & (HELD | RESYNC)) != 0)  # a restart is no tick of a loop
+    usual = ~lost & ~np.roll(lost, 1)
+    return TickCost(
+        int(batch.instructions[usual].max()),
+        int(batch.instructions[at + 1].max()),
+        f"emulated {board.name}",
+    )
+
+
 def emulate(board: Board, program: Path, place: Path) -> None:
     """Run a program on the emulated board; its files are in `place`, and "returns.bin" is written.
 
@@ -246,7 +299,7 @@ def emulate(board: Board, program: Path, place: Path) -> None:
     command = [
         find_emulator(board), "-M", board.name, *board.options, "-display", "none",
         "-monitor", "none", "-serial", "null",
-        "-semihosting-config", "enable=on,target=native", "-icount", f"shift={_SHIFT}",
+        "-semihosting-config", "enable=on,target=native", "-icount", f"shift={_SHIFT},sleep=off",
         "-kernel", str(program),
     ]  # fmt: skip
     try:

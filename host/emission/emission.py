@@ -17,6 +17,7 @@ from springpot.codegen.model.model_file import MODEL_SUFFIX, read_model, write_m
 from springpot.codegen.native.compiler import NoCompilerError
 from springpot.codegen.plan import Plan, state_bytes
 from springpot.codegen.scene import Scene
+from springpot.host.emission.boards import count_instructions
 from springpot.host.emission.checksums import (
     edited_files,
     edited_hash,
@@ -159,6 +160,7 @@ def _built(plan: Plan, aside: Path, folder: Path, write_s: float) -> Emission:
         hash=metadata["hash"],
         footprint=footprint,
         selftest_bytes=selftest_bytes,
+        cost=count_instructions(aside, plan),
         unmeasured=unmeasured,
         ram_bytes=state_bytes(plan),
         write_s=write_s,

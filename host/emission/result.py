@@ -10,6 +10,7 @@ from springpot.codegen.messages import counted_noun
 from springpot.codegen.plan import Plan
 from springpot.codegen.scene import Budget
 from springpot.codegen.types import JsonObject
+from springpot.host.emission.boards import TickCost
 from springpot.host.native.toolchain import Footprint
 from springpot.host.stability.check import Check
 from springpot.host.stability.linear import plan_margin, plans_at_higher_rates
@@ -23,7 +24,7 @@ _OF_MANIFEST = ("units", "left_out", "orders", "coupling", "outside", "accept_un
 class Emission:
     """Result of `emit`. footprint, compile_s, check: None without a compiler; notices say why.
 
-    selftest_bytes: flash that the self-test adds.
+    selftest_bytes: flash that the self-test adds. cost: of a tick, on an emulated board.
 
     unmeasured: why there is no footprint, and what to install; empty where there is one.
 
@@ -38,6 +39,7 @@ class Emission:
     hash: str
     footprint: Footprint | None
     selftest_bytes: int | None
+    cost: TickCost
     unmeasured: str
     ram_bytes: int
     write_s: float
@@ -68,6 +70,8 @@ class Emission:
             "selftest_bytes": self.selftest_bytes,
             "ram_bytes": self.ram_bytes,
             "stack_bytes": self.stack_bytes,
+            "instructions": self.cost.usual,
+            "instructions_after_silence": self.cost.after_silence,
             **{key: self.manifest.get(key) for key in _OF_MANIFEST},
             "stability": self.check.as_dict() if self.check else None,
             "write_s": self.write_s,

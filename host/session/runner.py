@@ -216,7 +216,9 @@ class SessionRunner:
         }
         fault = self.fault()
         if not fault and (state.latched or state.tripped):
-            fault = "the watchdog had tripped and the force was zero: `reset` takes it back"
+            fault = (
+                "the watchdog had tripped and the force was zero: the key r (reset) takes it back"
+            )
         return "; ".join(filter(None, (ends.get(Stop(state.reason), asked_by), fault))), None
 
     def fault(self) -> str:

@@ -17,6 +17,7 @@ from springpot.codegen.files import parse_path
 from springpot.codegen.messages import caution, notice
 from springpot.codegen.types import JsonObject
 from springpot.host.devices.device import RECONNECT_S, requirements_from_keys
+from springpot.host.devices.drivers import find_driver
 from springpot.host.emission.emission import read_emission
 from springpot.host.native.c_library import COLUMN, COLUMNS, INPUT, LoopRows, Stop
 from springpot.host.native.scene_library import SceneLibrary
@@ -30,6 +31,7 @@ from springpot.host.session.outcome import (
     hypervisor_steal_ms,
 )
 from springpot.host.session.runner import SessionRunner, TakeRows
+from springpot.host.stability.linear import require_stable
 from springpot.trainer.recordings.journal import MIN_SAMPLES, JournalWriter
 from springpot.trainer.recordings.recording import Zero
 
@@ -75,7 +77,8 @@ class Session(SessionRunner):
     them. place_m: where an object with a map is pressed, x and y. report: takes lines for
     people, by default a logger. viewers: take every row too, and never wait. alarm: takes the
     lines of live warnings; an empty one only rings.
-    Raises DeviceError where the device cannot be used as the scene wants.
+    Raises DeviceError where the device cannot be used as the scene wants, UnsafeError where an
+    emission was accepted as unstable and the device moves a hand.
 
     >>> with Session("c", "sim://ecoflex-00-30", "felt.h5", seconds=0.1) as session:
     ...     session.start()
@@ -102,6 +105,8 @@ class Session(SessionRunner):
         """Read the emission and resolve limits and requirements; nothing is opened yet."""
         emitted = read_emission(parse_path(folder))
         plan, self._hash, self._edited = emitted.plan, emitted.hash, list(emitted.edited)
+        if plan.accept_unsafe and not find_driver(url).virtual:
+            require_stable(plan)
         self._scene = SceneLibrary(parse_path(folder))
         settings = LoopSettings(
             period_s=plan.dt_s,
@@ -165,7 +170,7 @@ class Session(SessionRunner):
 
     def result(self) -> JsonObject:
         """Return keys of `springpot run --json`, after the end."""
-        state, counts = self.state, self.counts
+        state, counts, deepest_m = self.state, self.counts, float(self._warnings.max_depth_m)
         return {
             **{name: getattr(state, name) for name in _OF_LOOP},
             **{name: getattr(counts, name) for name in _OF_LINKS},
@@ -175,6 +180,8 @@ class Session(SessionRunner):
             "stale_samples": state.stale,
             "unused_samples": state.unused,
             "latched": bool(state.latched or state.tripped),
+            "max_depth_m": deepest_m if np.isfinite(deepest_m) else None,
+            "max_force_n": float(self._warnings.max_force_n),
             "log": str(self._file) if self._file is not None else None,
             "scheduler": self.scheduler(),
             "warnings": self._warned,

@@ -8,7 +8,6 @@ Four simulated objects, pressed from 15 to 95 % of the depth at 2 to 8 Hz, with 
 """
 
 import argparse
-import re
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -20,6 +19,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1]))
 sys.path.insert(0, str(Path(__file__).parent))
 from judges_recordings import recorded
+from support.pages.figures import write_measured
 from support.paths import ROOT
 
 from springpot.codegen.arrays import Samples
@@ -38,7 +38,6 @@ SILENCES_S = (0.005, 0.010, 0.014, 0.019)
 PHASES, CYCLES, DT_S = 24, 3, 1e-3
 SHALLOW, DEEP = 0.15, 0.95  # of the trained depth
 SETTLED_S = 0.005  # after the first good sample
-_MARK = re.compile(r"<!-- silences -->\n.*?<!-- end -->", re.S)
 
 
 @dataclass(frozen=True)
@@ -124,9 +123,7 @@ def main() -> None:
     measured = table()
     print(measured)
     if asked.write:
-        page = PAGE.read_text(encoding="utf-8")
-        text = _MARK.sub(f"<!-- silences -->\n{measured}\n<!-- end -->", page)
-        PAGE.write_text(text, encoding="utf-8")
+        write_measured(PAGE, "silences", measured)
 
 
 if __name__ == "__main__":

@@ -6,15 +6,15 @@
 #include "sp_firmware.c"
 #undef main
 
-/* Row i: position, velocity; a position that is not a number stands for a sensor without news.
+/* position_m: of each period; what is not a number stands for a sensor without news.
  * periods: how many pass in each sleep, n in all. Returns how many forces the motor was given. */
-uint32_t harness_run(const float *motion, const uint32_t *periods, uint32_t n, float *force_n);
+uint32_t harness_run(const float *position_m, const uint32_t *periods, uint32_t n, float *force_n);
 
 static struct {
-    const float *motion;
+    const float *position_m;
     const uint32_t *periods;
     float *force_n;
-    uint32_t n, asked, given, passed;
+    uint32_t n, now, given, passed;
     jmp_buf over;
 } line;
 
@@ -38,14 +38,17 @@ void sp_port_sleep(void)
     }
     line.passed = *line.periods++;
     line.n -= line.passed;
+    line.now += line.passed;
 }
 
-int sp_hand_motion(float *position_m, float *velocity_mps)
+void sp_hand_start(void)
 {
-    const float *row = line.motion + 2 * line.asked++;
-    *position_m = row[0];
-    *velocity_mps = row[1];
-    return row[0] == row[0];
+}
+
+int sp_hand_motion(float *position_m)
+{
+    *position_m = line.position_m[line.now - 1];
+    return *position_m == *position_m;
 }
 
 void sp_hand_force(float force_n)
@@ -53,13 +56,13 @@ void sp_hand_force(float force_n)
     line.force_n[line.given++] = force_n;
 }
 
-uint32_t harness_run(const float *motion, const uint32_t *periods, uint32_t n, float *force_n)
+uint32_t harness_run(const float *position_m, const uint32_t *periods, uint32_t n, float *force_n)
 {
-    line.motion = motion;
+    line.position_m = position_m;
     line.periods = periods;
     line.n = n;
     line.force_n = force_n;
-    line.asked = line.given = line.passed = 0;
+    line.now = line.given = line.passed = 0;
     if (setjmp(line.over) == 0) {
         (void)firmware_main();
     }

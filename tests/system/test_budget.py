@@ -44,7 +44,7 @@ def code_lines(text: str) -> int:
 # two per cent of air, and change once a release, in a commit of their own.
 @pytest.mark.parametrize(
     ("files", "max_lines"),
-    [("codegen/*.py", 5450), ("trainer/*.py", 7700), ("host/*.py", 9700), ("tests/*.py", 18400)],
+    [("codegen/*.py", 5450), ("trainer/*.py", 7700), ("host/*.py", 9700), ("tests/*.py", 18500)],
 )
 def test_lines_of_code(files: str, max_lines: int) -> None:
     assert sum(map(code_lines, tracked(files))) <= max_lines
@@ -75,7 +75,7 @@ def test_documents() -> None:
     pages = tracked("docs/*.md")
     assert len(pages) <= 26
     by_hand = [
-        re.sub(r"<!-- (generated|silences).*?<!-- end -->", "", text, flags=re.S) for text in pages
+        re.sub(r"<!-- (generated|measured).*?<!-- end -->", "", text, flags=re.S) for text in pages
     ]
     assert sum(len(text.split()) for text in [*by_hand, *tracked("README.md")]) <= 21700
 

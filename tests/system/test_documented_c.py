@@ -1,6 +1,7 @@
 """The C and C++ of the documents: compiled as they stand, run, and felt through."""
 
 import json
+import math
 import re
 import shutil
 import subprocess
@@ -14,7 +15,9 @@ from support.in_process import spring
 from support.paths import ROOT
 from support.small import model_file, scene
 
-from springpot.codegen.native.compiler import run_compiler
+from springpot.codegen.native.c_library import CLibrary
+from springpot.codegen.native.compiler import run_compiler, shared_library
+from springpot.host.devices.wire import Sender, constant
 from springpot.host.emission.emission import emit
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.runtime_c.paths import PORT_WIRE, flags
@@ -121,6 +124,54 @@ def running(program: Path) -> Iterator[str]:
                           text=True) as process:  # fmt: skip
         yield process.stdout.readline().strip()
         process.stdin.close()
+
+
+HARNESS = """#include "device.c"
+static const uint8_t *line;
+static uint32_t left;
+static float motor_n;
+int device_byte(void) { return left ? (left--, *line++) : -1; }
+void device_write(const uint8_t *bytes, uint32_t size) { (void)bytes, (void)size; }
+uint32_t device_time_us(void) { return 0; }
+void device_motion(float *x, float *v) { *x = *v = 0; }
+void device_motor(float force_n) { motor_n = force_n; }
+float harness_take(const uint8_t *bytes, uint32_t n);
+float harness_take(const uint8_t *bytes, uint32_t n)
+{
+    line = bytes, left = n;
+    device_loop();
+    return motor_n;
+}
+"""
+
+
+def test_the_device_of_the_page_stops_and_keeps_its_motor_s_limit(tmp_path: Path) -> None:
+    """STOP is obeyed whatever else it says; a force beyond the motor's or no number is none."""
+    built(tmp_path)
+    (tmp_path / "harness.c").write_text(HARNESS)
+    library = CLibrary(
+        shared_library([tmp_path / "harness.c", PORT_WIRE / "sp_wire.c"], [tmp_path, PORT_WIRE]),
+        "float harness_take(const uint8_t *, uint32_t);",
+    )
+    sender = Sender()
+
+    def take(name: str, **values: float) -> float:
+        frame = sender.encode(name, **values)
+        return float(
+            library.c.harness_take(library.ffi.from_buffer("uint8_t[]", frame), len(frame))
+        )
+
+    def command(action: str, rate_hz: float = 1000.0) -> float:
+        return take("command", action=constant(action), watchdog_s=0.02, rate_hz=rate_hz)
+
+    command("START")
+    assert take("force", force_n=3.0) == 3.0
+    assert take("force", force_n=500.0) == 10.0 and take("force", force_n=-500.0) == -10.0
+    assert take("force", force_n=math.nan) in (0.0, -10.0)
+    assert take("force", force_n=3.0) == 3.0
+    assert take("command", action=77, watchdog_s=0.02, rate_hz=1000.0) == 3.0  # refused
+    assert command("STOP", rate_hz=0.0) == 0.0
+    assert take("force", force_n=3.0) == 0.0
 
 
 @pytest.mark.realtime

@@ -1,5 +1,5 @@
-/* STM32F405 (Cortex-M4F). The clocks are at their full speed when main begins, as the vendor's
- * SystemClock_Config leaves them (the emulator has no others). */
+/* STM32F405 (Cortex-M4F) at its full speed, which sp_hand_start sets on a chip: after a reset it is
+ * 16 MHz. The emulator has no other. */
 #include "sp_arm.h"
 #include "sp_port.h"
 

@@ -1,6 +1,6 @@
-/* Firmware: a scene rendered by a board, from its sensor to its motor, one call a period: sp_step
- * where the sensor has a new motion, else sp_idle: its watchdog takes the force to zero and
- * latches it until the board starts again. A scene that fails its self-test renders nothing. */
+/* Firmware: a scene rendered by a board, from its sensor to its motor, once a period: sp_step where
+ * the sensor has a new motion, else sp_idle: its watchdog takes the force to zero and latches it
+ * until the board starts again. A scene that fails its self-test renders nothing. */
 #include "sp_port.h"
 #include "sp_scene.h"
 
@@ -8,17 +8,20 @@ int main(void);
 
 static sp_state scene;
 
-/* One period of the loop: read the tool, compute the force (or hold it, where no sample came),
- * set the motor. */
-static void tick(void)
+/* The tick of `passed` periods, of which all but the last came too late to be ticks: read the tool,
+ * compute the force (or hold it, where no sample came), set the motor. */
+static void tick(uint32_t passed)
 {
+    const sp_real missed_s = (sp_real)(passed - 1u) * SP_PERIOD_S;
     float position_m = 0.0f;
-    float velocity_mps = 0.0f;
     sp_real force_n = (sp_real)0;
-    if (sp_hand_motion(&position_m, &velocity_mps)) {
-        (void)sp_step(&scene, (sp_real)position_m, (sp_real)velocity_mps, &force_n);
+    if (!sp_hand_motion(&position_m)) {
+        (void)sp_idle(&scene, missed_s + SP_PERIOD_S, &force_n);
     } else {
-        (void)sp_idle(&scene, SP_PERIOD_S, &force_n);
+        if (passed > 1u) {
+            (void)sp_idle(&scene, missed_s, &force_n);
+        }
+        (void)sp_step(&scene, (sp_real)position_m, (sp_real)0, &force_n);
     }
     sp_hand_force((float)force_n);
 }
@@ -27,15 +30,15 @@ static void tick(void)
  * keeps a force of 0. */
 int main(void)
 {
-    const int is_sound = sp_selftest() == 0;
+    sp_hand_start();
     sp_hand_force(0.0f);
+    const int is_sound = sp_selftest() == 0;
     sp_init(&scene);
     sp_port_start((float)SP_PERIOD_S);
     for (;;) {
-        for (uint32_t passed = sp_port_take_elapsed_periods(); passed > 0; passed--) {
-            if (is_sound) {
-                tick();
-            }
+        const uint32_t passed = sp_port_take_elapsed_periods();
+        if (passed > 0u && is_sound) {
+            tick(passed);
         }
         sp_port_sleep();
     }

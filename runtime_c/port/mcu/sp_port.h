@@ -26,9 +26,10 @@ void sp_port_on_period(void);
 /* Of the board: call sp_port_on_period() every period_s. */
 void sp_board_start(float period_s);
 
-/* Of the hand: 1 and the newest motion (m, m/s) where the sensor has one, else 0; force (N) to the
- * motor, positive out of the object. */
-int sp_hand_motion(float *position_m, float *velocity_mps);
+/* Of the hand: before all else, the chip's clocks, sensor and motor; 1 and the newest position (m)
+ * where the sensor has one, else 0; force (N) to the motor, positive out of the object. */
+void sp_hand_start(void);
+int sp_hand_motion(float *position_m);
 void sp_hand_force(float force_n);
 
 #endif

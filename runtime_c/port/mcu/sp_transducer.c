@@ -2,10 +2,15 @@
  * this file by your encoder and drive. */
 #include "sp_port.h"
 
-int sp_hand_motion(float *position_m, float *velocity_mps)
+/* A chip begins with slow clocks: set those that sp_board_*.c counts on, as the vendor's
+ * SystemClock_Config does, or a period is many times as long. An emulator has no others. */
+void sp_hand_start(void)
+{
+}
+
+int sp_hand_motion(float *position_m)
 {
     (void)position_m;
-    (void)velocity_mps;
     return 0;
 }
 

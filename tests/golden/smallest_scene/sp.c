@@ -100,8 +100,8 @@ static void sp_restart_at(sp_state *state, float position_m)
 }
 
 /* Advance the model by one tick with the tool at position_m. Returns the force before its limits,
- * N. */
-SP_NOINLINE float sp_advance_model(sp_state *state, float position_m, int *notes)
+ * N, or 0 where only the state is wanted. */
+SP_NOINLINE float sp_advance_model(sp_state *state, float position_m, int wants_force, int *notes)
 {
     const float penetration_m = position_m > 0.0f ? position_m : 0.0f;
     const float clipped_m = sp_range_clip(&sp_scene_range, penetration_m, notes);
@@ -109,6 +109,9 @@ SP_NOINLINE float sp_advance_model(sp_state *state, float position_m, int *notes
         sp_window_push(state->history, &state->newest, SP_SCENE_N_TAPS, clipped_m);
     float force_n = 0.0f;
     if (position_m > 0.0f) {
+        if (!wants_force) {
+            return force_n;
+        }
         float features[1];
         sp_taps(sp_scene_taps, window, SP_SCENE_N_TAPS, SP_SCENE_N_ORDERS, features);
         uint32_t bins[SP_FOREST_SLOTS] = {0};
@@ -152,7 +155,7 @@ SP_COLD void sp_catch_up(sp_state *state, float position_m, float step_m,
         const float remaining_m = (float)missed_ticks * step_m;
         const float missed_m = sp_guard_clamp(&sp_scene_guard, position_m - remaining_m);
         int ignored_notes = 0;
-        (void)sp_advance_model(state, missed_m, &ignored_notes);
+        (void)sp_advance_model(state, missed_m, 0, &ignored_notes);
     }
 }
 
@@ -196,7 +199,7 @@ int sp_step(sp_state *state, float position_m, float velocity_mps, float *force_
     if (missed_ticks > 0) {
         sp_catch_up(state, good_m, travel_m / ticks, missed_ticks);
     }
-    const float model_force_n = sp_advance_model(state, good_m, &notes);
+    const float model_force_n = sp_advance_model(state, good_m, 1, &notes);
     if (state->silence.latched) {
         (void)sp_output_fall_latched(&sp_scene_output, &state->output, 1.0f, &notes);
     } else {
@@ -309,7 +312,7 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"7bfcf92ce4583ecd940556a53d0eeabc8e7e095ab8b1ff89c07e015611090e26\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"7f84c4e9cd68b8b7a58b0f838d2cb9f978e4e0aee483e3de9e0e56ef3caff4ee\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 7bfcf92ce4583ecd940556a53d0eeabc8e7e095ab8b1ff89c07e015611090e26 */
+/* springpot 0.1.0 7f84c4e9cd68b8b7a58b0f838d2cb9f978e4e0aee483e3de9e0e56ef3caff4ee */
 /* springpot: the force of a recorded soft object, tick by tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:

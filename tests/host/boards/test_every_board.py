@@ -21,7 +21,7 @@ from springpot.codegen.model.passive import Memory
 from springpot.codegen.model.regressors import Linear
 from springpot.codegen.notes import HELD, RESYNC
 from springpot.host.emission.boards import BOARDS, CALL_IDLE, CALL_RESET, Batch, run_batch, steps
-from springpot.host.emission.emission import emit
+from springpot.host.emission.emission import emit, read_emission
 from springpot.host.native.replay import Replay
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.trainer.recordings.hdf5_file import write_recording
@@ -108,10 +108,27 @@ def test_ten_branches_and_three_stops_take_640_instructions_and_4400_bytes(tmp_p
     emission = emit(chosen, model, tmp_path / "c", accept_unsafe=True)
     position = long_motion().astype(np.float32)
     calls = steps(position, differentiate(position, 1e-3))
-    batch = run_batch(tmp_path / "c", BOARDS["mps2-an386"], calls)
+    batch = run_batch(
+        tmp_path / "c", read_emission(tmp_path / "c").plan, BOARDS["mps2-an386"], calls
+    )
     restarts = (batch.notes & RESYNC) != 0
     most = int(batch.instructions[~restarts & ~after_silence(batch.notes)].max())
     assert most <= 640 and emission.footprint.flash_bytes <= 4400
+    assert 0.9 * most <= emission.cost.usual <= 640
+    assert 10 * most < emission.cost.after_silence < 20 * most  # each missed tick
+
+
+def test_a_forest_is_not_walked_for_missed_ticks(tmp_path: Path) -> None:
+    """Without a coupling nobody needs its force there."""
+    need("mps2-an386")
+    chosen = target_scene("cortex-m4f", mode="off")
+    cost = emit(chosen, model_of("rf-fd deep"), tmp_path / "c", accept_unsafe=True).cost
+    assert cost.why == "emulated mps2-an386" and cost.after_silence < 6 * cost.usual
+
+
+def test_a_pc_has_no_emulated_board(tmp_path: Path) -> None:
+    cost = emit(target_scene("host"), model_file(tmp_path), tmp_path / "c").cost
+    assert (cost.usual, cost.after_silence) == (None, None) and "target" in cost.why
 
 
 def test_fit_makes_it_fit(tmp_path: Path) -> None:
@@ -154,7 +171,9 @@ def test_same_bits_on_every_board(tmp_path: Path, variant: str, shape: str) -> N
     assert np.ptp(force_n) > 1.0
     assert np.bitwise_or.reduce(notes) & 4, "the fallback outside was not visited"
     for board in BOARDS.values():
-        batch = run_batch(tmp_path / "c", board, steps(position, velocity))
+        batch = run_batch(
+            tmp_path / "c", read_emission(tmp_path / "c").plan, board, steps(position, velocity)
+        )
         assert len(batch.force_n) == TICKS
         assert_same(batch, force_n, notes)
 
@@ -173,7 +192,7 @@ def test_idle_reset_and_doubles_are_the_same_too(tmp_path: Path, board: str, num
     call[600] = CALL_RESET
     if (board, number) != ("netduinoplus2", "float64"):  # its counter holds one tick of those
         call[700:705] = CALL_IDLE
-    batch = run_batch(tmp_path / "c", BOARDS[board], rows)
+    batch = run_batch(tmp_path / "c", read_emission(tmp_path / "c").plan, BOARDS[board], rows)
     state, expected = SceneLibrary(tmp_path / "c").new_state(), []
     for i in range(1500):
         if call[i] & CALL_RESET:

@@ -23,7 +23,7 @@ from springpot.host.emission.boards import (
     emulate,
     find_board_compiler,
 )
-from springpot.host.emission.emission import emit
+from springpot.host.emission.emission import emit, read_emission
 from springpot.host.native.scene_library import SceneLibrary, write_port
 from springpot.runtime_c.paths import PORT_MCU, flags
 
@@ -33,18 +33,20 @@ TRANSDUCER_OF_TEST = TESTS / "support" / "c" / "mcu_transducer.c"
 
 
 def motion(missing: slice) -> np.ndarray:
-    """A press with its velocity, (n, 2); no sample in `missing`."""
-    position_m = press(2.0, 0.008, cycles=1)
-    rows = np.column_stack([position_m, np.gradient(position_m, DT_S)]).astype(np.float32)
-    rows[missing, 0] = np.nan
-    return rows
+    """Positions of a press, (n,), m; NaN where no sample came."""
+    position_m = press(2.0, 0.008, cycles=1).astype(np.float32)
+    position_m[missing] = np.nan
+    return position_m
 
 
-def expected(folder: Path, rows: np.ndarray) -> np.ndarray:
-    """Forces of the scene: a step where a sample came, else an idle call."""
-    state = SceneLibrary(folder).new_state()
-    calls = [state.idle(DT_S) if np.isnan(x) else state.step(x, v) for x, v in rows.tolist()]
-    return np.array([force_n for force_n, _ in calls], dtype=np.float32)
+def expected(folder: Path, position_m: np.ndarray, periods: list[int]) -> np.ndarray:
+    """Forces of the scene: an idle call for what passed, and a step where a sample came."""
+    state, forces_n = SceneLibrary(folder).new_state(), []
+    for x, passed in zip(position_m[np.cumsum(periods) - 1].tolist(), periods, strict=True):
+        idle = passed if np.isnan(x) else passed - 1
+        force_n = state.idle(np.float32(DT_S) * idle)[0] if idle else 0.0
+        forces_n.append(force_n if np.isnan(x) else state.step(x)[0])
+    return np.array(forces_n, dtype=np.float32)
 
 
 def harness(folder: Path, *options: str) -> CLibrary:
@@ -62,7 +64,7 @@ def harness(folder: Path, *options: str) -> CLibrary:
 def forces(library: CLibrary, rows: np.ndarray, periods: list[int]) -> np.ndarray:
     """What the motor was given, with so many periods in each sleep."""
     assert sum(periods) == len(rows)
-    found = np.zeros(len(rows) + 1, dtype=np.float32)
+    found = np.zeros(len(periods) + 1, dtype=np.float32)
     n = library.c.harness_run(
         library.ffi.from_buffer("float[]", np.ascontiguousarray(rows)),
         library.ffi.new("uint32_t[]", periods), len(rows),
@@ -75,11 +77,12 @@ def forces(library: CLibrary, rows: np.ndarray, periods: list[int]) -> np.ndarra
 def test_each_period_is_a_call_of_the_scene(tmp_path: Path, missing: int) -> None:
     emit(scene(mode="proxy"), model_file(tmp_path), tmp_path / "c")
     rows = motion(slice(150, 150 + missing))
-    steps = expected(tmp_path / "c", rows)
-    assert steps.max() > 0.5
-    assert (missing > WATCHDOG) == (not steps[200:].any())  # latched for good
     library = harness(tmp_path / "c")
-    for periods in ([1] * len(rows), [3] * (len(rows) // 3) + [1] * (len(rows) % 3)):
+    late = ([1] * 37 + [3]) * (len(rows) // 40)  # always late, it would latch
+    for periods in ([1] * len(rows), [*late, *[1] * (len(rows) - sum(late))]):
+        steps = expected(tmp_path / "c", rows, periods)
+        assert steps.max() > 0.5  # and zero for good, if latched
+        assert (missing > WATCHDOG) == (not steps[len(steps) * 2 // 5 :].any())
         assert forces(library, rows, periods).tobytes() == steps.tobytes()
 
 
@@ -100,14 +103,16 @@ def test_an_emulated_board_renders_by_its_timer(tmp_path: Path, board: str) -> N
     need(board)
     emit(target_scene(BOARDS[board].target, mode="proxy"), model_file(tmp_path), tmp_path / "c")
     out = tmp_path / "firmware"
-    build_firmware(tmp_path / "c", BOARDS[board], out)
+    build_firmware(tmp_path / "c", read_emission(tmp_path / "c").plan, BOARDS[board], out)
     shutil.copyfile(TRANSDUCER_OF_TEST, out / TRANSDUCER)
-    program = build_firmware(tmp_path / "c", BOARDS[board], out, strict=True)
+    program = build_firmware(
+        tmp_path / "c", read_emission(tmp_path / "c").plan, BOARDS[board], out, strict=True
+    )
     rows = motion(slice(100, 105))
-    rows[300 : 300 + 2 * WATCHDOG, 0] = np.nan
+    rows[300 : 300 + 2 * WATCHDOG] = np.nan
     (tmp_path / "calls.bin").write_bytes(rows.tobytes())
     emulate(BOARDS[board], program, tmp_path)
-    steps = expected(tmp_path / "c", rows)
+    steps = expected(tmp_path / "c", rows, [1] * len(rows))
     assert steps.max() > 0.5 and not steps[300 + WATCHDOG + 5 :].any()
     assert (tmp_path / "returns.bin").read_bytes() == steps.tobytes()
 
@@ -128,8 +133,14 @@ def test_gcc_and_clang_of_the_target(tmp_path: Path, board: str, mode: str) -> N
         pytest.skip("no clang: `apt-get install clang`")
     target = BOARDS[board].target
     emit(target_scene(target, mode=mode), model_file(tmp_path), tmp_path / "c")
-    assert build_firmware(tmp_path / "c", BOARDS[board], tmp_path / "f", strict=True).exists()
-    build_batch(tmp_path / "c", BOARDS[board], tmp_path / "f")
+    assert build_firmware(
+        tmp_path / "c",
+        read_emission(tmp_path / "c").plan,
+        BOARDS[board],
+        tmp_path / "f",
+        strict=True,
+    ).exists()
+    build_batch(tmp_path / "c", read_emission(tmp_path / "c").plan, BOARDS[board], tmp_path / "f")
     compiler = find_board_compiler(BOARDS[board])
     report = subprocess.run([*compiler.compiler, *compiler.flags, "-E", "-x", "c", "-M", "-"],
                             input="#include <math.h>\n", capture_output=True, text=True,
@@ -156,10 +167,15 @@ def test_the_users_files_stand(tmp_path: Path) -> None:
     out = tmp_path / "firmware"
 
     def build() -> bytes:
-        return build_firmware(tmp_path / "c", BOARDS[BOARD], out).read_bytes()
+        return build_firmware(
+            tmp_path / "c", read_emission(tmp_path / "c").plan, BOARDS[BOARD], out
+        ).read_bytes()
 
     plain = build()
     assert build() == plain
+    (out / "firmware.elf").unlink()
+    subprocess.run(["make", "-C", out], check=True, capture_output=True)  # without springpot
+    assert (out / "firmware.elf").read_bytes() == plain
     own = (out / TRANSDUCER).read_text().replace("return 0;", "*position_m = 1e-3f; return 1;")
     (out / TRANSDUCER).write_text(own)
     changed = build()

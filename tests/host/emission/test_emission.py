@@ -109,12 +109,13 @@ def test_builds_by_hand_without_python(tmp_path: Path, emission_of: Emitted, sha
 def test_what_needs_libm_is_for_no_board_and_no_page(
     tmp_path: Path, emission_of: Emitted, make: str
 ) -> None:
-    folder = emission_of("m2cgen").folder
+    emission = emission_of("m2cgen")
+    folder, plan = emission.folder, emission.plan
     with refusing(UsageError, "libm", "fit trees"):
         if make == "page":
-            page_module(folder, emission_of("m2cgen").plan)
+            page_module(folder, plan)
         else:
-            build_firmware(folder, BOARDS["mps2-an386"], tmp_path / "firmware")
+            build_firmware(folder, plan, BOARDS["mps2-an386"], tmp_path / "firmware")
 
 
 CONTRACTED = ("-mfma", "-ffp-contract=fast")  # the file keeps the two operations apart

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from support.c import golden_forces
+from support.messages import refusing
 from support.paths import ROOT, TESTS
 from support.silicones import paper_presses
 from support.small import DEPTH_M, model_file, passive_model, scene, small_model
@@ -23,8 +24,10 @@ from springpot.codegen.model.model import Model
 from springpot.codegen.model.model_file import read_model
 from springpot.codegen.plan import Plan
 from springpot.codegen.scene import Coupling, Device, Runtime, Scene
+from springpot.host.emission.boards import BOARDS, build_firmware
 from springpot.host.emission.emission import emit, read_emission
 from springpot.host.native.scene_library import build_and_load
+from springpot.host.session.session import Session
 from springpot.host.simulation import cases as cases_module
 from springpot.host.simulation.cases import HOLDS, NUDGE_N, NUDGE_S, cases, hold_case
 from springpot.host.simulation.scenarios import Case, Workspace, hold_motion, press_scenario
@@ -137,7 +140,13 @@ def test_emit_refuses_an_unstable_loop_and_names_what_would_do(tmp_path: Path) -
     assert not (tmp_path / "c").exists()
     emission = emit(unsafe, file, tmp_path / "c", accept_unsafe=True)
     assert emission.manifest["accept_unsafe"] is True
-    assert read_emission(tmp_path / "c").plan.accept_unsafe
+    plan = read_emission(tmp_path / "c").plan
+    assert plan.accept_unsafe
+    with refusing(UnsafeError, "the loop is unstable"):  # before it opens anything
+        Session(tmp_path / "c", "serial:///dev/none")
+    with refusing(UnsafeError, "the loop is unstable"):
+        build_firmware(tmp_path / "c", plan, BOARDS["mps2-an386"], tmp_path / "firmware")
+    Session(tmp_path / "c", "sim://ecoflex-00-30")
     auto = dataclasses.replace(unsafe, coupling=Coupling())
     safe = emit(auto, file, tmp_path / "safe")
     assert safe.manifest["accept_unsafe"] is False and safe.manifest["coupling"]["mode"] == "proxy"

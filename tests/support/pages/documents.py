@@ -8,7 +8,8 @@ A comment in front of a block, which a reader does not see, says what a test has
     <!-- test: zig -->                 needs the compiler of springpot[cc]
     <!-- test: device -->              needs a device: a test of its own has a stand-in
     <!-- test: package -->             needs a package that no test has
-    <!-- test: seen -->                lines of what the commands before it print, with any numbers
+    <!-- test: seen -->                lines of what the commands before it print
+    <!-- test: seen, any numbers -->   likewise, from a shorter run than the page's
     <!-- test: prints URL -->          each line is a process that prints a URL, and goes on
 """
 

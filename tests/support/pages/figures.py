@@ -2,6 +2,7 @@
 
 import json
 import re
+from pathlib import Path
 from typing import Any
 
 from springpot.host.simulation.objects import FOREIGN_OBJECTS
@@ -18,6 +19,13 @@ AGAIN = ("ecoflex-00-30", "paper")
 _MARKED = re.compile(r"(<!-- figures: [^\n]* -->\n).*?(<!-- end -->\n)", re.S)
 
 Cell = dict[str, Any]
+
+
+def write_measured(page: Path, name: str, table: str) -> None:
+    """Replace a table of a page that a script of tests/bench measures, between its marks."""
+    mark = rf"(<!-- measured: {name} -->\n).*?(?=<!-- end -->)"
+    text = re.sub(mark, rf"\g<1>{table}\n", page.read_text(encoding="utf-8"), flags=re.S)
+    page.write_text(text, encoding="utf-8")
 
 
 def groups(cells: list[Cell]) -> dict[str, list[Cell]]:

@@ -34,12 +34,6 @@ static inline int dhdGetPosition(double *x, double *y, double *z)
     printf("%.17g ", *z);
     return 0;
 }
-static inline int dhdGetLinearVelocity(double *x, double *y, double *z)
-{
-    *x = *y = 0.0;
-    *z = 0.01;
-    return 0;
-}
 static inline int dhdSetForce(double, double, double z)
 {
     printf("%.17g\n", z);
