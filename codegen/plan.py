@@ -174,8 +174,9 @@ def list_state_members(plan: Plan) -> list[Member]:
         Member("uint32_t begun", (U32,)),
         Member("sp_silence_state silence", (REAL, REAL, U32)),
         Member("sp_guard_state guard", (REAL, REAL, U32, U32)),
-        Member("sp_real remainder_s", (REAL,)),
     ]
+    if plan.draws_pictures:
+        members.append(Member("sp_real remainder_s", (REAL,)))
     members += [member for stage in list_stages(plan) for member in stage.members]
     if plan.regressor is not None:
         members += plan.regressor.members
