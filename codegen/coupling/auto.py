@@ -76,8 +76,8 @@ def select_coupling(
     bare = compute_loop_margin(tangent, off, dt_s, device, smoothing)
     late = f"{counted_noun(device.delay_samples, 'sample')} late"
     bare_text = (
-        f"at {1 / dt_s:g} Hz, {late}, the bare loop holds {bare.object_text} "
-        f"{bare.gain_margin:.3g} times as stiff, in the {bare.hand_text}"
+        f"at {1 / dt_s:g} Hz, {late}, the loop without a coupling holds {bare.object_text} "
+        f"{bare.gain_margin:.3g} times as stiff (worst: {bare.hand_text})"
     )
     objection = _object_to_bare(bare)
     if not objection:

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 35a723105e8502613e3453d335c66bf437179df1dd7e798367c3a7881ffd4594 */
+/* springpot 0.1.0 6abb3a0ddc312e4471fb065f0770df58799ca4b1b983a740dd42f71932cb9059 */
 /* springpot: the force of a recorded soft object, tick by tick.
  *
  * The loop of a haptic device, at the rate SOFT_PAD_RATE_HZ:

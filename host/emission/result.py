@@ -169,5 +169,6 @@ def _remedy(plan: Plan) -> str:
         return "a device of less delay and more damping is needed, or [device] states yours"
     return (
         f"{plan.model.kind} holds at any rate: [runtime] rate_hz = {1.0 / remedy.dt_s:g} gives "
-        f"{1e-3 * remedy.coupling.felt_npm:.3g} N/mm, if the device is served at it"
+        f"{1e-3 * remedy.coupling.felt_npm:.3g} N/mm, if the device is served at it and "
+        "`springpot stability` finds that good"
     )

@@ -129,8 +129,8 @@ def record_session(
     for file in files:
         if file.exists():
             raise UsageError(
-                f"{file}: exists, of other settings, or not with all others, and is not "
-                "overwritten: read it, or give another folder"
+                f"{file}: exists, with other settings or without the others of this protocol, and "
+                "is not overwritten: read it, or give another folder"
             )
         require_no_journal(journal_path(file))
     try:

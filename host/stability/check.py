@@ -21,6 +21,7 @@ from springpot.host.stability.linear import (
     is_stable,
     margin_sentence,
     plan_margin,
+    plans_at_higher_rates,
     require_stable,
     spectral_radius,
     stiffness_limits,
@@ -148,8 +149,10 @@ class Stability:
     def recommendation(self) -> str:
         """The verdict in words."""
         checked, plan = self.check, self.check.plan
+        refused = checked.stable and refusal_reason(plan.scene.name, self.outcomes)
+        first = "Do not hold the device with this scene. In small motions: " if refused else ""
         sentences = [
-            checked.sentence,
+            f"{first}{checked.sentence}",
             *closed_loop_sentences(self.outcomes, checked.stable),
             *passivity_sentences(checked.model_map),
             *device_sentences(plan),
@@ -161,7 +164,24 @@ class Stability:
         self.check.require_stable()
         why = refusal_reason(self.check.plan.scene.name, self.outcomes)
         if why:
-            raise UnsafeError(why)
+            raise UnsafeError(f"{why}. {_remedy(self.check.plan)}")
+
+
+def _remedy(plan: Plan) -> str:
+    """Return the lowest rate at which no case is refused, or what else would help."""
+    for faster in plans_at_higher_rates(plan):
+        if is_stable(faster) and not refusal_reason("", stability(faster).outcomes):
+            return (
+                f"With runtime.rate_hz = {1.0 / faster.dt_s:g} it holds, if the device is served "
+                "at that rate"
+            )
+    others = [
+        'coupling.mode = "auto"' if plan.scene.coupling.mode != "auto" else "",
+        "a passive model (hammerstein)" if plan.model.regressor is not None else "",
+        "a device of less delay" if plan.loop_device.delay_samples else "",
+        "a device of more mass and damping ([device] states yours)",
+    ]
+    return f"Take {', '.join(filter(None, others))}, or a softer object"
 
 
 def check(plan: Plan, library: SceneLibrary) -> Check:

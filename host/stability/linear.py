@@ -127,7 +127,8 @@ def _what_is_stable(plan: Plan) -> str:
     return (
         f'this would be stable: coupling.mode = "{gains.mode}", stiffness_npm = '
         f"{gains.stiffness_npm:g}, damping_nspm = {gains.damping_nspm:g}, mass_kg = "
-        f"{gains.mass_kg:g}, no smoothing, no delay or a faster loop"
+        f"{gains.mass_kg:g}, without smoothing; a hand feels {1e-3 * choice.felt_npm:.3g} of its "
+        f"{1e-3 * plan.stiffness_npm:.4g} N/mm then"
     )
 
 

@@ -133,7 +133,7 @@ class Validation(Compared):
         word = "Good" if good else "Look"
         parts = [f"error {error.rmse_percent_of_peak:.2g} % of peak ({error.rmse_n:.3g} N)"]
         if below is not None:
-            parts.append(f"too small for a hand to feel in {100 * below:.3g} % of contact")
+            parts.append(f"which a hand can feel in {100 * (1 - below):.3g} % of contact")
         if self.mismatches:
             parts.append(f"{self.mismatches} ticks differ from the reference")
         if self.mismatches or not self.margin.is_stable:

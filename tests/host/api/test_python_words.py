@@ -110,10 +110,10 @@ def test_the_same_recordings_are_read_and_others_are_not_overwritten(
     assert "read, and nothing is pressed" in caplog.text
     kept = sorted(out.iterdir())
     for url, seed in ((pad, 2), (f"{pad}?variant=a", 1)):
-        with refusing(UsageError, str(kept[0]), "of other settings", "give another folder"):
+        with refusing(UsageError, str(kept[0]), "with other settings", "give another folder"):
             springpot.record(url, protocol, out, seed=seed)
     kept[1].unlink()
-    with refusing(UsageError, "not with all others"):
+    with refusing(UsageError, "without the others of this protocol"):
         springpot.record(pad, protocol, out, seed=1)
     assert sorted(out.iterdir()) == kept[:1]
 

@@ -336,3 +336,21 @@ def test_the_page_on_further_cases_names_what_is_there() -> None:
     fields = {field.name for field in dataclasses.fields(Case)}
     assert {"must_be_quiet", "hold_ticks"} <= fields
     assert all(f"`{name}`" in section for name in ("must_be_quiet", "hold_ticks"))
+
+
+@pytest.mark.slow
+def test_the_rate_that_a_refusal_names_holds_the_object() -> None:
+    """The linear loop is stable, a closed loop that loses samples is not."""
+    model = passive_model().stiffened(4.0)
+
+    def at(runtime: Runtime) -> Stability:
+        chosen = Scene(schema=1, name="pad", model="pad.spm", runtime=runtime)
+        return stability(make_plan(model, chosen, accept_unsafe=True))
+
+    found = at(Runtime())
+    assert found.check.stable
+    assert found.recommendation.startswith("Do not hold the device with this scene. In small")
+    with pytest.raises(UnsafeError, match="not bounded on lost-10") as caught:
+        found.require_bounded()
+    named = re.search(r"With runtime.rate_hz = (\d+) it holds", str(caught.value))
+    at(Runtime(rate_hz=float(named[1]))).require_bounded()
