@@ -1,4 +1,4 @@
-/* springpot 0.1.0 6abb3a0ddc312e4471fb065f0770df58799ca4b1b983a740dd42f71932cb9059 */
+/* springpot 0.1.0 e686b0d9d98b994b0c73b292b8d8000cdc32f38ff46ed9a356a6ac52c2d7c00d */
 /* pad: the whole scene with its self-test. soft_pad.h says how to call it.
  *
  * First the units, in the order of a tick: each is named by its file in springpot, without the
@@ -949,8 +949,8 @@ int soft_pad_advance(soft_pad_state *state, float seconds, float position_m, flo
     const uint32_t n_ticks = ticks > 0.0f ? (uint32_t)ticks : 0u;
     /* A cursor jumps, leaves the screen and goes through walls. The tool behind it stays between
      * a step above the surface and the trained depth, and is no faster than a hand: the guard,
-     * which is for a sensor, rejects none of its positions, and no dent is left that takes a
-     * minute to recover, as of ten trained depths. */
+     * which is for a sensor, rejects none of its positions, and no dent is left that takes ten
+     * seconds to recover, as of ten trained depths. */
     const float lowest_m = -soft_pad_scene_guard.max_step_m;
     const int known = position_m == position_m;
     float to_m = known ? position_m : state->guard.last_good_m;
@@ -999,7 +999,7 @@ uint32_t soft_pad_state_size(void)
 
 const char *soft_pad_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"6abb3a0ddc312e4471fb065f0770df58799ca4b1b983a740dd42f71932cb9059\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"e686b0d9d98b994b0c73b292b8d8000cdc32f38ff46ed9a356a6ac52c2d7c00d\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 6abb3a0ddc312e4471fb065f0770df58799ca4b1b983a740dd42f71932cb9059 */
+/* springpot 0.1.0 e686b0d9d98b994b0c73b292b8d8000cdc32f38ff46ed9a356a6ac52c2d7c00d */
 /* springpot: the force of a recorded soft object, tick by tick.
  *
  * The loop of a haptic device, at the rate SOFT_PAD_RATE_HZ:

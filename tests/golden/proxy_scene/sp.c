@@ -284,8 +284,8 @@ int sp_advance(sp_state *state, float seconds, float position_m, float *force_n)
     const uint32_t n_ticks = ticks > 0.0f ? (uint32_t)ticks : 0u;
     /* A cursor jumps, leaves the screen and goes through walls. The tool behind it stays between
      * a step above the surface and the trained depth, and is no faster than a hand: the guard,
-     * which is for a sensor, rejects none of its positions, and no dent is left that takes a
-     * minute to recover, as of ten trained depths. */
+     * which is for a sensor, rejects none of its positions, and no dent is left that takes ten
+     * seconds to recover, as of ten trained depths. */
     const float lowest_m = -sp_scene_guard.max_step_m;
     const int known = position_m == position_m;
     float to_m = known ? position_m : state->guard.last_good_m;
@@ -334,7 +334,7 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"e8841a8f1894bd56630e20094bf98e069895a501facbf3ef1415369cf2e3553c\", \"scene\": \"proxy\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [2.3093100251531682e-07, 0.011998460459983215], \"speed_mps\": 0.18366538639667027, \"force_n\": [-7.121525591458066e-15, 9.129659751043853]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"f3529f3c30ca386ec10f2e716a3443030cb8c66be9ea32300a1305ee5b7630dc\", \"scene\": \"proxy\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [2.3093100251531682e-07, 0.011998460459983215], \"speed_mps\": 0.18366538639667027, \"force_n\": [-7.121525591458066e-15, 9.129659751043853]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

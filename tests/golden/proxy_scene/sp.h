@@ -1,4 +1,4 @@
-/* springpot 0.1.0 e8841a8f1894bd56630e20094bf98e069895a501facbf3ef1415369cf2e3553c */
+/* springpot 0.1.0 f3529f3c30ca386ec10f2e716a3443030cb8c66be9ea32300a1305ee5b7630dc */
 /* springpot: the force of a recorded soft object, tick by tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:

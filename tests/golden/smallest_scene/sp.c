@@ -261,8 +261,8 @@ int sp_advance(sp_state *state, float seconds, float position_m, float *force_n)
     const uint32_t n_ticks = ticks > 0.0f ? (uint32_t)ticks : 0u;
     /* A cursor jumps, leaves the screen and goes through walls. The tool behind it stays between
      * a step above the surface and the trained depth, and is no faster than a hand: the guard,
-     * which is for a sensor, rejects none of its positions, and no dent is left that takes a
-     * minute to recover, as of ten trained depths. */
+     * which is for a sensor, rejects none of its positions, and no dent is left that takes ten
+     * seconds to recover, as of ten trained depths. */
     const float lowest_m = -sp_scene_guard.max_step_m;
     const int known = position_m == position_m;
     float to_m = known ? position_m : state->guard.last_good_m;
@@ -312,7 +312,7 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"7f84c4e9cd68b8b7a58b0f838d2cb9f978e4e0aee483e3de9e0e56ef3caff4ee\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"53949ce04b85d987087bce6132054f2fad6a645088ce5b1c8e0fd5a626433779\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 7f84c4e9cd68b8b7a58b0f838d2cb9f978e4e0aee483e3de9e0e56ef3caff4ee */
+/* springpot 0.1.0 53949ce04b85d987087bce6132054f2fad6a645088ce5b1c8e0fd5a626433779 */
 /* springpot: the force of a recorded soft object, tick by tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:
