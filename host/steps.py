@@ -118,10 +118,10 @@ def train(
     past_positions: fit rf-fd on ten past positions, as its control: negative damping.
     orders: of the fractional derivatives, each 0 to 1; None: the paper's ten.
     poles: how many time constants hammerstein, and the passive part of every kind, may use.
-    accept_misfit: take a model that misses 30 % of the largest force in presses held out.
+    accept_misfit: take a model that misses 30 % of the largest force, or of noise.
 
     Raises UsageError for an unknown kind or an option's value, DataError for recordings that cannot
-    be trusted or do not fit together, SpringpotError for a model that misses so much.
+    be trusted, fit together or show an object, SpringpotError for a model that misses so much.
 
     >>> train(recordings, "rf-fd", trees=5, seed=1).model.kind
     'rf-fd'

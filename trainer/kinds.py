@@ -77,17 +77,23 @@ def fit_model(
     """Fit one model. validation: see `fit_rbf_fd`; other kinds do not look at them.
 
     recordings: those that `check_recordings` gives as `checked`, or others without spikes.
-    Raises UsageError for an unknown kind, DataError where the recordings do not fit together,
-    SpringpotError where the model misses 30 % of the largest force in recordings held out.
+    Raises UsageError for an unknown kind, DataError where the recordings do not fit together, are
+    too short, or show no press or no force of one, SpringpotError where the model misses 30 % of
+    the largest force in presses held out or in a training recording.
     """
-    from springpot.trainer.models.doubts import judge_residual, require_acceptable_misfit
+    from springpot.trainer.models.doubts import (
+        judge_residual,
+        require_acceptable_misfit,
+        require_trainable,
+    )
     from springpot.trainer.models.training_set import build_training_set
 
     kind = _resolve_kind(kind, recordings)
     data = build_training_set(recordings, options.smooth_s)
+    require_trainable(data, recordings, options)
     fit = fit_kind(kind, name, data, options, validation)
     require_acceptable_misfit(fit, data, options.accept_misfit)
-    return judge_residual(fit, data, recordings)
+    return judge_residual(fit, data, recordings, options.accept_misfit)
 
 
 def _resolve_kind(kind: str, recordings: "Sequence[Recording]") -> str:

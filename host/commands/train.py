@@ -95,6 +95,7 @@ def train(
     from springpot.codegen.files import require_writable
     from springpot.codegen.model.model_file import MODEL_SUFFIX, write_model
     from springpot.host.quality import report_quality
+    from springpot.trainer.models.doubts import judge_misfit
     from springpot.trainer.recordings.recording_file import resolve_recordings
 
     if out.suffix != MODEL_SUFFIX:
@@ -110,10 +111,14 @@ def train(
         fit = fit_model(kind, out.stem.split(".")[0], training, options, testing)
     for line in fit.warnings:
         print_line(f"warning: {line}")
-    out.parent.mkdir(parents=True, exist_ok=True)
-    result = training_result(fit) | {"out": str(out), "hash": write_model(out, fit.model)}
     compared_s = fit.model.provenance["smooth_s"] if smooth_validation else 0.0
     error, figures = errors(fit, training, testing, compared_s, start) if testing else (None, {})
+    share = 0.01 * (error.rmse_percent_of_peak or 0.0) if error else 0.0
+    missed = "the validation recordings are missed"
+    for line in judge_misfit(fit.model, share, missed, options.accept_misfit):
+        print_line(f"warning: {line}")
+    out.parent.mkdir(parents=True, exist_ok=True)
+    result = training_result(fit) | {"out": str(out), "hash": write_model(out, fit.model)}
     result |= figures
     if figures.get("seen"):
         print_line(training_overlap_sentence(figures["seen"], len(testing)))

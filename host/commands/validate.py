@@ -6,7 +6,7 @@ import click
 
 from springpot.codegen.messages import counted_noun
 from springpot.host.options import PATH, recordings_given
-from springpot.host.output import json_option, print_result, progress_bar
+from springpot.host.output import json_option, print_line, print_result, progress_bar
 
 
 @click.command(name="validate")
@@ -25,6 +25,12 @@ def validate_(folder: Path, recordings: tuple[str, ...], as_json: bool) -> None:
     with progress_bar(f"{counted_noun(len(read), 'recording')}"):
         validation = validate(folder, read)
     if len(validation.felt) < len(read):  # a log says nothing of the object: the page needs that
-        store_validation(folder, validation)
+        try:
+            store_validation(folder, validation)
+        except OSError as error:
+            print_line(
+                f"warning: {error.filename}: {error.strerror}: this validation is not stored for "
+                f"`springpot report`: copy {folder} to where it can be written, and validate there"
+            )
     print_result(validation.as_dict(), as_json, summary_rows(validation))
     raise_on_mismatch(folder, validation)

@@ -128,7 +128,7 @@ def fit_forest(options: FitOptions, values: NDArray[np.float32], force_n: Sample
         n_estimators=options.trees,
         min_samples_leaf=options.leaf,
         max_features=options.split_features,
-        max_samples=options.tree_rows,
+        max_samples=max(int(options.tree_rows * len(values)), 1),  # of a share it may warn
         random_state=options.seed,
         n_jobs=-1,
     )

@@ -5,13 +5,14 @@ next read; the rest, at most half a second, is lost.
 """
 
 import json
+import os
 import sqlite3
 import zlib
 from collections.abc import Mapping, Sequence
 from contextlib import closing, suppress
 from dataclasses import replace
 from pathlib import Path
-from time import perf_counter
+from time import perf_counter, sleep
 from typing import Any, Self
 
 import numpy as np
@@ -35,6 +36,8 @@ from springpot.trainer.recordings.recording import (
 JOURNAL_SUFFIX = ".journal"
 MIN_SAMPLES = 2  # fewer are no recording
 _COMMIT_S = 0.5  # of wall clock between two commits: what a crash may take
+_LOCK_S = 0.2  # of wall clock from making a journal to locking it: a thousand times what it takes
+_REMEDY = "choose another name or folder"
 _SCHEMA = """
 PRAGMA locking_mode = EXCLUSIVE;
 CREATE TABLE part (id INTEGER PRIMARY KEY, checksum INTEGER NOT NULL, content BLOB NOT NULL);
@@ -55,25 +58,31 @@ def _open(journal: Path, timeout_s: float) -> closing[sqlite3.Connection]:
 
 def is_being_recorded(journal: Path) -> bool:
     """Return whether a living process still writes this journal."""
-    try:
-        with _open(journal, timeout_s=0.0) as store:
-            store.execute("BEGIN IMMEDIATE")
-    except sqlite3.DatabaseError as error:
-        return "locked" in str(error)
+    for wait_s in (_LOCK_S, 0.0):
+        try:
+            with _open(journal, timeout_s=0.0) as store:
+                store.execute("BEGIN IMMEDIATE")
+            if journal.stat().st_size:
+                break
+        except (sqlite3.DatabaseError, FileNotFoundError) as error:
+            return "locked" in str(error)
+        sleep(wait_s)  # an empty file may have been made a moment ago, and be locked in the next
     return False
 
 
 def require_no_journal(journal: Path) -> None:
     """Raise UsageError for a journal that is there: it is recorded now, or was interrupted."""
-    if not journal.exists():
-        return
-    remedy = "choose another name or folder"
     if is_being_recorded(journal):
-        raise UsageError(f"{journal}: another springpot is recording it now: {remedy}")
-    raise UsageError(
-        f"{journal}: keeps a recording that was interrupted: {remedy}, or remove it; `springpot "
-        "import` makes a recording of it"
-    )
+        raise _recorded_now(journal)
+    if journal.exists():
+        raise UsageError(
+            f"{journal}: keeps a recording that was interrupted: {_REMEDY}, or remove it; "
+            "`springpot import` makes a recording of it"
+        )
+
+
+def _recorded_now(journal: Path) -> UsageError:
+    return UsageError(f"{journal}: another springpot is recording it now: {_REMEDY}")
 
 
 class JournalWriter:
@@ -116,6 +125,8 @@ class JournalWriter:
             self._store = sqlite3.connect(self.journal, check_same_thread=False)
             self._store.executescript(_SCHEMA)
         except sqlite3.Error as error:
+            if is_being_recorded(self.journal):  # since the line above
+                raise _recorded_now(self.journal) from None
             raise UsageError(f"{self.journal}: {error}: give another folder") from None
         self._write(json.dumps(metadata).encode())
         self._commit()
@@ -151,12 +162,16 @@ class JournalWriter:
         Raises DeviceError where there is no room for it; the journal then stays and is readable.
         """
         self._commit()
-        self._close()
-        recording, _ = read_journal(self.journal)
+        assert self._store is not None, "the journal is closed"
+        # Locked until its file is there: another process would take it for an interrupted one.
+        recording, _ = _build(self.journal, *_read_parts(self._store))
         metadata = {**recording.details, **(details or {})}
         whole = replace(recording, details=metadata, session=session, start_s=start_s)
         try:
             write_recording(self.file, whole, overwrite=False)
+            if os.name == "nt":  # which removes no open file
+                self._close()
+            self.journal.unlink()
         except FileExistsError:
             raise UsageError(
                 f"{self.file}: another program wrote it meanwhile; this recording is kept in "
@@ -164,7 +179,8 @@ class JournalWriter:
             ) from None
         except OSError as error:
             raise self._failure(error) from None
-        self.journal.unlink()
+        finally:
+            self._close()
 
     def discard(self) -> None:
         """Remove the journal of a recording that never began."""
@@ -226,7 +242,15 @@ def read_journal(path: Path) -> tuple[Recording, str]:
     """
     if is_being_recorded(path):
         raise DataError(f"{path}: still being recorded: wait until that ends")
-    parts, damaged = _read_parts(path)
+    try:
+        with _open(path, timeout_s=5.0) as store:
+            return _build(path, *_read_parts(store))
+    except sqlite3.DatabaseError:
+        return _build(path, [], True)
+
+
+def _build(path: Path, parts: list[bytes], damaged: bool) -> tuple[Recording, str]:
+    """Build the recording of a journal's parts; see `read_journal`."""
     if not parts:
         raise DataError(
             f"{path}: damaged in its first bytes, or interrupted at the very start: without its "
@@ -246,10 +270,10 @@ def read_journal(path: Path) -> tuple[Recording, str]:
     return recording, lost
 
 
-def _read_parts(path: Path) -> tuple[list[bytes], bool]:
+def _read_parts(store: sqlite3.Connection) -> tuple[list[bytes], bool]:
     """Content of the parts up to the first that is damaged or missing, and whether one is."""
     parts: list[bytes] = []
-    with suppress(sqlite3.DatabaseError, OverflowError), _open(path, timeout_s=5.0) as store:
+    with suppress(sqlite3.DatabaseError, OverflowError):
         for number, checksum, content in store.execute(
             "SELECT id, checksum, content FROM part ORDER BY id"
         ):

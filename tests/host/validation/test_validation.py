@@ -10,6 +10,7 @@ from unittest import mock
 import numpy as np
 import pytest
 from support.files.mach1 import mach1_recordings
+from support.in_process import spring
 from support.paths import ROOT
 from support.sessions import ended
 from support.small import DT_S, model_file, passive_model, press, recording, scene, training
@@ -217,6 +218,15 @@ def test_python_renders_what_has_a_place_at_it(folder: Path, seed: int) -> None:
         springpot.predict(model, bare, place_m=(x_m, y_m)),
     ):
         np.testing.assert_array_equal(force_n, placed.force_n)
+
+
+def test_figures_are_printed_where_they_cannot_be_stored(folder: Path, tmp_path: Path) -> None:
+    springpot.write_recordings(tmp_path, pressed((0.0, 0.0)))
+    (folder / "validation").touch()  # in a folder that is read-only no folder can be made either
+    found = spring("validate", folder, "--recording", tmp_path)
+    (folder / "validation").unlink()
+    assert found.returncode == 0 and "RMSE" in found.stdout
+    assert "this validation is not stored for `springpot report`" in found.stderr
 
 
 @pytest.mark.parametrize("place", [(6.0, 3.0), (0.0, float("nan")), (-float("inf"), 0.0)])

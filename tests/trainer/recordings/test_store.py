@@ -8,6 +8,7 @@ names: none leads out of the folder that was asked for.
 import os
 import shutil
 import signal
+import sqlite3
 import subprocess
 import sys
 from dataclasses import replace
@@ -18,6 +19,7 @@ import pytest
 from support.small import press, recording
 
 from springpot.codegen.errors import DataError, DeviceError, UsageError
+from springpot.trainer.recordings import journal as journal_module
 from springpot.trainer.recordings.formats.importing import import_file
 from springpot.trainer.recordings.hdf5_file import write_recording
 from springpot.trainer.recordings.journal import JournalWriter, journal_path, read_journal
@@ -94,6 +96,30 @@ def test_a_journal_in_use_is_neither_read_nor_written(tmp_path: Path) -> None:
             read_journal(journal_path(tmp_path / "press.h5"))
         writer.discard()
     assert not list(tmp_path.iterdir())
+
+
+def test_a_journal_is_in_use_from_its_first_byte_to_its_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """While it is locked, and while its recording is written: another would have removed it."""
+    file, met = tmp_path / "press.h5", []
+
+    def meet(*_: object, **__: object) -> None:
+        with pytest.raises(UsageError, match="another springpot is recording it now"):
+            JournalWriter(file, "press", 1e-3, "device", {})
+        met.append(file)
+
+    stored = sqlite3.connect(journal_path(file))
+    monkeypatch.setattr(journal_module, "sleep", lambda _: stored.execute("BEGIN EXCLUSIVE"))
+    journal_path(file).touch()
+    meet()
+    stored.close()
+    journal_path(file).unlink()
+    monkeypatch.setattr(journal_module, "write_recording", meet)
+    with JournalWriter(file, "press", 1e-3, "device", {}) as writer:
+        writer.append(ITEM.position_m, ITEM.force_n)
+        writer.finish()
+    assert len(met) == 2 and not list(tmp_path.iterdir())
 
 
 READER = """

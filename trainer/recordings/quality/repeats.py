@@ -44,6 +44,8 @@ _REPEAT_TOLERANCE, _RATE_TOLERANCE = (
     0.02,
     1e-3,
 )  # rms difference, of the range of a channel; of rates
+# rms difference of the other channel: twice the force is 0.15 or more, ten times the position 0.25
+_RESPONSE_TOLERANCE = 0.1
 _MAX_COMPARED = 200  # recordings
 _CURVE_DEGREE = 7  # degree: tissue stiffens tenfold within a tenth of its depth
 _ZERO_NOISE_FRACTION = 1e-5  # of the peak force: what rounding and a press's own curvature leave
@@ -241,12 +243,14 @@ def find_repeats(recordings: Sequence[Recording]) -> list[list[Recording]]:
 
 
 def _is_same_press(one: Recording, other: Recording) -> bool:
-    """Return whether one path was driven twice, or one force, at one place."""
+    """Return whether one path was driven twice, or one force, at one place, with like response."""
     same = one.place_m == other.place_m and abs(one.dt_s / other.dt_s - 1) < _RATE_TOLERANCE
     if not same or len(one.force_n) != len(other.force_n):
         return False
     pairs = ((one.position_m, other.position_m), (one.force_n, other.force_n))
-    return any(_is_repeated(np.stack(pair)) for pair in pairs)
+    stacks = [np.stack(pair) for pair in pairs]
+    alike = all(_is_repeated(stack, _RESPONSE_TOLERANCE) for stack in stacks)
+    return alike and any(map(_is_repeated, stacks))
 
 
 def _repeat_noise_n(group: Sequence[Recording]) -> float:
@@ -280,10 +284,10 @@ def _cycle_noise_n(recording: Recording, cycles: Cycles) -> float | None:
     return float(np.sqrt(np.mean(steps_n**2) / (2.0 * noise_gain)))
 
 
-def _is_repeated(stack: Stack) -> bool:
+def _is_repeated(stack: Stack, tolerance: float = _REPEAT_TOLERANCE) -> bool:
     """Return whether samples (repeats, samples) are the same in every repeat."""
     deviation = stack - stack.mean(axis=0)
-    return rms(deviation) < _REPEAT_TOLERANCE * float(np.ptp(stack))
+    return rms(deviation) < tolerance * float(np.ptp(stack))
 
 
 def _correct_positions(position_m: Stack, force_n: Stack) -> Stack:
