@@ -24,7 +24,6 @@ from support.small import DEPTH_M, passive_model, press, scene, training, wander
 from springpot import Recording, predict
 from springpot.codegen.errors import UsageError
 from springpot.codegen.make_plan import make_plan
-from springpot.codegen.model.regressors import Linear
 from springpot.codegen.notes import LIMITED
 from springpot.codegen.scene import Runtime, Scene
 from springpot.host import ensemble as own
@@ -224,14 +223,12 @@ def test_without_m2cgen_what_it_writes_alone_is_told_to_install_it(monkeypatch):
 
 
 def test_the_error_of_the_c_counts_and_not_that_of_its_weights_in_double() -> None:
-    law = Linear(0.0, np.array([3e4, -3e4]))
-    predict_n = lambda values: values @ law.weights_n  # noqa: E731
-    double = SimpleNamespace(predict=predict_n, n_features_in_=2)
+    double = SimpleNamespace(predict=lambda values: values @ [3e4, -3e4])
     data = build_training_set(training(), 0.0)
     bank, rows = own._features([0.3, 0.3001], data.dt_s), data.even_rows()
     values = own._scaled(data, bank, rows)
     with refusing(UsageError, "weights, up to 3e+04 N, cancel", "C errs by", "Ridge(1.0)"):
-        own._convert(double, data, bank, rows, values, predict_n(values))
+        own._convert(double, data, bank, rows, values, double.predict(values))
 
 
 def test_other_orders_and_errors_of_libraries_are_refused_in_one_line() -> None:
@@ -241,14 +238,9 @@ def test_other_orders_and_errors_of_libraries_are_refused_in_one_line() -> None:
         with refusing(UsageError, "R2 of 0.9", "other orders"):
             from_ensemble(fitted, training())
 
-    class Fussy(type(Ridge())):
-        def fit(self, values, force_n):
-            if len(force_n) != len(FORCE_N):
-                raise RuntimeError("check failed:\nlabel")
-            return super().fit(values, force_n)
-
-    with refusing(UsageError, "Fussy fails on rows of ensemble_data (check failed: label): fit"):
-        from_ensemble(Fussy().fit(VALUES, FORCE_N), training())
+    fussy = type("Fussy", (Ridge,), {"predict": lambda self, values: int("one\nline")})()
+    with refusing(UsageError, "Fussy fails on rows of ensemble_data (invalid literal", "fit it"):
+        from_ensemble(fussy.fit(VALUES, FORCE_N), training())
 
 
 def test_a_forest_on_thresholds_that_are_not_finite_is_refused() -> None:
