@@ -104,7 +104,10 @@ def __getattr__(name: str) -> object:
         return version("springpot")
     if name not in _MODULES:
         raise AttributeError(f"module 'springpot' has no attribute {name!r}: see dir(springpot)")
-    found: object = getattr(import_module(f"springpot.{_MODULES[name]}"), name)
+    from springpot.codegen.errors import naming_missing_packages
+
+    with naming_missing_packages():
+        found: object = getattr(import_module(f"springpot.{_MODULES[name]}"), name)
     globals()[name] = found
     return found
 

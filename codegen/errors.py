@@ -1,6 +1,8 @@
 """Errors that a user can act on. Each message is one line: what, where, what to do."""
 
 import re
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import ClassVar
 
 _MAX_LETTERS = 2000
@@ -61,6 +63,36 @@ class SpringpotError(Exception):
         if len(text) > _MAX_LETTERS:
             text = f"{text[: _MAX_LETTERS - 500]} ... {text[-490:]}"
         return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
+
+
+# Of packages that an extra brings, or that come with one of its.
+_EXTRAS = {
+    "sklearn": "train", "scipy": "train", "joblib": "train", "matplotlib": "report", "can": "can",
+    "m2cgen": "m2cgen", "distributed": "scale", "dask": "scale", "statsmodels": "study",
+    "pandas": "study",
+}  # fmt: skip
+
+
+def missing_package_line(error: ModuleNotFoundError) -> str:
+    """Say what to install. pip takes the springpot that is installed, from an index or a folder.
+
+    >>> missing_package_line(ModuleNotFoundError(name="scipy.signal"))
+    "scipy is not installed: pip install 'springpot[train]'"
+    """
+    package = (error.name or "").split(".")[0]
+    wanted = f"'springpot[{_EXTRAS[package]}]'" if package in _EXTRAS else package
+    return f"{package} is not installed: pip install {wanted}"
+
+
+@contextmanager
+def naming_missing_packages() -> Iterator[None]:
+    """Raise UsageError, which is one line, where a package of an extra is not installed."""
+    try:
+        yield
+    except ModuleNotFoundError as error:
+        if (error.name or "").split(".")[0] not in _EXTRAS:
+            raise
+        raise UsageError(missing_package_line(error)) from None
 
 
 class UsageError(SpringpotError, ValueError):

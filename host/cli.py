@@ -109,5 +109,4 @@ def _what_is_missing(error: ModuleNotFoundError) -> str:
         raise error
     if package in sys.stdlib_module_names:  # fcntl, termios, resource
         return f"this system's Python has no {package}: use Linux, or WSL2 on Windows"
-    extras = "springpot[train,report,can,m2cgen,scale,study]"
-    return f"{package} is not installed: `pip install '{extras}'`"
+    return errors.missing_package_line(error)

@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from pydantic import TypeAdapter, ValidationError
 
 from springpot.codegen.arrays import Samples, to_float64
-from springpot.codegen.errors import DataError, UsageError, in_python
+from springpot.codegen.errors import DataError, UsageError, in_python, naming_missing_packages
 from springpot.codegen.files import parse_path
 from springpot.codegen.messages import notice
 from springpot.codegen.model.model import Model
@@ -71,6 +71,7 @@ def record(
     return read_recordings(*(press.file for press in presses))
 
 
+@naming_missing_packages()
 def train(
     recordings: Recordings,
     kind: str = "auto",
@@ -138,6 +139,7 @@ def train(
     return fit
 
 
+@naming_missing_packages()
 def predict(
     model: Model | Fit | File,
     position_m: ArrayLike | Recording,
@@ -239,6 +241,7 @@ def stability(
     return check(make_plan(chosen, stated, accept_unsafe=True))
 
 
+@naming_missing_packages()
 def bench(
     recordings: Recordings,
     validation: Recordings = (),

@@ -84,7 +84,7 @@ def compact_forest(forest: Forest, leaves: QuantisedLeaves) -> CompactForest:
     if bin_index.max(initial=0) > MAX_BIN or step.max(initial=0) > _MAX_STEP:
         raise UsageError(
             "the forest is too large for the C's nodes of 4 bytes: fit fewer trees or larger "
-            "leaves (train --trees, --leaf), or features in steps (train --round-features)"
+            "leaves, or use `springpot train` with --round-features"
         )
     stored = low | leaf
     nodes = np.zeros((order.size, 2), dtype=np.uint16)

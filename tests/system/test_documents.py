@@ -152,6 +152,7 @@ def test_the_quick_start_shows_what_is_stored(
 ) -> None:
     """`make notebook` renews it."""
     monkeypatch.chdir(tmp_path)
+    Path("felt.h5").touch()  # of a run before
     names, outputs = run_cells(QUICK_START)
     stored = [cell["outputs"] for cell in code_cells(json.loads(QUICK_START.read_text()))]
     assert list(map(shown, outputs)) == list(map(shown, stored)) and names["found"].mismatches == 0

@@ -26,7 +26,10 @@ def require_fitted(regressor: Any) -> None:
         check_is_fitted(regressor)
     except (NotFittedError, TypeError):
         kind = regressor if isinstance(regressor, type) else type(regressor)
-        raise UsageError(f"{kind.__name__}: give a regressor fitted on ensemble_data") from None
+        given = "a regressor"
+        if kind.__name__ == "Booster":  # of lightgbm and xgboost themselves
+            given = "LGBMRegressor or XGBRegressor, which hold one,"
+        raise UsageError(f"{kind.__name__}: give {given} fitted on ensemble_data") from None
 
 
 def convert_linear(regressor: Any, values: Samples, predicted_n: Samples) -> Linear | None:

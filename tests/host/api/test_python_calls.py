@@ -154,6 +154,18 @@ def test_a_recording_is_force_against_position(monkeypatch: pytest.MonkeyPatch) 
         one.plot()
 
 
+@pytest.mark.parametrize("call", ["train(one, 'rf-fd')", "bench(one)", "from_ensemble"])
+def test_without_the_extra_one_line_says_what_to_install(call: str) -> None:
+    x_m = "1e-3 - 1e-3 * np.cos(np.arange(4000) / 100)"
+    one = f"x_m = {x_m}; one = springpot.Recording('a', x_m, 1e3 * x_m, 1e-3)"
+    script = f"import numpy as np, springpot, sys; {one}; sys.modules['sklearn'] = None; springpot."
+    ran = [sys.executable, "-c", script + call]
+    done = subprocess.run(ran, check=False, capture_output=True, text=True)
+    assert done.stderr.endswith(
+        "UsageError: sklearn is not installed: pip install 'springpot[train]'\n"
+    )
+
+
 def modules_after(statement: str) -> set[str]:
     """Top-level modules of a fresh interpreter, and springpot's own."""
     script = (

@@ -40,7 +40,8 @@ def test_six_lines_of_the_readme():
 
 
 @pytest.mark.slow
-def test_from_a_recording_to_a_felt_session(capsys):
+def test_from_a_recording_to_a_felt_session(capsys, tmp_path):
+    (tmp_path / "felt.h5").touch()  # of a run before
     names: dict = {}
     exec(compile(example("docs/reference/python.md"), "docs/reference/python.md", "exec"), names)
     assert "mN" in capsys.readouterr().out and names["session"].error is None

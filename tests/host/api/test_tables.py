@@ -49,6 +49,17 @@ def test_dates_are_read_in_every_time_zone(zone):
         np.testing.assert_array_equal(found.force_n, ITEM.force_n)
 
 
+def test_missing_units_are_named_once_in_arguments_that_work_and_a_row_by_the_name():
+    bare = {name.rpartition("_")[0]: values for name, values in COLUMNS.items()}
+    given = 'time="time:s", position="position:mm", force="force:N"'
+    with refusing(DataError, "pad: no unit of time, of position, of force", f"as in {given}"):
+        Recording.from_frame(bare, "pad", time="time", position="position", force="force")
+    assert Recording.from_frame(bare, "pad", **eval(f"dict({given})")).source == "frame"
+    holed = COLUMNS | {"force_n": np.where(np.arange(len(ITEM.force_n)) == 5, np.nan, 1.0)}
+    with refusing(DataError, "pad, row 5: force is empty"):
+        Recording.from_frame(holed, "pad")
+
+
 @pytest.mark.parametrize("name", COLUMNS)
 def test_a_refusal_says_that_a_name_is_there_twice_the_index_or_one_number(name):
     quantity = name.rpartition("_")[0]

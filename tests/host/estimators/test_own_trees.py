@@ -24,13 +24,15 @@ from support.small import DEPTH_M, passive_model, press, scene, training, wander
 from springpot import Recording, predict
 from springpot.codegen.errors import UsageError
 from springpot.codegen.make_plan import make_plan
-from springpot.codegen.model.regressors import Linear
 from springpot.codegen.notes import LIMITED
 from springpot.codegen.scene import Runtime, Scene
 from springpot.host import ensemble as own
 from springpot.host.ensemble import ensemble_data, from_ensemble, require_same_data
+from springpot.trainer.models import rf_fd
 from springpot.trainer.models.ensembles import convert_ensemble
+from springpot.trainer.models.expressions import WRITTEN as WRITTEN_BY_M2CGEN
 from springpot.trainer.models.predict import regressor_force
+from springpot.trainer.models.training_set import build_training_set
 
 FOREST, EXTRA = ensemble.RandomForestRegressor, ensemble.ExtraTreesRegressor
 BOOSTED, BAGGED = ensemble.HistGradientBoostingRegressor, ensemble.BaggingRegressor
@@ -116,7 +118,7 @@ def test_an_ensemble_on_the_right_features_is_taken_however_weak(regressor):
 
 
 def test_in_tests_as_in_training_the_features_are_those_of_the_c():
-    forest = ensemble.RandomForestRegressor(5, random_state=1).fit(VALUES, FORCE_N)
+    forest = FOREST(5, min_samples_leaf=5, random_state=1).fit(VALUES, FORCE_N)
     noise_m = 1e-5 * np.random.default_rng(1).standard_normal(len(training()[0].position_m))
     test = replace(training()[0], position_m=training()[0].position_m + noise_m)
     values, _ = ensemble_data(test, fraction=1.0)
@@ -176,7 +178,9 @@ def test_boosted_trees_of_others_decide_as_they_did_at_every_threshold(made_by):
     np.testing.assert_allclose(given_n, its.force_n, atol=5e-5 * max(its.force_n))
 
 
-def test_what_is_no_fitted_ensemble_is_told_what_to_give():
+def test_what_is_no_fitted_ensemble_is_told_what_to_give(monkeypatch):
+    monkeypatch.setitem(sys.modules, "m2cgen", None)  # without it as with it
+    vote = ensemble.VotingRegressor([("a", svm.SVR()), ("b", KNeighborsRegressor())])
     small = FOREST(2, max_depth=2)
     on_line = GRADIENT(n_estimators=2, init=LinearRegression())
     squares = make_pipeline(preprocessing.PolynomialFeatures(2), Ridge())
@@ -187,17 +191,20 @@ def test_what_is_no_fitted_ensemble_is_told_what_to_give():
     poisson = BOOSTED(max_iter=50, loss="poisson").fit(VALUES, np.maximum(FORCE_N, 0.0))
     for given, says in (
         (clone(small).fit(VALUES[:, :4], FORCE_N), "fitted on 4 features, these are 10"),
-        (clone(STRONG[0]).fit(VALUES / 1000, FORCE_N), "R2 of "),
+        (clone(STRONG[1]).fit(VALUES / 1000, FORCE_N), "R2 of "),
         (clone(small).fit(VALUES, two), "outputs: fit it on one force"),
         (poisson, "no weighted sum of its trees"),
         (on_line.fit(VALUES, FORCE_N), "an init of its own"),
         (bent.fit(VALUES, FORCE_N), "step quantiletransformer is no scaling"),
         (BAGGED(svm.SVR()).fit(*CHECKED), "give one of trees"),
         (KNeighborsRegressor().fit(*CHECKED), "no sum of trees or weighted features, and m2cgen"),
+        (vote.fit(*CHECKED), "KNeighborsRegressor: the force is no sum of trees"),
         (squares.fit(*CHECKED), "polynomialfeatures is no scaling"),
         (logarithmic.fit(CHECKED[0], np.maximum(CHECKED[1], 0.0)), "transform of the force"),
         (search, "GridSearchCV: give a regressor fitted"),
         (linear_model.Lars().fit(*CHECKED), "cancel"),  # its weights run away
+        (FOREST(9).fit(VALUES, FORCE_N), "fit fewer trees or larger leaves"),
+        (type("Booster", (), {})(), "Booster: give LGBMRegressor or XGBRegressor"),
         (LinearRegression().fit(*CHECKED), "Ridge(1.0)"),
         (FOREST, "RandomForestRegressor: give a regressor fitted"),
         (None, "NoneType: give"),
@@ -206,23 +213,37 @@ def test_what_is_no_fitted_ensemble_is_told_what_to_give():
             from_ensemble(given, training())
 
 
-def test_without_m2cgen_an_svr_is_told_what_to_install(monkeypatch):
+def test_without_m2cgen_what_it_writes_alone_is_told_to_install_it(monkeypatch):
+    from m2cgen.assemblers import SUPPORTED_MODELS
+
+    assert {name.partition("_")[2] for name in SUPPORTED_MODELS} >= WRITTEN_BY_M2CGEN
     monkeypatch.setitem(sys.modules, "m2cgen", None)
     with refusing(UsageError, "SVR: m2cgen writes its C", "pip install 'springpot[m2cgen]'"):
         from_ensemble(svm.SVR().fit(*CHECKED), training())
 
 
-def test_weights_that_cancel_and_thresholds_that_are_not_finite_are_refused() -> None:
-    values = np.random.default_rng(0).uniform(1.0, 2.0, (200, 2)).astype(np.float32).astype(float)
-    values[:, 1] = values[:, 0]
-    for size, refused in ((1e2, False), (1e6, True)):
-        law = Linear(0.0, np.array([size + 3.0, -size]))
-        predicted_n = values @ law.weights_n
-        if not refused:
-            own._require_single_precision(law, values, predicted_n)
-            continue
-        with refusing(UsageError, "cancel", "errs by up to"):
-            own._require_single_precision(law, values, predicted_n)
+def test_the_error_of_the_c_counts_and_not_that_of_its_weights_in_double() -> None:
+    double = SimpleNamespace(predict=lambda values: values @ [3e4, -3e4])
+    data = build_training_set(training(), 0.0)
+    bank, rows = own._features([0.3, 0.3001], data.dt_s), data.even_rows()
+    values = own._scaled(data, bank, rows)
+    with refusing(UsageError, "weights, up to 3e+04 N, cancel", "C errs by", "Ridge(1.0)"):
+        own._convert(double, data, bank, rows, values, double.predict(values))
+
+
+def test_other_orders_and_errors_of_libraries_are_refused_in_one_line() -> None:
+    orders = [order + 0.02 for order in rf_fd.PAPER_ORDERS]
+    for regressor in (BOOSTED(max_iter=100), FOREST(5, min_samples_leaf=5, random_state=0)):
+        fitted = regressor.fit(*ensemble_data(training(), orders, seed=1))
+        with refusing(UsageError, "R2 of 0.9", "other orders"):
+            from_ensemble(fitted, training())
+
+    fussy = type("Fussy", (Ridge,), {"predict": lambda self, values: int("one\nline")})()
+    with refusing(UsageError, "Fussy fails on rows of ensemble_data (invalid literal", "fit it"):
+        from_ensemble(fussy.fit(VALUES, FORCE_N), training())
+
+
+def test_a_forest_on_thresholds_that_are_not_finite_is_refused() -> None:
     features, force_n = ensemble_data(training(), fraction=0.1, seed=1)
     holed = np.where(np.arange(len(features))[:, None] % 3 == 0, np.nan, features)
     forest = FOREST(2, max_depth=3, random_state=0).fit(holed, force_n)

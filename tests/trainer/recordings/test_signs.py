@@ -164,7 +164,7 @@ def test_a_found_tare_hides_no_mirror_and_makes_none(
     right, _ = condition(Recording("x", x, f + offset_n, 2e-3), Conditioning(**found))
     assert not check_recordings([right]).refused
     if offset_n == 0.0:
-        with pytest.raises(DataError, match="turn the sign round"):
+        with pytest.raises(DataError, match="turn the sign round, importing such files alone: "):
             mirrored = condition(Recording("x", -x, -f, 2e-3), Conditioning(**found))[0]
             check_recordings([mirrored]).refuse()
 

@@ -25,7 +25,6 @@ from springpot.trainer.recordings.formats.column_map import (
 from springpot.trainer.recordings.formats.sampling import RawChannels, to_si
 from springpot.trainer.recordings.formats.units import QUANTITIES, Quantity, Unit, choose_unit
 from springpot.trainer.recordings.hdf5_file import require_stored_here
-from springpot.trainer.recordings.recording import FRAME_SOURCE
 
 _MAX_SHOWN = 12  # arrays in a message
 _MAX_COLUMNS = 32
@@ -228,6 +227,7 @@ def frame_channels(frame: Any, name: str, columns: Mapping[Quantity, Hashable]) 
     labels = _column_names(frame)
     numbers: dict[Quantity, Samples] = {}
     units: dict[Quantity, Unit] = {}
+    missing: list[Quantity] = []
     digit_s, rate_hz = 0.0, None
     for quantity, column in columns.items():
         label_and_unit = _find_label(labels, column)
@@ -243,13 +243,22 @@ def frame_channels(frame: Any, name: str, columns: Mapping[Quantity, Hashable]) 
             step = np.ones((), values.dtype.str.replace("M8", "m8"))
             digit_s = float(step / np.timedelta64(1, "s"))
             values, stated, name_unit = (values - values[:1]) / np.timedelta64(1, "s"), "s", None
+        if not (stated or name_unit):
+            missing.append(quantity)
+            continue
         texts = {"map": stated, "column's name": name_unit}
         units[quantity] = choose_unit(texts, quantity, where, str(label))
         numbers[quantity] = to_float64(values, where)
+    if missing:
+        units_of = {"time": "s", "position": "mm", "force": "N"}
+        given = ", ".join(f'{q}="{columns[q]}:{units_of[q]}"' for q in missing)
+        raise DataError(
+            f"{name}: no unit of {', of '.join(missing)}: give each behind a colon, as in {given}"
+        )
     return to_si(
         numbers, units, rate_hz,
         rows=np.arange(np.size(numbers["force"])),
-        source=FRAME_SOURCE,
+        source=name,
         time_digit_s=digit_s,
         place_m=read_place_m(
             name,

@@ -23,7 +23,13 @@ from springpot.trainer.recordings.formats.units import factor_to_si, split_facto
 from springpot.trainer.recordings.hdf5_file import is_recording
 from springpot.trainer.recordings.journal import JOURNAL_SUFFIX
 from springpot.trainer.recordings.quality.finding import join_refusals
-from springpot.trainer.recordings.recording import Recording, Zero, parse_zero, safe_recording_name
+from springpot.trainer.recordings.recording import (
+    FRAME_SOURCE,
+    Recording,
+    Zero,
+    parse_zero,
+    safe_recording_name,
+)
 from springpot.trainer.recordings.recording_file import read_recording
 
 _NUMBER_STARTS = set("+-.0123456789")  # a number
@@ -116,7 +122,7 @@ def recording_from_frame(
 ) -> Recording:
     """Read three columns of a table: `Recording.from_frame`, where the arguments are described."""
     raw = frame_channels(frame, name, {"time": time, "position": position, "force": force})
-    recording = to_recording(raw, name, resample_hz)
+    recording = replace(to_recording(raw, name, resample_hz), source=FRAME_SOURCE)
     return condition(recording, conditioning or Conditioning(), parse_zero(zero))[0]
 
 
