@@ -44,7 +44,7 @@ def code_lines(text: str) -> int:
 # two per cent of air, and change once a release, in a commit of their own.
 @pytest.mark.parametrize(
     ("files", "max_lines"),
-    [("codegen/*.py", 5450), ("trainer/*.py", 7700), ("host/*.py", 9700), ("tests/*.py", 18500)],
+    [("codegen/*.py", 5450), ("trainer/*.py", 7850), ("host/*.py", 9800), ("tests/*.py", 18750)],
 )
 def test_lines_of_code(files: str, max_lines: int) -> None:
     assert sum(map(code_lines, tracked(files))) <= max_lines

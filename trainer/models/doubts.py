@@ -9,6 +9,7 @@ from scipy.linalg import qr
 
 from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.errors import DataError, SpringpotError
+from springpot.codegen.messages import notice
 from springpot.codegen.model.model import Model
 from springpot.trainer.models.fit import Fit, FitOptions
 from springpot.trainer.models.folds import N_FOLDS, split_by_condition
@@ -138,7 +139,7 @@ def judge_residual(
     warnings = [*_compare_recordings(compared, data)] if fit.model.kind == "hammerstein" else []
     warnings += _force_step_message(compared, _peak_n(data))
     if len(data.recordings) == 1 and not split_by_condition(data, data.even_rows()):
-        warnings.append(
+        notice(
             f"{data.recordings[0].name}: one recording, of one depth and speed: the error on "
             "others is not known: record more"
         )
