@@ -270,7 +270,9 @@ def bench(
         training, testing = holdout(training, seed)
     asked = Bench(tuple(training), tuple(testing), target, seed, tuple(models))
     with naming_unwritable_paths():
-        return run_bench(asked, parse_path(out), "springpot.bench")
+        result = run_bench(asked, parse_path(out), "springpot.bench")
+    told = [{**refused, "error": in_python(refused["error"])} for refused in result["refused"]]
+    return {**result, "refused": told}
 
 
 def _fit_options(given: Mapping[str, object]) -> FitOptions:

@@ -15,6 +15,7 @@ from support.small import passive_model, training
 import springpot
 from springpot.codegen import errors
 from springpot.codegen.errors import DataError, SpringpotError, UsageError, in_python
+from springpot.host.bench import bench as bench_module
 from springpot.host.validation.validation import validate
 from springpot.trainer.recordings.conditioning import Conditioning
 from springpot.trainer.recordings.formats.importing import ImportOptions
@@ -143,3 +144,10 @@ def test_names_of_files_stay_as_they_are() -> None:
     text = "press--late.csv, rig/--align.csv: bad: pass --zero first, or (--align)"
     said = 'press--late.csv, rig/--align.csv: bad: pass zero="first", or (align=True)'
     assert str(DataError(text)) == said
+
+
+def test_what_a_bench_could_not_make_is_told_in_arguments(monkeypatch: pytest.MonkeyPatch) -> None:
+    refused = [{"model": "rbf-fd", "error": "too short: give --window-s 0.1"}]
+    monkeypatch.setattr(bench_module, "run_bench", lambda *_: {"refused": refused, "seed": 0})
+    told = springpot.bench(training(), validation=training()[:1])
+    assert told["refused"][0]["error"] == "too short: give window_s=0.1"
