@@ -4,7 +4,7 @@ import tempfile
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from springpot.codegen.errors import UnsafeError
+from springpot.codegen.errors import UnsafeError, UsageError
 from springpot.codegen.make_plan import make_plan
 from springpot.codegen.model.model import Model
 from springpot.codegen.scene import Number, Runtime, Scene, Target
@@ -117,7 +117,10 @@ def _rendered(
 def _counted(model: Model, number: Number, target: Target) -> TickCost:
     """Count the instructions of a tick of the model alone on the target."""
     scene = bench_scene(number, target)
-    plan = make_plan(model, scene, accept_unsafe=True)
+    try:
+        plan = make_plan(model, scene, accept_unsafe=True)
+    except UsageError as error:  # a regressor that needs libm
+        return TickCost(None, None, str(error))
     with tempfile.TemporaryDirectory(prefix="springpot-") as scratch:
         folder = Path(scratch) / "c"
         write_emission(plan, scene, model, folder)
