@@ -4,9 +4,11 @@ import re
 import sys
 from pathlib import Path
 
+import boards
 import judges
 import pytest
 import silences
+from support.c.mcu import need
 from support.pages.figures import AGAIN, COMMAND, PASSIVE, README, stored, written
 
 from springpot import train
@@ -53,6 +55,13 @@ def test_the_page_says_what_a_silence_does() -> None:
     row = r"^\| more energy given back, of a press, bare \|.*\| (.*)$"
     found = re.search(row, silences.PAGE.read_text(encoding="utf-8"), re.M)
     assert found and found[1] == given
+
+
+@pytest.mark.slow
+def test_the_page_says_what_a_tick_costs_on_a_board() -> None:
+    """The first of its rows, measured again."""
+    need("mps2-an386")
+    assert boards.row("hammerstein", boards.presses()) in boards.PAGE.read_text(encoding="utf-8")
 
 
 class Unchanged:
