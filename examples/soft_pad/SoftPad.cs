@@ -35,10 +35,10 @@ sealed class Point : IDisposable
         return Notes < 0 ? 0.0f : force_n;
     }
 
-    /// One picture, for a force that no hand feels: any position, and the seconds since the last.
-    public float Advance(float position_m, float elapsed_s)
+    /// One picture, for a force that no hand feels: the seconds since the last, and any position.
+    public float Advance(float seconds, float position_m)
     {
-        Notes = soft_pad_advance(state, elapsed_s, position_m, out float force_n);
+        Notes = soft_pad_advance(state, seconds, position_m, out float force_n);
         return Notes < 0 ? 0.0f : force_n;
     }
 
@@ -81,7 +81,7 @@ static class Program
             float force_n = 0.0f;
             for (int picture = 1; picture <= 36; picture++)  // 0.4 s at 90 Hz
             {
-                force_n = drawn.Advance(0.004f * picture / 36, 1.0f / 90.0f);
+                force_n = drawn.Advance(1.0f / 90.0f, 0.004f * picture / 36);
             }
             Console.WriteLine("drawn {0:F3} N", force_n);
         }

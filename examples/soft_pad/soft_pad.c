@@ -1,4 +1,4 @@
-/* springpot 0.1.0 e686b0d9d98b994b0c73b292b8d8000cdc32f38ff46ed9a356a6ac52c2d7c00d */
+/* springpot 0.1.0 6152aa5b2c6b1ceb25570421c93982d95cb888eee53319afc2d2078d0c71550a */
 /* pad: the whole scene with its self-test. soft_pad.h says how to call it.
  *
  * First the units, in the order of a tick: each is named by its file in springpot, without the
@@ -956,15 +956,18 @@ int soft_pad_advance(soft_pad_state *state, float seconds, float position_m, flo
     float to_m = known ? position_m : state->guard.last_good_m;
     to_m = to_m > lowest_m ? to_m : lowest_m;
     to_m = to_m < soft_pad_scene_range.max_m ? to_m : soft_pad_scene_range.max_m;
-    const float from_m = state->guard.started ? state->guard.last_good_m : to_m;
+    int notes = known ? 0 : SP_NOTE_HELD;
+    *force_n = state->output.last_n;
+    if (!state->guard.started) { /* a tool that is seen first at depth came from above */
+        notes |= soft_pad_step(state, lowest_m, 0.0f, force_n);
+    }
+    const float from_m = state->guard.last_good_m;
     /* A hundredth less than the guard lets pass, for rounding. */
     const float longest_m = (float)0.99 * soft_pad_scene_guard.max_step_m;
     const float tick_share = since_s > 0.0f ? soft_pad_scene_silence.dt_s / since_s : 0.0f;
     float step_m = (to_m - from_m) * tick_share;
     step_m = step_m < longest_m ? step_m : longest_m;
     step_m = step_m > -longest_m ? step_m : -longest_m;
-    int notes = known ? 0 : SP_NOTE_HELD;
-    *force_n = state->output.last_n;
     for (uint32_t tick = 1; tick <= n_ticks; tick++) {
         notes |= soft_pad_step(state, from_m + (float)tick * step_m, 0.0f, force_n);
     }
@@ -999,7 +1002,7 @@ uint32_t soft_pad_state_size(void)
 
 const char *soft_pad_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"e686b0d9d98b994b0c73b292b8d8000cdc32f38ff46ed9a356a6ac52c2d7c00d\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"6152aa5b2c6b1ceb25570421c93982d95cb888eee53319afc2d2078d0c71550a\", \"scene\": \"pad\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.014490800000000002], \"speed_mps\": 0.34960000000000024, \"force_n\": [-0.025496118180619507, 10.002287521128789]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

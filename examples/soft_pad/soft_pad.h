@@ -1,4 +1,4 @@
-/* springpot 0.1.0 e686b0d9d98b994b0c73b292b8d8000cdc32f38ff46ed9a356a6ac52c2d7c00d */
+/* springpot 0.1.0 6152aa5b2c6b1ceb25570421c93982d95cb888eee53319afc2d2078d0c71550a */
 /* springpot: the force of a recorded soft object, tick by tick.
  *
  * The loop of a haptic device, at the rate SOFT_PAD_RATE_HZ:

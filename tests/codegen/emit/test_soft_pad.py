@@ -31,15 +31,15 @@ def test_a_compiler_alone_gives_the_forces_of_every_tick(tmp_path: Path) -> None
     words = [line.split() for line in printed(SOFT_PAD / "main.c", tmp_path).splitlines()]
     depth_m, given_n = (np.array([float(each[k]) for each in words]) for k in (2, 4))
     plan = soft_pad()
-    along_m, ends, left_s = [1e-3 * depth_m[0]], [], 0.0
+    along_m, ends, left_s = [-float(plan.guard.max_step_m)], [], 0.0  # from above
     for to_m in 1e-3 * depth_m:  # sixtieths of a second: 16 or 17 ticks, on a line to the newest
         since_s = left_s + 1.0 / 60.0
         n = int(since_s / plan.dt_s + 1e-3)
         step_m = (to_m - along_m[-1]) * plan.dt_s / since_s
         along_m += [along_m[-1] + tick * step_m for tick in range(1, n + 1)]
-        ends.append(len(along_m) - 2)
+        ends.append(len(along_m) - 1)
         left_s = since_s - n * plan.dt_s
-    force_n = build_and_load(plan).new_state().run(np.array(along_m[1:]))[0]
+    force_n = build_and_load(plan).new_state().run(np.array(along_m))[0]
     assert len(along_m) == pytest.approx(1000 / 60 * len(words), abs=2)
     assert given_n.max() > 3.0 and np.abs(given_n - force_n[ends]).max() < 2e-3
 
@@ -113,6 +113,16 @@ def test_the_page_names_the_pad_s_limits() -> None:
     assert f"stable in every hand up to {times[1]} times its stiffness" in page
 
 
+def test_a_pad_that_is_touched_before_it_is_seen_relaxes(library: SceneLibrary) -> None:
+    """A game that calls only while something touches: the tool came from above, in that picture."""
+    touched, seen = Pad(library), Pad(library)
+    seen.advance(0.1, -0.01)
+    first_n, later_n = touched.advance(1 / 60, 0.010)[0], touched.advance(1.0, 0.010)[0]
+    assert first_n > later_n > 3.0
+    assert seen.advance(1 / 60, 0.010)[0] == pytest.approx(first_n, rel=0.02)
+    assert seen.advance(1.0, 0.010)[0] == pytest.approx(later_n, rel=0.01)
+
+
 def test_a_hitch_longer_than_a_second_is_a_second(library: SceneLibrary) -> None:
     one, long = Pad(library), Pad(library)
     for pad in (one, long):
@@ -154,7 +164,7 @@ static class Frames
                 for (int frame = 0; frame <= rate * 6 / 5; frame++)  // at first in the air
                 {
                     float depth = 0.005f * Math.Min(frame / (0.1f * rate), 1.0f);
-                    n = pad.Advance(depth, 1.0f / rate);
+                    n = pad.Advance(1.0f / rate, depth);
                     if (frame == rate / 5) begin = n;
                 }
                 Console.WriteLine("{0:F6} {1:F6}", begin, begin - n);

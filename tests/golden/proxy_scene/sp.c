@@ -291,15 +291,18 @@ int sp_advance(sp_state *state, float seconds, float position_m, float *force_n)
     float to_m = known ? position_m : state->guard.last_good_m;
     to_m = to_m > lowest_m ? to_m : lowest_m;
     to_m = to_m < sp_scene_range.max_m ? to_m : sp_scene_range.max_m;
-    const float from_m = state->guard.started ? state->guard.last_good_m : to_m;
+    int notes = known ? 0 : SP_NOTE_HELD;
+    *force_n = state->output.last_n;
+    if (!state->guard.started) { /* a tool that is seen first at depth came from above */
+        notes |= sp_step(state, lowest_m, 0.0f, force_n);
+    }
+    const float from_m = state->guard.last_good_m;
     /* A hundredth less than the guard lets pass, for rounding. */
     const float longest_m = (float)0.99 * sp_scene_guard.max_step_m;
     const float tick_share = since_s > 0.0f ? sp_scene_silence.dt_s / since_s : 0.0f;
     float step_m = (to_m - from_m) * tick_share;
     step_m = step_m < longest_m ? step_m : longest_m;
     step_m = step_m > -longest_m ? step_m : -longest_m;
-    int notes = known ? 0 : SP_NOTE_HELD;
-    *force_n = state->output.last_n;
     for (uint32_t tick = 1; tick <= n_ticks; tick++) {
         notes |= sp_step(state, from_m + (float)tick * step_m, 0.0f, force_n);
     }
@@ -334,7 +337,7 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"f3529f3c30ca386ec10f2e716a3443030cb8c66be9ea32300a1305ee5b7630dc\", \"scene\": \"proxy\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [2.3093100251531682e-07, 0.011998460459983215], \"speed_mps\": 0.18366538639667027, \"force_n\": [-7.121525591458066e-15, 9.129659751043853]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"1a0c939a561456cc2d81879749feac60568f79930c9197f3061a91c6f9143134\", \"scene\": \"proxy\", \"model\": \"hammerstein\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [2.3093100251531682e-07, 0.011998460459983215], \"speed_mps\": 0.18366538639667027, \"force_n\": [-7.121525591458066e-15, 9.129659751043853]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 f3529f3c30ca386ec10f2e716a3443030cb8c66be9ea32300a1305ee5b7630dc */
+/* springpot 0.1.0 1a0c939a561456cc2d81879749feac60568f79930c9197f3061a91c6f9143134 */
 /* springpot: the force of a recorded soft object, tick by tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:

@@ -268,15 +268,18 @@ int sp_advance(sp_state *state, float seconds, float position_m, float *force_n)
     float to_m = known ? position_m : state->guard.last_good_m;
     to_m = to_m > lowest_m ? to_m : lowest_m;
     to_m = to_m < sp_scene_range.max_m ? to_m : sp_scene_range.max_m;
-    const float from_m = state->guard.started ? state->guard.last_good_m : to_m;
+    int notes = known ? 0 : SP_NOTE_HELD;
+    *force_n = state->output.last_n;
+    if (!state->guard.started) { /* a tool that is seen first at depth came from above */
+        notes |= sp_step(state, lowest_m, 0.0f, force_n);
+    }
+    const float from_m = state->guard.last_good_m;
     /* A hundredth less than the guard lets pass, for rounding. */
     const float longest_m = (float)0.99 * sp_scene_guard.max_step_m;
     const float tick_share = since_s > 0.0f ? sp_scene_silence.dt_s / since_s : 0.0f;
     float step_m = (to_m - from_m) * tick_share;
     step_m = step_m < longest_m ? step_m : longest_m;
     step_m = step_m > -longest_m ? step_m : -longest_m;
-    int notes = known ? 0 : SP_NOTE_HELD;
-    *force_n = state->output.last_n;
     for (uint32_t tick = 1; tick <= n_ticks; tick++) {
         notes |= sp_step(state, from_m + (float)tick * step_m, 0.0f, force_n);
     }
@@ -312,7 +315,7 @@ uint32_t sp_state_size(void)
 
 const char *sp_manifest(void)
 {
-    return "{\"springpot\": \"0.1.0\", \"hash\": \"53949ce04b85d987087bce6132054f2fad6a645088ce5b1c8e0fd5a626433779\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
+    return "{\"springpot\": \"0.1.0\", \"hash\": \"a1fb5543ae9ae5951ee701d9f8f15512962082e688c84db162e8d98a8f00f6ab\", \"scene\": \"smallest\", \"model\": \"rf-fd\", \"si_units\": \"m, m/s, N, s\", \"dt_s\": 0.001, \"number\": \"float32\", \"trained\": {\"depth_m\": [0.0, 0.01], \"speed_mps\": 0.1, \"force_n\": [0.0, 10.0]}}";
 }
 
 /* ------------------------------------------------------------------------------------ self-test */

@@ -1,4 +1,4 @@
-/* springpot 0.1.0 53949ce04b85d987087bce6132054f2fad6a645088ce5b1c8e0fd5a626433779 */
+/* springpot 0.1.0 a1fb5543ae9ae5951ee701d9f8f15512962082e688c84db162e8d98a8f00f6ab */
 /* springpot: the force of a recorded soft object, tick by tick.
  *
  * The loop of a haptic device, at the rate SP_RATE_HZ:
