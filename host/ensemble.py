@@ -94,10 +94,11 @@ def from_ensemble(
 ) -> Model:
     """Model of a sum of trees, scaled columns in front or not, or of a law linear in features.
 
-    It was fitted on `ensemble_data` of the same recordings, features and smooth_s. Its R2 tells
-    other recordings and features, but no other smooth_s, which changes the force too little. The
-    passive model for what lies outside the trained depth is fitted here.
-    Raises UsageError for another kind of regressor, or one that was fitted on something else.
+    It was fitted on `ensemble_data` of the same recordings, features and smooth_s: give the same
+    here. Its R2 tells other recordings and columns in another order; it may not tell ten other
+    orders, and tells no other smooth_s. The passive model for what lies outside the trained depth
+    is fitted here.
+    Raises UsageError for another kind of regressor, or an R2 that tells another fit.
 
     >>> forest = RandomForestRegressor(5, random_state=1).fit(*ensemble_data(recordings))
     >>> from_ensemble(forest, recordings).kind

@@ -119,7 +119,7 @@ class Stability:
     outcomes: tuple[Outcome, ...]
 
     def __repr__(self) -> str:
-        return f"Stability({self.check.sentence} {len(self.outcomes)} cases of the closed loop)"
+        return f"Stability({self._headline} {len(self.outcomes)} cases of the closed loop)"
 
     def as_dict(self) -> JsonObject:
         """Return keys of `stability --json`."""
@@ -146,13 +146,20 @@ class Stability:
         return axes
 
     @property
+    def _headline(self) -> str:
+        """What the verdict begins with: the whole check's word before that of small motions."""
+        if self.check.stable and refusal_reason(self.check.plan.scene.name, self.outcomes):
+            return (
+                f"Do not hold the device with this scene. In small motions: {self.check.sentence}"
+            )
+        return self.check.sentence
+
+    @property
     def recommendation(self) -> str:
         """The verdict in words."""
         checked, plan = self.check, self.check.plan
-        refused = checked.stable and refusal_reason(plan.scene.name, self.outcomes)
-        first = "Do not hold the device with this scene. In small motions: " if refused else ""
         sentences = [
-            f"{first}{checked.sentence}",
+            self._headline,
             *closed_loop_sentences(self.outcomes, checked.stable),
             *passivity_sentences(checked.model_map),
             *device_sentences(plan),

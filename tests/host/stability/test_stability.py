@@ -350,6 +350,7 @@ def test_the_rate_that_a_refusal_names_holds_the_object() -> None:
     found = at(Runtime())
     assert found.check.stable
     assert found.recommendation.startswith("Do not hold the device with this scene. In small")
+    assert "(Do not hold the device with this scene. In small" in repr(found)
     with pytest.raises(UnsafeError, match="not bounded on lost-10") as caught:
         found.require_bounded()
     named = re.search(r"With runtime.rate_hz = (\d+) it holds", str(caught.value))
