@@ -66,7 +66,7 @@ class SpringpotError(Exception):
 
 
 # Of packages that an extra brings, or that come with one of its.
-_EXTRAS = {
+EXTRAS = {
     "sklearn": "train", "scipy": "train", "joblib": "train", "matplotlib": "report", "can": "can",
     "m2cgen": "m2cgen", "distributed": "scale", "dask": "scale", "statsmodels": "study",
     "pandas": "study",
@@ -80,7 +80,7 @@ def missing_package_line(error: ModuleNotFoundError) -> str:
     "scipy is not installed: pip install 'springpot[train]'"
     """
     package = (error.name or "").split(".")[0]
-    wanted = f"'springpot[{_EXTRAS[package]}]'" if package in _EXTRAS else package
+    wanted = f"'springpot[{EXTRAS[package]}]'" if package in EXTRAS else package
     return f"{package} is not installed: pip install {wanted}"
 
 
@@ -90,7 +90,7 @@ def naming_missing_packages() -> Iterator[None]:
     try:
         yield
     except ModuleNotFoundError as error:
-        if (error.name or "").split(".")[0] not in _EXTRAS:
+        if (error.name or "").split(".")[0] not in EXTRAS:
             raise
         raise UsageError(missing_package_line(error)) from None
 

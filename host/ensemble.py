@@ -25,7 +25,6 @@ from springpot.trainer.models.passive.passive_fit import fit_passive
 from springpot.trainer.models.rendered import (
     FEATURE_SCALE,
     features_of_c,
-    has_trees,
     why_it_differs,
 )
 from springpot.trainer.models.rf_fd import (
@@ -153,7 +152,7 @@ def _convert(
     values: Samples,
     predicted_n: Samples,
 ) -> tuple[Regressor, float]:
-    """What renders a regressor: weights, trees, or what m2cgen writes; N that its C errs by.
+    """Convert a regressor to weights, trees or m2cgen's operations; return N that the C errs by.
 
     Compared at each row in contact. Of trees, whose force jumps where the C's rounding of a feature
     crosses a threshold, on the features that the C computes, and at 99 of 100 rows.
@@ -185,7 +184,7 @@ def _convert(
         found = found.on_scaled(FEATURE_SCALE)  # a power of two: exact
         law = regressor_stage(found, np.arange(features.n_features), Runtime(), np.float32)
         expected_n, most = predicted_n[contact], 100
-        if has_trees(found):
+        if found.jumps:
             expected_n, most = regressor.predict(FEATURE_SCALE * c_values.astype(np.float64)), 99
         error_n = float(np.percentile(np.abs(law.reference(c_values) - expected_n), most))
         if error_n <= _AGREES * peak_n:

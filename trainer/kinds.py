@@ -90,7 +90,7 @@ def fit_model(
 
     kind = _resolve_kind(kind, recordings)
     data = build_training_set(recordings, options.smooth_s)
-    require_trainable(data, recordings, options)
+    require_trainable(data, recordings, kind, options)
     fit = fit_kind(kind, name, data, options, validation)
     require_acceptable_misfit(fit, data, options.accept_misfit)
     return judge_residual(fit, data, recordings, options.accept_misfit)

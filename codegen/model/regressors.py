@@ -26,6 +26,11 @@ class Regressor(ABC):
 
     needs_libm: ClassVar[bool] = False
 
+    @property
+    def jumps(self) -> bool:
+        """True if the force jumps where a feature crosses a threshold."""
+        return False
+
     @abstractmethod
     def on_scaled(self, scale: float) -> Self:
         """Return the regressor r' with r'(z) = r(scale z)."""
@@ -85,6 +90,10 @@ class Forest(Regressor):
     bias_n: float
     quantisation: Quantisation | None = None
     __repr__ = short_repr
+
+    @property
+    def jumps(self) -> bool:
+        return True
 
     def require_valid(self, n_features: int) -> None:
         require(self.weight > 0.0, f"weight: {self.weight:g} is not above 0")
@@ -194,6 +203,11 @@ class Expression(Regressor):
     zero: Samples
     gain: Samples
     __repr__ = short_repr
+
+    @property
+    def jumps(self) -> bool:
+        """True if it has branches, as m2cgen writes trees."""
+        return list(OPERATIONS).index("IfExpr") in self.operation
 
     def on_scaled(self, scale: float) -> "Expression":
         return replace(self, gain=self.gain * scale)

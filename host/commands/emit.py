@@ -78,7 +78,11 @@ def emission_rows(emission: Emission) -> dict[str, str]:
         f"{'?' if flash is None else flash} bytes of flash "
         f"({emission.selftest_bytes or '?'} more with the self-test), {emission.ram_bytes} of RAM, "
         f"{'?' if stack is None else stack} of stack",
-        "instructions": f"{counted}the longest silence ({cost.why})" if counted else cost.why,
+        **(
+            {"instructions": f"{counted}the longest silence ({cost.why})" if counted else cost.why}
+            if emission.plan.scene.runtime.target != "host"
+            else {}
+        ),
         "coupling": emission.manifest["coupling"]["why"],
         "stiffness felt": f"{1e-3 * emission.manifest['coupling']['felt_stiffness_npm']:.3g} N/mm",
         "outside": emission.manifest["outside"],

@@ -22,9 +22,9 @@ from springpot.codegen.plan import Plan, state_bytes
 from springpot.codegen.scene import Target
 from springpot.codegen.stages.expressions import require_no_libm
 from springpot.host.emission.checksums import is_edited, require_replaceable, write_checksums
-from springpot.host.native.scene_library import scene_prefix, write_port
+from springpot.host.native.scene_library import SceneLibrary, scene_prefix, write_port
 from springpot.host.native.toolchain import PROGRAMS, Toolchain, missing_tools, toolchain
-from springpot.host.stability.linear import require_stable
+from springpot.host.stability.check import require_held
 from springpot.runtime_c.paths import PORT_MCU, flags
 
 _MPS2 = ("mps2.ld", ("sp_arm.c", "sp_board_mps2.c"), "qemu-system-arm")
@@ -125,7 +125,7 @@ def build_firmware(folder: Path, plan: Plan, board: Board, out: Path, strict: bo
     BudgetError where it does not fit the board, UnsafeError where a hand could not hold it.
     """
     require_replaceable(out, yours=[TRANSDUCER])
-    require_stable(plan)  # an emission may have been accepted without
+    require_held(plan, SceneLibrary(folder))
     with write_folder_atomically(out) as aside:
         sources = _copied(folder, aside, plan, board, _COMMON)
         line = shlex.join([*find_board_compiler(board).compiler, *_arguments(board, plan, sources)])

@@ -24,7 +24,7 @@ class LiveWarnings:
     """Takes the rows of a loop, and gives `alarm` a line when a condition begins.
 
     A condition that lasts is one warning, from its first tick to half a second after its last one.
-    The line is empty where another message says it. max_depth_m, max_force_n: of all rows.
+    The line is empty where another message says it.
     """
 
     def __init__(self, plan: Plan, alarm: Alarm) -> None:
@@ -38,7 +38,6 @@ class LiveWarnings:
         self._waiting = empty_rows(0)
         self._events: dict[str, list[JsonObject]] = {}
         self._last_s: dict[str, float] = {}
-        self.max_depth_m, self.max_force_n = -np.inf, 0.0
 
     def append(self, rows: LoopRows) -> None:
         """Take the next rows; whole windows of them are looked at."""
@@ -60,8 +59,6 @@ class LiveWarnings:
         called = (rows[:, COLUMN["call"]].astype(int) & NONE) == 0
         notes = np.where(called & (notes > 0), notes, 0)  # negative ones are errors
         position_m, force_n = rows[:, COLUMN["position_m"]], rows[:, COLUMN["returned_n"]]
-        self.max_depth_m = np.fmax.reduce(position_m[called], initial=self.max_depth_m)
-        self.max_force_n = np.fmax.reduce(np.abs(force_n), initial=self.max_force_n)
         # Mean over the last ticks at each row; NaN where a position is not known.
         seen_m = np.concatenate((self._recent_m, np.where(notes & HELD, np.nan, position_m)))
         before = len(self._recent_m)

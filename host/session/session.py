@@ -19,7 +19,7 @@ from springpot.codegen.types import JsonObject
 from springpot.host.devices.device import RECONNECT_S, requirements_from_keys
 from springpot.host.devices.drivers import find_driver
 from springpot.host.emission.emission import read_emission
-from springpot.host.native.c_library import COLUMN, COLUMNS, INPUT, LoopRows, Stop
+from springpot.host.native.c_library import COLUMN, COLUMNS, INPUT, NONE, LoopRows, Stop
 from springpot.host.native.scene_library import SceneLibrary
 from springpot.host.session.c_loop import scene_step_functions
 from springpot.host.session.live_warnings import Alarm, LiveWarnings
@@ -31,7 +31,7 @@ from springpot.host.session.outcome import (
     hypervisor_steal_ms,
 )
 from springpot.host.session.runner import SessionRunner, TakeRows
-from springpot.host.stability.linear import require_stable
+from springpot.host.stability.check import require_held
 from springpot.trainer.recordings.journal import MIN_SAMPLES, JournalWriter
 from springpot.trainer.recordings.recording import Zero
 
@@ -66,6 +66,23 @@ def _finite(values: Samples, before: float) -> Samples:
     held = np.append(before, values)
     good = np.maximum.accumulate(np.where(np.isfinite(held), np.arange(len(held)), 0))
     return held[good][1:]
+
+
+class Extremes:
+    """Take the rows of a loop; keep the deepest position and the largest force that was sent.
+
+    max_depth_m: -inf before a position. max_force_n: out of the object or into it.
+    """
+
+    def __init__(self) -> None:
+        self.max_depth_m, self.max_force_n = -np.inf, 0.0
+
+    def append(self, rows: LoopRows) -> None:
+        """Take the next rows; what is no number counts for nothing."""
+        called = (rows[:, COLUMN["call"]].astype(int) & NONE) == 0
+        depth_m, force_n = rows[called, COLUMN["position_m"]], np.abs(rows[:, COLUMN["sent_n"]])
+        self.max_depth_m = float(np.fmax.reduce(depth_m, initial=self.max_depth_m))
+        self.max_force_n = float(np.fmax.reduce(force_n, initial=self.max_force_n))
 
 
 class Session(SessionRunner):
@@ -105,9 +122,9 @@ class Session(SessionRunner):
         """Read the emission and resolve limits and requirements; nothing is opened yet."""
         emitted = read_emission(parse_path(folder))
         plan, self._hash, self._edited = emitted.plan, emitted.hash, list(emitted.edited)
-        if plan.accept_unsafe and not find_driver(url).virtual:
-            require_stable(plan)
         self._scene = SceneLibrary(parse_path(folder))
+        if not find_driver(url).virtual:
+            require_held(plan, self._scene)
         settings = LoopSettings(
             period_s=plan.dt_s,
             seconds=seconds,
@@ -125,12 +142,12 @@ class Session(SessionRunner):
         self._zero: Zero = "none" if plan.contact else "first"
         self._file = None if log is None else parse_path(log)
         self._log: SessionLog | None = None
-        self._warnings = LiveWarnings(plan, alarm)
+        self._warnings, self._felt = LiveWarnings(plan, alarm), Extremes()
         self._warned: list[JsonObject] = []
         self._place_m = place_m
         super().__init__(
             scene_step_functions(self._scene, place_m), url, requirements, settings,
-            [self._warnings.append, *viewers], reconnect_s, report or caution,
+            [self._warnings.append, self._felt.append, *viewers], reconnect_s, report or caution,
         )  # fmt: skip
         self._steal_ms = hypervisor_steal_ms()
         self.line = ""
@@ -170,7 +187,7 @@ class Session(SessionRunner):
 
     def result(self) -> JsonObject:
         """Return keys of `springpot run --json`, after the end."""
-        state, counts, deepest_m = self.state, self.counts, float(self._warnings.max_depth_m)
+        state, counts, felt = self.state, self.counts, self._felt
         return {
             **{name: getattr(state, name) for name in _OF_LOOP},
             **{name: getattr(counts, name) for name in _OF_LINKS},
@@ -180,8 +197,8 @@ class Session(SessionRunner):
             "stale_samples": state.stale,
             "unused_samples": state.unused,
             "latched": bool(state.latched or state.tripped),
-            "max_depth_m": deepest_m if np.isfinite(deepest_m) else None,
-            "max_force_n": float(self._warnings.max_force_n),
+            "max_depth_m": felt.max_depth_m if np.isfinite(felt.max_depth_m) else None,
+            "max_force_n": felt.max_force_n,
             "log": str(self._file) if self._file is not None else None,
             "scheduler": self.scheduler(),
             "warnings": self._warned,

@@ -147,7 +147,7 @@ class Stability:
 
     @property
     def _headline(self) -> str:
-        """What the verdict begins with: the whole check's word before that of small motions."""
+        """Begin the verdict: with the closed loop, if that refuses, before small motions."""
         if self.check.stable and refusal_reason(self.check.plan.scene.name, self.outcomes):
             return (
                 f"Do not hold the device with this scene. In small motions: {self.check.sentence}"
@@ -194,6 +194,12 @@ def _remedy(plan: Plan) -> str:
 def check(plan: Plan, library: SceneLibrary) -> Check:
     """Check a scene that is built: gain margin, holds, and small-signal maps."""
     return _checked(rendered(plan, library))
+
+
+def require_held(plan: Plan, library: SceneLibrary) -> None:
+    """Raise UnsafeError for an emission that was accepted as unstable, before a hand has it."""
+    if plan.accept_unsafe:
+        check(plan, library).require_stable()
 
 
 def stability(plan: Plan) -> Stability:

@@ -9,6 +9,7 @@ import pytest
 from support.paths import ROOT
 
 import springpot
+from springpot.codegen.errors import EXTRAS
 from springpot.host.commands import COMMANDS
 from springpot.trainer.kinds import kind_names
 
@@ -99,6 +100,16 @@ def test_the_version_is_said_where_a_release_says_it_and_nowhere_else() -> None:
     assert f"\nversion: {VERSION}\n" in (ROOT / "CITATION.cff").read_text()
     assert re.search(rf"^## {re.escape(VERSION)}\b", (ROOT / "CHANGELOG.md").read_text(), re.M)
     assert not [text for text in tracked("*.py") if f'"{VERSION}"' in text]
+
+
+def test_a_missing_package_is_of_an_extra_that_is_there() -> None:
+    extras = PROJECT["optional-dependencies"]
+    known = {"sklearn": "scikit-learn", "can": "python-can"}
+    for package, extra in EXTRAS.items():
+        listed = " ".join(extras[extra])
+        brought = {"joblib": "scikit-learn", "dask": "distributed", "pandas": "statsmodels"}
+        names = (known.get(package, package), brought.get(package, package))
+        assert any(name in listed for name in names), (package, extra)
 
 
 def test_everything_locked_has_a_hash_and_everything_needed_is_locked() -> None:

@@ -11,13 +11,13 @@ from springpot.codegen.arrays import Samples, rms
 from springpot.codegen.errors import DataError, SpringpotError
 from springpot.codegen.messages import notice
 from springpot.codegen.model.model import Model
+from springpot.trainer.features import highpass
 from springpot.trainer.models.fit import Fit, FitOptions
 from springpot.trainer.models.folds import N_FOLDS, split_by_condition
 from springpot.trainer.models.predict import predict_each_n
 from springpot.trainer.models.training_set import TrainingSet
 from springpot.trainer.recordings.quality.repeats import find_noise_floor
 from springpot.trainer.recordings.recording import Recording
-from springpot.trainer.recordings.signals import sensor_noise_n
 
 # Of the largest force, in held-out presses, a training recording, or those of --validate: what is
 # warned of, and what is no model.
@@ -26,39 +26,50 @@ _MAX_FORCE_RATIO, _FELT_FORCE_FRACTION = (
     1.15,
     0.05,
 )  # times the force of another recording; of the largest force
-# Samples: a passive model alone has 15 to 200 numbers, which held-out fifths have to decide.
-_MIN_ROWS = 100
-# Times the position's noise: of a million samples white noise alone spans ten of its deviations.
-_MIN_STROKE_PER_NOISE = 12.0
-# Of the force's variance, by a curve over depth and direction on parts that were held out: of noise
-# and of random walks below 0, of a pad under noise twice as large as its force 0.16, of a hold 0.2.
-# And by the passive model, which follows a hold, where it is fitted: of noise below 0.1.
+# Samples: a model is chosen on held-out fifths, of ten samples then; a springpot, of four numbers,
+# is not chosen.
+_MIN_ROWS, _MIN_ROWS_OF_SPRINGPOT = 50, 10
+# Correlation of a position with itself some samples later: of noise alone 0.3 or less in 300
+# samples, of a motion more at one of them, if it is sampled four times a cycle or stands at all.
+_MAX_NOISE_CORRELATION, _NOISE_LAGS = 0.3, 8
+# Of the force's variance, by a curve over depth or its change on parts that were held out: of noise
+# and of random walks below 0.01, of a pad under noise twice as large as its force 0.16, of steps
+# that relax 0.8 and more. And by the passive part, which follows a hold too: of noise below 0.1.
 _MIN_EXPLAINED, _MIN_PASSIVE, _CURVE_BINS, _CURVE_PARTS = 0.1, 0.5, 20, 100
 _HELD_OUT = "presses that were held out are missed"
 _MIN_WINDOWS = 3  # a recording shorter than this many windows shows too little of their memory
 
 
 def require_trainable(
-    data: TrainingSet, recordings: Sequence[Recording], options: FitOptions
+    data: TrainingSet, recordings: Sequence[Recording], kind: str, options: FitOptions
 ) -> None:
-    """Raise DataError for too few samples, and for a stroke that is noise.
+    """Raise DataError for too few samples, and for positions that are noise.
 
-    recordings: as they were measured, which show the noise.
+    recordings: as they were measured: smoothed noise is no noise. kind: that is fitted.
     """
-    rows = len(data.rows(options.fraction, options.seed))
-    if rows < _MIN_ROWS:
+    fewest = _MIN_ROWS_OF_SPRINGPOT if kind == "springpot" else _MIN_ROWS
+    rows, name = len(data.rows(options.fraction, options.seed)), data.recordings[0].name
+    if rows < fewest:
+        of = "" if rows == data.rows_total else f" of {data.rows_total}"
         raise DataError(
-            f"{data.recordings[0].name}: {rows} samples are fitted in all: a model has 15 to 200 "
-            f"numbers, and needs {_MIN_ROWS} samples or more: record longer, or at a higher rate"
+            f"{name}: {rows}{of} samples are fitted in all, and {kind} needs {fewest}: record "
+            "longer or at a higher rate" + (", or give a larger --fraction" if of else "")
         )
-    stroke_m = max(float(np.ptp(recording.position_m)) for recording in recordings)
-    noise_m = min(sensor_noise_n(recording.position_m) for recording in recordings)
-    if stroke_m < _MIN_STROKE_PER_NOISE * noise_m:
+    if all(_is_noise(recording.position_m) for recording in recordings):
         raise DataError(
-            f"{recordings[0].name}: position moves by {1e3 * stroke_m:.3g} mm, "
-            f"{stroke_m / noise_m:.2g} times its own noise: no press: check its column, or "
-            "record presses"
+            f"{name}: each position is unlike the one before, in all recordings: noise, and no "
+            "press: check the column, or record presses"
         )
+
+
+def _is_noise(position_m: Samples) -> bool:
+    """Tell whether a position is white noise: unlike itself at every lag of some samples."""
+    moved_m = position_m - position_m.mean()
+    whole = float(moved_m @ moved_m)
+    return whole > 0.0 and all(
+        abs(float(moved_m[lag:] @ moved_m[:-lag])) < _MAX_NOISE_CORRELATION * whole
+        for lag in range(1, _NOISE_LAGS + 1)
+    )
 
 
 def _require_dependence(compared: "list[_Compared]", data: TrainingSet) -> None:
@@ -80,13 +91,18 @@ def _require_dependence(compared: "list[_Compared]", data: TrainingSet) -> None:
 def _compute_explained(data: TrainingSet) -> float:
     """Share of the force's variance that depth and direction explain on parts held out.
 
-    By a curve of each recording: two gains do not hide it.
+    By a curve of each recording: two gains do not hide it. Over the depth itself, and over its
+    change, which a force that relaxes within a few samples of each step follows alone.
     """
-    pairs = zip(data.depths_m, data.recordings, strict=True)
-    smoothed = 2.0 * data.smooth_s / data.dt_s  # samples: parts share no noise
-    sums = [_compare_with_curve(depth, recording.force_n, smoothed) for depth, recording in pairs]
-    missed, whole = np.sum(sums, axis=0).tolist()
-    return 1.0 - missed / whole if whole else 0.0
+    smoothed, shares = 2.0 * data.smooth_s / data.dt_s, []  # samples: parts share no noise
+    for samples in (0, 10, 100):
+        sums = []
+        for depth_m, recording in zip(data.depths_m, data.recordings, strict=True):
+            over_m = highpass(depth_m, samples * data.dt_s, data.dt_s) if samples else depth_m
+            sums.append(_compare_with_curve(over_m, recording.force_n, smoothed))
+        missed, whole = np.sum(sums, axis=0).tolist()
+        shares.append(1.0 - missed / whole if whole else 0.0)
+    return max(shares)
 
 
 def _compare_with_curve(depth_m: Samples, force_n: Samples, shortest: float) -> tuple[float, float]:

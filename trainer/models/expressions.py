@@ -114,7 +114,7 @@ class _Writer:
 def _parts(
     regressor: Any, zero: Samples, gain: Samples, weight: float
 ) -> Iterator[tuple[Any, Samples, Samples, float]]:
-    """Regressors of the features zero + gain x, and numbers, that sum to weight times a regressor.
+    """Yield regressors of the features zero + gain x, and numbers: their sum is weight times it.
 
     Raises UsageError for what m2cgen cannot write, whether or not it is installed.
     """

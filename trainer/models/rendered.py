@@ -1,4 +1,4 @@
-"""What the C makes of a regressor that was fitted elsewhere: its features, and why it errs."""
+"""Features as the C computes them for a regressor that was fitted elsewhere, and why it errs."""
 
 from typing import Any
 
@@ -7,7 +7,7 @@ import numpy as np
 from springpot.codegen.arrays import Indices, Reals
 from springpot.codegen.model.features import Features
 from springpot.codegen.model.forest import quantise_leaves
-from springpot.codegen.model.regressors import OPERATIONS, Expression, Forest, Linear, Regressor
+from springpot.codegen.model.regressors import Expression, Forest, Linear, Regressor
 from springpot.codegen.stages import model_stages  # noqa: F401 (registers the stages)
 from springpot.codegen.stages.stage import feature_stage
 from springpot.trainer.models.training_set import TrainingSet
@@ -16,13 +16,6 @@ from springpot.trainer.recordings.signals import estimate_history_m
 # Of depths in m: scikit-learn takes values closer than 1e-7 for equal, 0.8 nm. The same for every
 # set: one that followed the depth gave a shallower test other features than its training.
 FEATURE_SCALE = 128.0
-
-
-def has_trees(regressor: Regressor) -> bool:
-    """Whether the force jumps at thresholds of features."""
-    if isinstance(regressor, Expression):
-        return list(OPERATIONS).index("IfExpr") in regressor.operation
-    return isinstance(regressor, Forest)
 
 
 def features_of_c(data: TrainingSet, features: Features, rows: Indices) -> Reals:
@@ -45,7 +38,7 @@ def why_it_differs(regressor: Any, found: Regressor, error_n: float, peak_n: flo
             f"{kind}: its weights, up to {largest_n:.3g} N, cancel, and {errs} in single "
             "precision: fit with a stronger penalty, such as Ridge(1.0)"
         )
-    if isinstance(found, Expression) and not has_trees(found):
+    if isinstance(found, Expression) and not found.jumps:
         return f"{kind}: {errs} in single precision: fit it with a smaller C"
     if isinstance(found, Forest) and error_n <= quantise_leaves(found).error_n:
         return (

@@ -24,7 +24,9 @@ Cell = dict[str, Any]
 def write_measured(page: Path, name: str, table: str) -> None:
     """Replace a table of a page that a script of tests/bench measures, between its marks."""
     mark = rf"(<!-- measured: {name} -->\n).*?(?=<!-- end -->)"
-    text = re.sub(mark, rf"\g<1>{table}\n", page.read_text(encoding="utf-8"), flags=re.S)
+    before = page.read_text(encoding="utf-8")
+    text, replaced = re.subn(mark, rf"\g<1>{table}\n", before, flags=re.S)
+    assert replaced == 1, f"{page} has no table {name}"
     page.write_text(text, encoding="utf-8")
 
 

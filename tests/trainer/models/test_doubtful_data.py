@@ -124,14 +124,16 @@ def test_what_misses_the_validation_is_not_written(tmp_path: Path) -> None:
     assert accepted.returncode == 0 and "warning: m: the validation rec" in accepted.stderr
 
 
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("rows", [5, 30])
-def test_too_few_samples_train_no_model(kind: str, rows: int) -> None:
+@pytest.mark.parametrize(
+    ("kind", "rows", "needed"),
+    [*((kind, rows, 50) for kind in KINDS[:-1] for rows in (5, 30)), ("springpot", 5, 10)],
+)
+def test_too_few_samples_train_no_model(kind: str, rows: int, needed: int) -> None:
     short = pad("short", 8e-3, 0.5, 0)
     short = replace(
         short, position_m=short.position_m[300 : 300 + rows], force_n=short.force_n[300:][:rows]
     )
-    with pytest.raises(DataError, match=f"short: {rows} samples .*needs 100 samples or more"):
+    with pytest.raises(DataError, match=f"short: {rows} samples .*needs {needed}: record"):
         springpot.train([short], kind)
 
 
@@ -152,5 +154,39 @@ def test_a_stroke_of_noise_is_no_press() -> None:
     rng = np.random.default_rng(0)
     jitter_m, force_n = rng.standard_normal((2, 4000)) * [[1e-6], [0.01]]
     still = Recording("still", jitter_m, 1.0 + force_n, DT_S)
-    with pytest.raises(DataError, match=r"still: position moves by 0\.0\d+ mm, .* its own noise"):
+    with pytest.raises(DataError, match="still: each position is unlike the one before"):
         fit_model("hammerstein", "x", [still], FitOptions())
+
+
+def steps(relaxed_s: float, each: int, seed: int) -> Recording:
+    """Steps between depths, with a force that relaxes to almost nothing after each."""
+    rng = np.random.default_rng(seed)
+    depth_m = np.repeat(rng.uniform(1e-3, 5e-3, 4000 // each), each)
+    force_n = np.maximum(2000.0 * highpass(depth_m, relaxed_s, 0.01) + 20.0 * depth_m, 0.0)
+    noise_n = 0.01 * rng.standard_normal(len(depth_m))
+    return Recording("steps", depth_m, force_n + noise_n, 0.01)
+
+
+@pytest.mark.parametrize("kind", ["hammerstein", "springpot"])
+@pytest.mark.parametrize("relaxed_s", [0.1, 0.5])
+@pytest.mark.parametrize("seed", range(3))
+def test_steps_that_relax_depend_on_their_position(kind: str, relaxed_s: float, seed: int) -> None:
+    assert springpot.train([steps(relaxed_s, 100, seed)], kind, accept_misfit=False).model
+
+
+@pytest.mark.parametrize("per_cycle", [4, 5, 8])
+def test_a_press_of_few_samples_a_cycle_is_no_noise(per_cycle: int) -> None:
+    cycle = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.arange(600) / per_cycle)
+    sparse = Recording("sparse", 5e-3 * cycle - 5e-4, 2.0 * cycle, 1 / 30)
+    assert springpot.train([sparse], "hammerstein").model
+
+
+def test_a_law_of_few_numbers_is_fitted_to_few_samples() -> None:
+    few = pad("few", 8e-3, 0.5, 0)
+    few = replace(few, position_m=few.position_m[::25], force_n=few.force_n[::25], dt_s=25 * DT_S)
+    assert len(few.force_n) == 40 and springpot.train([few], "springpot").model
+
+
+def test_a_fraction_that_leaves_too_few_samples_is_named() -> None:
+    with pytest.raises(DataError, match=r"10 of 1000 samples .*or give a larger --?fraction"):
+        fit_model("rf-fd", "x", [pad("p", 8e-3, 0.5, 0)], FitOptions(fraction=0.01))
